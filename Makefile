@@ -1,0 +1,34 @@
+# Every target makes its own virtual environment with what it needs; nothing has to be installed by hand.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= out/demo
+
+.PHONY: demo test check bench clean
+
+$(VENV)/.base: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --upgrade pip
+	$(BIN)/pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/.%: $(VENV)/.base
+	$(BIN)/pip install --quiet --editable ".[$*]"
+	@touch $@
+
+demo: $(VENV)/.base  ## plan the bundled part on a bundled machine and name the report to open
+	$(BIN)/toolpace demo --out $(OUT)
+
+test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for
+	$(BIN)/python -m pytest -n 2
+
+check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

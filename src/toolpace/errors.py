@@ -1,0 +1,45 @@
+"""Every error a user can cause. The message is one line: what, where, the figures, and the cure."""
+
+from __future__ import annotations
+
+
+class ToolpaceError(Exception):
+    """Base of all errors that toolpace raises on purpose; a command ends with `exit_code` and the message alone."""
+
+    exit_code = 2
+
+
+class UsageError(ToolpaceError):
+    """An argument that makes no sense, whatever the program and the machine."""
+
+
+class ProgramError(ToolpaceError):
+    """A program that cannot be read, or asks for what cannot be done."""
+
+    def __init__(self, message: str, *, source: str = "", line: int = 0, text: str = "") -> None:
+        place = f"{source}:{line}: " if line else f"{source}: " if source else ""
+        shown = f" in '{text.strip()[:60]}'" if text.strip() else ""
+        super().__init__(f"{place}{message}{shown}")
+        self.source, self.line, self.text = source, line, text
+
+
+class MachineError(ToolpaceError):
+    """A machine file that is missing, misspelt or contradicts itself."""
+
+
+class ReachError(ToolpaceError):
+    """A pose that the machine cannot take: a tilt out of reach, or travel exceeded."""
+
+
+class PathError(ToolpaceError):
+    """A path that cannot be followed smoothly."""
+
+
+class InfeasibleError(ToolpaceError):
+    """A state or a path that no motion within the limits can start from, end in or follow."""
+
+
+class VerificationError(ToolpaceError):
+    """Set-points that break a limit, a feed or a tolerance."""
+
+    exit_code = 1

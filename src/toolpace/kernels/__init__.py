@@ -1,0 +1,1 @@
+"""Compiled functions of plain arrays: numba and numpy only, nothing of toolpace."""

@@ -1,0 +1,54 @@
+"""What a program says: points, tool axes, feeds, stops. Dense, dumb, faithful."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ToolPath:
+    """The points of a program in the workpiece frame; entry i speaks of point i and of the way from i - 1 to i.
+
+    Between two points the tip moves straight; the tool axis turns along the great circle, or, where `rotary` is
+    given, the rotary joints move in proportion (the reader inserts points until both agree closely).
+    """
+
+    tip: Floats
+    """(n, 3) tool tip [m]."""
+    axis: Floats
+    """(n, 3) unit vectors from the tip to the spindle."""
+    feed: Floats
+    """(n,) most speed of the tip on the way to the point [m/s]; inf for rapids and where only `least_time` rules."""
+    least_time: Floats
+    """(n,) least time of the way to the point [s]: inverse-time feeds and rotations in place; 0 elsewhere."""
+    block: Ints
+    """(n,) line number, from 1, of the block that ends at the point or passes it."""
+    stop: Bools
+    """(n,) whether the motion comes to rest at the point; true for the first and the last."""
+    dwell: Floats
+    """(n,) time to wait at the point [s]; 0 where there is no dwell."""
+    rotary: Floats | None = None
+    """(n, 2) rotary joint positions that the program asks for [rad], unwound; None for cutter-location data."""
+    rotary_joints: tuple[str, ...] = ()
+    """Names of the joints of `rotary`, in the order of its columns."""
+    source: str = ""
+    """Name of the program, for messages."""
+    blocks: int = 0
+    """Number of blocks that were read, moving or not."""
+    skipped: dict[str, int] = field(default_factory=dict)
+    """Statements without meaning for motion that were passed over, and how often."""
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.tip)
