@@ -1,1 +1,68 @@
-"""(to come)"""
+"""Programs in, ToolPath out: G-code, cutter-location data (APT, CLSF) and tables of points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from toolpace.errors import UsageError
+from toolpace.read.cldata import ClReader
+from toolpace.read.dialect import dialect_of
+from toolpace.read.feeds import FeedChange, apply_feed
+from toolpace.read.gcode import GcodeReader
+from toolpace.read.kinematics import Kinematics
+from toolpace.read.source import Source
+from toolpace.read.table import read_table
+from toolpace.toolpath import ToolPath
+
+__all__ = ["Kinematics", "apply_feed", "read", "read_text"]
+
+
+def read(
+    path: str | Path,
+    machine: Kinematics | None = None,
+    dialect: str | None = None,
+    *,
+    feed: str | None = None,
+    block_delete: bool = True,
+) -> ToolPath:
+    """Read a program.
+
+    machine: needed by G-code with rotary words, or without tool-centre-point mode: axis words are joint positions.
+    dialect: `gcode`, `apt` or `csv`; None tells it by the file's name and content.
+    feed: `none`, a factor such as `120%`, or a value such as `3000mm/min` in place of the program's feeds.
+    block_delete: whether G-code blocks that begin with `/` are passed over.
+
+    The path starts where the program first has every axis positioned: where the machine stands before is unknown.
+    Rotary joints that are not named before are at zero. Raises ProgramError with file, line, text and cure.
+    """
+    return _read(Source.load(path), machine, dialect, feed, block_delete)
+
+
+def read_text(
+    text: str,
+    machine: Kinematics | None = None,
+    dialect: str | None = None,
+    *,
+    feed: str | None = None,
+    block_delete: bool = True,
+    name: str = "program",
+) -> ToolPath:
+    """Read a program from its text; as `read`, with `name` in messages."""
+    return _read(Source.from_text(text, name), machine, dialect, feed, block_delete)
+
+
+def _read(
+    source: Source, machine: Kinematics | None, dialect: str | None, feed: str | None, block_delete: bool
+) -> ToolPath:
+    change = None if feed is None else FeedChange.parse(feed)
+    default_feed = None if change is None else change.speed
+    found = dialect_of(source, dialect)
+    if found == "gcode":
+        toolpath = GcodeReader(source, machine, block_delete=block_delete, default_feed=default_feed).run()
+    elif found == "cldata":
+        toolpath = ClReader(source, default_feed=default_feed).run()
+    elif found == "csv":
+        toolpath = read_table(source, default_feed=default_feed)
+    else:
+        raise UsageError(f"dialect '{found}' is not known: use gcode, apt or csv")
+    return toolpath if change is None else change.apply(toolpath)

@@ -1,0 +1,125 @@
+"""What people type and read (mm, inch, degree, mm/min) against what the library computes in (m, rad, s)."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from toolpace.errors import UsageError
+
+MILLIMETRE = 1e-3
+INCH = 0.0254
+DEGREE = math.pi / 180
+MINUTE = 60.0
+
+LENGTHS = {
+    "um": 1e-6,
+    "µm": 1e-6,
+    "μm": 1e-6,
+    "mm": MILLIMETRE,
+    "cm": 1e-2,
+    "m": 1.0,
+    "in": INCH,
+    "inch": INCH,
+}
+ANGLES = {"deg": DEGREE, "°": DEGREE, "rad": 1.0, "mrad": 1e-3}
+TIMES = {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ms": 1e-3, "s": 1.0, "min": MINUTE, "h": 3600.0}
+FEEDS = {
+    "mm/min": MILLIMETRE / MINUTE,
+    "m/min": 1.0 / MINUTE,
+    "in/min": INCH / MINUTE,
+    "ipm": INCH / MINUTE,
+    "mm/s": MILLIMETRE,
+    "in/s": INCH,
+    "m/s": 1.0,
+}
+
+_QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*(\S*)\s*")
+
+
+def parse_length(text: str) -> float:
+    """Length [m] of text such as `0.01mm`, `10um`, `0.5in`; UsageError where it is none, or negative."""
+    return _parse(text, LENGTHS, "length", "0.01mm")
+
+
+def parse_angle(text: str) -> float:
+    """Angle [rad] of text such as `0.05deg`, `1e-3rad`; UsageError where it is none, or negative."""
+    return _parse(text, ANGLES, "angle", "0.05deg")
+
+
+def parse_time(text: str) -> float:
+    """Time [s] of text such as `1ms`; UsageError where it is none, zero or negative."""
+    return _parse(text, TIMES, "time", "1ms", positive=True)
+
+
+def parse_feed(text: str) -> float:
+    """Feed [m/s] of text such as `3000mm/min`, `120in/min`, `50mm/s`; UsageError where it is none, or not above zero."""
+    return _parse(text, FEEDS, "feed", "3000mm/min", positive=True)
+
+
+def parse_percent(text: str) -> float:
+    """Factor of text such as `120%`; UsageError where it is none, or not above zero."""
+    return _parse(text, {"%": 0.01}, "factor", "120%", positive=True)
+
+
+def _parse(
+    text: str, units: dict[str, float], quantity: str, example: str, *, positive: bool = False
+) -> float:
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise UsageError(f"'{text}' is not a {quantity}: write a number and a unit, like {example}")
+    number, unit = float(match[1]), match[2].lower()
+    known = ", ".join(name for name in units if name.isascii())
+    if not unit:
+        raise UsageError(f"{quantity} '{text}' has no unit: write it like {example} (units: {known})")
+    if unit not in units:
+        raise UsageError(f"'{match[2]}' is not a unit of {quantity}: use one of {known}, like {example}")
+    value = number * units[unit]
+    if not math.isfinite(value) or value < 0 or (positive and value == 0):
+        bound = "above zero" if positive else "zero or more"
+        raise UsageError(f"{quantity} '{text}' must be {bound} and finite, like {example}")
+    return value
+
+
+def format_length(metres: float) -> str:
+    """Length for people: micrometres below a hundredth of a millimetre, else millimetres."""
+    if 0 < abs(metres) < 0.9995e-5:
+        return f"{metres * 1e6:.3g} µm"
+    return f"{_plain(metres / MILLIMETRE, 4)} mm"
+
+
+def format_angle(radians: float) -> str:
+    """Angle for people, in degrees."""
+    return f"{_plain(radians / DEGREE, 4)} deg"
+
+
+def format_feed(metres_per_second: float) -> str:
+    """Feed for people, in mm/min; `no cap` where it is infinite."""
+    if math.isinf(metres_per_second):
+        return "no cap"
+    return f"{_plain(metres_per_second / FEEDS['mm/min'], 1)} mm/min"
+
+
+def format_time(seconds: float) -> str:
+    """Time for people: `12.3 ms`, `3.61 s`, `17 min 58.7 s`, `1 h 02 min 03 s`."""
+    if not math.isfinite(seconds):
+        return str(seconds)
+    if seconds < 0:
+        return "-" + format_time(-seconds)
+    if seconds < 0.9995:
+        return f"{seconds * 1e3:.3g} ms"
+    if seconds < 59.995:
+        return f"{seconds:.2f} s"
+    if seconds < 3599.95:
+        tenths = round(seconds * 10)
+        return f"{tenths // 600} min {tenths % 600 / 10:04.1f} s"
+    whole = round(seconds)
+    return f"{whole // 3600} h {whole % 3600 // 60:02d} min {whole % 60:02d} s"
+
+
+def _plain(value: float, decimals: int) -> str:
+    """Fixed point without trailing zeros; four figures where fixed point would show none of the value."""
+    if value != 0 and abs(value) < 10.0**-decimals:
+        return f"{value:.3g}"
+    text = f"{value:.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
