@@ -1,0 +1,1 @@
+"""From a polyline with tolerance to a smooth curve: the runs of `Path.fit`."""

@@ -1,0 +1,301 @@
+"""The smoothest spline in a tube: a primal-dual interior-point method on banded matrices.
+
+Minimise  1/2 sum_d w_d (x_d' R x_d + sum_j p_j (B_j x_d - y_jd)^2)   subject to   (B_j x - y_j)' G_j (B_j x - y_j) <= radius_j^2
+
+over the coefficients x (n, g) of a quintic spline, with B_j its six basis values at sample j. Each sample couples six
+coefficients of g coordinates, so the Newton matrix is banded with 6 g entries a row, and a step costs O(n).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.kernels.band import factor, solve
+from toolpace.kernels.jit import jit
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+SEGMENT = 32
+
+
+@jit()
+def scatter_roughness(band: Floats, third: Floats, weight: Floats, low: int) -> None:
+    """Overwrite the Newton band by the roughness of the free coefficients low, low + 1, ..."""
+    g = len(weight)
+    n = band.shape[0] // g
+    band[:] = 0.0
+    last = 6 * g - 1
+    for i in range(max(0, low - 5), min(len(third), low + n)):
+        base = i - low
+        for a in range(max(0, -base), min(6, n - base)):
+            for b in range(max(0, -base), a + 1):
+                product = 0.0
+                for k in range(3):
+                    product += third[i, k, a] * third[i, k, b]
+                for c in range(g):
+                    band[(base + a) * g + c, last - (a - b) * g] += weight[c] * product
+
+
+@jit()
+def scatter_samples(band: Floats, first: Ints, rows: Floats, moment: Floats, low: int) -> None:
+    """Add B_j' M_j B_j of each sample, M_j = moment[j] (g, g), to the Newton band."""
+    g = moment.shape[1]
+    n = band.shape[0] // g
+    last = 6 * g - 1
+    for j in range(len(first)):
+        base = first[j] - low
+        for a in range(max(0, -base), min(6, n - base)):
+            for b in range(max(0, -base), a + 1):
+                product = rows[j, a] * rows[j, b]
+                for c in range(g):
+                    r = (base + a) * g + c
+                    for d in range(g if b < a else c + 1):
+                        band[r, last - r + (base + b) * g + d] += product * moment[j, c, d]
+
+
+@jit()
+def gather(first: Ints, rows: Floats, x: Floats, out: Floats) -> None:
+    """B_j x for each sample into out (m, g)."""
+    for j in range(len(first)):
+        for c in range(x.shape[1]):
+            total = 0.0
+            for k in range(6):
+                total += rows[j, k] * x[first[j] + k, c]
+            out[j, c] = total
+
+
+@jit()
+def scatter(first: Ints, rows: Floats, values: Floats, low: int, n: int, out: Floats) -> None:
+    """Add sum_j B_j' values_j to out (n * g,), for the free coefficients low ... low + n - 1."""
+    g = values.shape[1]
+    for j in range(len(first)):
+        base = first[j] - low
+        for a in range(max(0, -base), min(6, n - base)):
+            for c in range(g):
+                out[(base + a) * g + c] += rows[j, a] * values[j, c]
+
+
+@jit()
+def rough_gradient(third: Floats, weight: Floats, x: Floats, low: int, n: int, out: Floats, value: Floats) -> None:
+    """Overwrite out (n * g,) by the gradient of the roughness, and value (cells,) by its share of each cell in reach.
+
+    By way of the third derivatives, whose squares do not cancel where the product of x with the band would.
+    """
+    g = len(weight)
+    out[:] = 0.0
+    for i in range(max(0, low - 5), min(len(third), low + n)):
+        base = i - low
+        value[i] = 0.0
+        for k in range(3):
+            for c in range(g):
+                bend = 0.0
+                for a in range(6):
+                    bend += third[i, k, a] * x[i + a, c]
+                value[i] += 0.5 * weight[c] * bend * bend
+                bend *= weight[c]
+                for a in range(max(0, -base), min(6, n - base)):
+                    out[(base + a) * g + c] += third[i, k, a] * bend
+
+
+@jit()
+def least_squares(
+    third: Floats, weight: Floats, first: Ints, rows: Floats, target: Floats, metric: Floats, x: Floats
+) -> bool:
+    """The smoothing spline: minimise the roughness plus the squared deviations, in x; both end coefficients stay."""
+    n, g = x.shape
+    free = n - 2
+    band = np.empty((free * g, 6 * g))
+    scatter_roughness(band, third, weight, 1)
+    scatter_samples(band, first, rows, metric, 1)
+    if not factor(band):
+        return False
+    ignored = np.empty(len(third))
+    for _ in range(2):
+        step = np.empty(free * g)
+        rough_gradient(third, weight, x, 1, free, step, ignored)
+        value = np.empty((len(first), g))
+        gather(first, rows, x, value)
+        for j in range(len(first)):
+            apply_metric(metric[j], value[j], target[j])
+        scatter(first, rows, value, 1, free, step)
+        solve(band, step)
+        x[1 : n - 1] -= step.reshape((free, g))
+    return True
+
+
+@jit()
+def apply_metric(metric: Floats, value: Floats, target: Floats) -> None:
+    """value <- metric (value - target), for up to three coordinates."""
+    g = len(value)
+    r0 = value[0] - target[0]
+    r1 = value[1] - target[1]
+    r2 = value[2] - target[2] if g > 2 else 0.0
+    for c in range(g):
+        total = metric[c, 0] * r0 + metric[c, 1] * r1
+        if g > 2:
+            total += metric[c, 2] * r2
+        value[c] = total
+
+
+@jit()
+def smoothest(
+    third: Floats,
+    weight: Floats,
+    first: Ints,
+    rows: Floats,
+    target: Floats,
+    metric: Floats,
+    pull: Floats,
+    radius: Floats,
+    x: Floats,
+    low: int,
+    high: int,
+    floor: Floats,
+    accuracy: float,
+    max_steps: int,
+) -> tuple[int, float, float]:
+    """Improve the coefficients low ... high - 1 of x (n, g) in place; the others stay. All of x must lie in the tube.
+
+    Samples are those that touch a free coefficient. Mehrotra's predictor and corrector, with the curvature of the
+    balls in the corrector. Returns the number of steps (negative where a factorisation failed), the roughness and
+    the duality gap. It ends where in every stretch of SEGMENT cells the gap is below `accuracy` times the
+    roughness of the stretch and its neighbours, plus the `floor` (cells,): one sharp corner has more roughness than
+    all of the rest, and must not be the measure of it.
+    """
+    m, g = target.shape
+    n = high - low
+    band = np.empty((n * g, 6 * g))
+    gradient = np.empty(n * g)
+    right = np.empty(n * g)
+    step = np.zeros((len(x), g))
+    r = np.empty((m, g))
+    q = np.empty((m, g))
+    move = np.zeros((m, g))
+    moment = np.empty((m, g, g))
+    work = np.empty((m, g))
+    h = np.empty(m)
+    slack = np.empty(m)
+    lam = np.empty(m)
+    d_slack = np.zeros(m)
+    d_lam = np.zeros(m)
+    share = np.empty(m)
+
+    count = len(third) // SEGMENT + 1
+    cell_value = np.zeros(len(third))
+    rough_part = np.empty(count + 2)
+    gap_part = np.empty(count)
+    mu = 0.0
+    value = 0.0
+    gap = 0.0
+    for iteration in range(max_steps):
+        rough_gradient(third, weight, x, low, n, gradient, cell_value)
+        gather(first, rows, x, r)
+        rough_part[:] = 0.0
+        for i in range(len(third)):
+            rough_part[i // SEGMENT + 1] += cell_value[i] + floor[i] / accuracy
+        for j in range(m):
+            for c in range(g):
+                r[j, c] -= target[j, c]
+                rough_part[first[j] // SEGMENT + 1] += 0.5 * weight[c] * pull[j] * r[j, c] ** 2
+            h[j] = -0.5 * radius[j] ** 2
+            for c in range(g):
+                q[j, c] = 0.0
+                for d in range(g):
+                    q[j, c] += metric[j, c, d] * r[j, d]
+                h[j] += 0.5 * q[j, c] * r[j, c]
+        value = np.sum(rough_part)
+        if iteration == 0:
+            mu = value / m
+            for j in range(m):
+                slack[j] = max(-h[j], 0.05 * radius[j] ** 2)
+                lam[j] = mu / slack[j]
+        worst = 0.0
+        mu = 0.0
+        gap_part[:] = 0.0
+        for j in range(m):
+            worst = max(worst, abs(h[j] + slack[j]) / radius[j] ** 2)
+            mu += slack[j] * lam[j]
+            gap_part[first[j] // SEGMENT] += slack[j] * lam[j]
+        gap = mu
+        mu /= m
+        top = 0.0
+        for i in range(n * g):
+            top = max(top, abs(gradient[i]))
+        for j in range(m):
+            for c in range(g):
+                work[j, c] = lam[j] * q[j, c] + weight[c] * pull[j] * r[j, c]
+        scatter(first, rows, work, low, n, gradient)
+        residual = 0.0
+        for i in range(n * g):
+            residual = max(residual, abs(gradient[i]))
+        done = worst <= 1e-3 and residual <= 1e-3 * top + 1e-300
+        for i in range(count):
+            allowed = rough_part[i] + rough_part[i + 1] + rough_part[i + 2]
+            done = done and gap_part[i] <= accuracy * allowed
+        if done:
+            return iteration, value, gap
+
+        for j in range(m):
+            ratio = lam[j] / slack[j]
+            for c in range(g):
+                for d in range(g):
+                    moment[j, c, d] = lam[j] * metric[j, c, d] + ratio * q[j, c] * q[j, d]
+                moment[j, c, c] += weight[c] * pull[j]
+        scatter_roughness(band, third, weight, low)
+        scatter_samples(band, first, rows, moment, low)
+        if not factor(band):
+            return -1 - iteration, value, gap
+
+        sigma = 0.0
+        length = 1.0
+        for phase in range(2):
+            for j in range(m):
+                excess = h[j] + slack[j]
+                centre = sigma * mu - slack[j] * lam[j]
+                bend = 0.0
+                if phase == 1:
+                    for c in range(g):
+                        work[j, c] = 0.0
+                        for d in range(g):
+                            work[j, c] += metric[j, c, d] * move[j, d]
+                        bend += 0.5 * work[j, c] * move[j, c]
+                    excess += bend * length * length
+                    centre -= d_slack[j] * d_lam[j] * length * length
+                share[j] = (centre + lam[j] * excess) / slack[j]
+                for c in range(g):
+                    twist = d_lam[j] * work[j, c] * length * length if phase == 1 else 0.0
+                    work[j, c] = share[j] * q[j, c] + twist
+                d_slack[j] = -excess
+            right[:] = gradient
+            scatter(first, rows, work, low, n, right)
+            solve(band, right)
+            for i in range(n):
+                for c in range(g):
+                    step[low + i, c] = -right[i * g + c]
+            gather(first, rows, step, move)
+            length = 1.0
+            for j in range(m):
+                along = 0.0
+                for c in range(g):
+                    along += q[j, c] * move[j, c]
+                d_slack[j] -= along
+                d_lam[j] = share[j] + lam[j] / slack[j] * along
+                if d_slack[j] < 0.0:
+                    length = min(length, -slack[j] / d_slack[j])
+                if d_lam[j] < 0.0:
+                    length = min(length, -lam[j] / d_lam[j])
+            if phase == 0:
+                after = 0.0
+                for j in range(m):
+                    after += (slack[j] + length * d_slack[j]) * (lam[j] + length * d_lam[j])
+                sigma = max((after / (m * mu)) ** 3, 1e-4)
+        length = min(1.0, 0.99 * length)
+        for i in range(low, high):
+            for c in range(g):
+                x[i, c] += length * step[i, c]
+        for j in range(m):
+            slack[j] += length * d_slack[j]
+            lam[j] += length * d_lam[j]
+    return max_steps, value, gap
