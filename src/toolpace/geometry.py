@@ -1,4 +1,4 @@
-"""The chain of a machine file as the plain arrays that the compiled functions take, with every check of its shape."""
+"""The chain of a machine file as the plain arrays of the compiled functions, with every check of its shape."""
 
 from __future__ import annotations
 
@@ -28,8 +28,6 @@ class Geometry:
     """(3,) how many rotary joints lie between the workpiece and each linear joint."""
     place: Ints
     """(5,) columns of the two rotary joints, then of the linear ones."""
-    sign: tuple[int, ...]
-    """Of each rotary joint (2,): -1 on the workpiece side, where joints count backwards, else 1."""
 
 
 def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
@@ -41,8 +39,8 @@ def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
     linear = [name for name in names if joints[name].kind == "linear"]
     if len(rotary) != 2 or len(linear) != 3:
         raise MachineError(
-            f"{source}: {len(linear)} linear and {len(rotary)} rotary joints; five-axis kinematics needs exactly three "
-            "linear and two rotary ones"
+            f"{source}: {len(linear)} linear and {len(rotary)} rotary joints; five-axis kinematics needs exactly "
+            "three linear and two rotary ones"
         )
     directions = {
         name: np.array(joint.direction) / math.hypot(*joint.direction) for name, joint in joints.items()
@@ -73,7 +71,7 @@ def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
         array.flags.writeable = False
     on_table = sum(sign < 0 for _, sign in rotary)
     kind = {2: "table-table", 1: "head-table", 0: "head-head"}[on_table]
-    return Geometry(frame, group, place, tuple(sign for _, sign in rotary)), kind
+    return Geometry(frame, group, place), kind
 
 
 def _check_names(file: MachineFile, source: str) -> None:
@@ -129,7 +127,8 @@ def _check_space(frame: Floats, group: Ints, names: list[str], source: str) -> N
             most = max(most, abs(float(np.linalg.det(np.array(columns)))))
     if most < PARALLEL:
         raise MachineError(
-            f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; they must span space"
+            f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; "
+            "they must span space"
         )
 
 

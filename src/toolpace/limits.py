@@ -43,13 +43,13 @@ class Limits:
         for kind, value in zip(KINDS, given):
             if value.ndim != 1 or len(value) not in (1, count):
                 raise UsageError(
-                    f"limits: {kind} has shape {value.shape}, but there are {count} joints ({', '.join(names)})"
+                    f"limits: {kind} has shape {value.shape} for {count} joints ({', '.join(names)})"
                 )
             limit = np.ascontiguousarray(np.broadcast_to(value, count)).copy()
             for name, figure in zip(names, limit):
                 if not figure > 0.0:
                     raise UsageError(
-                        f"limits: {kind} of joint {name} is {figure:g}; it must be positive (inf for no limit)"
+                        f"limits: {kind} of joint {name} is {figure:g}; give a positive number (or inf)"
                     )
             limit.flags.writeable = False
             object.__setattr__(self, kind, limit)

@@ -1,4 +1,4 @@
-"""A five-axis machine: two joint chains from the bed, to the workpiece and to the tool, with limits and travel."""
+"""A five-axis machine: joint chains from the bed to the workpiece and to the tool, limits and travel."""
 
 from __future__ import annotations
 
@@ -31,8 +31,9 @@ POLE = 1e-9
 class Machine:
     """Three linear and two rotary joints in any order, kinematics in closed form, limits and travel of each joint.
 
-    Built-in machines come from `Machine.load(name)`, own ones from a TOML file. Arrays are in SI units; tips and tool
-    axes are in the workpiece frame; joint arrays have one column a joint, in the order of `joints`.
+    Built-in machines come from `Machine.load(name)`, own ones from a TOML file. Arrays are in SI units;
+    tips and tool axes are in the workpiece frame; joint arrays have one column a joint, in the order of
+    `joints`.
     """
 
     file: MachineFile
@@ -109,7 +110,7 @@ class Machine:
             close = did_you_mean(given, cls.names())
             hint = f"{close} " if close.startswith("did") else ""
             raise MachineError(
-                f"unknown machine '{given}'; {hint}built-in machines: {known}; or give the path of a .toml file"
+                f"unknown machine '{given}'; {hint}built-in: {known}; or give the path of a .toml file"
             ) from None
         return cls.from_toml(text, given)
 
@@ -128,7 +129,7 @@ class Machine:
         x: Sequence[float] | None = None,
         z: Sequence[float] | None = None,
     ) -> Machine:
-        """The machine with the workpiece frame elsewhere: origin [m] and directions in the bed frame at joints zero."""
+        """The machine with the part mounted elsewhere: origin [m] and directions in the bed frame at joints zero."""
         return self._with_chain(workpiece_origin=origin, workpiece_x=x, workpiece_z=z)
 
     def with_tool(self, length: float) -> Machine:
@@ -176,10 +177,10 @@ class Machine:
         return axis
 
     def rotary_solutions(self, axis: Floats, pole_tolerance: float = POLE) -> tuple[Floats, Bools]:
-        """Tool axes (n, 3) to both rotary solutions (n, 2, 2) [point, solution, joint] in (-pi, pi], and pole (n,).
+        """Tool axes (n, 3) to both rotary solutions (n, 2, 2) [point, solution, joint] and pole (n,).
 
-        Rows are nan where no angle of the joints, whatever their travel, gives the axis. At the pole the first
-        rotary joint is free; it is returned as zero there.
+        Angles lie in [-pi, pi]. Rows are nan where no angle of the joints, whatever their travel, gives the axis. At the pole the
+        first rotary joint is free; it is returned as zero there.
         """
         from toolpace.kernels import chain
 
@@ -201,7 +202,7 @@ class Machine:
         return q
 
     def linear_jets(self, tip: Floats, rotary: Floats) -> Floats:
-        """Derivatives 0..3 of tip (4, n, 3) and rotary joints (4, n, 2) along a parameter to those of all joints (4, n, m)."""
+        """Derivatives 0..3 of tip (4, n, 3) and rotary joints (4, n, 2) to those of all joints (4, n, m)."""
         from toolpace.kernels import chainjets
 
         tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
@@ -212,10 +213,10 @@ class Machine:
         return q
 
     def rotary_jets(self, axis: Floats, rotary: Floats) -> Floats:
-        """Derivatives 0..3 of the tool axis (4, n, 3) to those of the rotary joints (4, n, 2), near `rotary` (n, 2).
+        """Derivatives 0..3 of the tool axis (4, n, 3) to those (4, n, 2) of the rotary joints near `rotary` (n, 2).
 
-        At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be reached, and
-        in the derivatives where it lies on the edge of reach.
+        At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be
+        reached, and in the derivatives where it lies on the edge of reach.
         """
         from toolpace.kernels import chainjets
 
@@ -234,7 +235,7 @@ class Machine:
         return out
 
     def tip_lever(self, tip: Floats, rotary: Floats) -> Floats:
-        """(n, 2) how far the fastest linear joint moves for a unit of each rotary joint while the tip stands [m/rad]."""
+        """(n, 2) most motion of a linear joint per unit of each rotary joint while the tip stands [m/rad]."""
         still, turning = np.zeros((4, len(tip), 3)), np.zeros((4, len(tip), 2))
         still[0], turning[0] = tip, rotary
         lever = np.empty((len(tip), 2))
@@ -268,7 +269,7 @@ class Machine:
             )
 
     def summary(self) -> list[dict[str, str]]:
-        """One row a joint for a table: machine, class, joint, kind, carries, travel, velocity, acceleration, jerk (mm, deg)."""
+        """One row a joint, in mm and deg: machine, class, joint, kind, carries, travel, and the three limits."""
         rows = []
         for i, (name, joint) in enumerate(self.file.joints.items()):
             unit, scale = ("deg", 180.0 / math.pi) if joint.kind == "rotary" else ("mm", 1e3)
@@ -290,7 +291,6 @@ class Machine:
 
     def __repr__(self) -> str:
         chain = self.file.chain
-        return (
-            f"<Machine {self.name}: {self.kind}, workpiece < {' < '.join(reversed(chain.workpiece))}{' < ' if chain.workpiece else ''}"
-            f"bed > {' > '.join(chain.tool)}{' > ' if chain.tool else ''}tool, tool length {self.tool_length * 1e3:g} mm>"
-        )
+        inward = " < ".join(["workpiece", *reversed(chain.workpiece), "bed"])
+        outward = " > ".join(["bed", *chain.tool, "tool"]).removeprefix("bed")
+        return f"<Machine {self.name}: {self.kind}, {inward}{outward}, tool length {self.tool_length * 1e3:g} mm>"

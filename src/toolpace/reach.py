@@ -21,7 +21,7 @@ SLACK = 1e-9
 
 
 def check_travel(machine: Machine, q: Floats, block: Ints, source: str = "") -> None:
-    """Raise ReachError where joint positions (n, m) leave the travel, naming the worst excess of the first joint."""
+    """Raise ReachError where joint positions (n, m) leave the travel, naming the worst joint and line."""
     below = machine.travel[:, 0] - SLACK - q
     above = q - machine.travel[:, 1] - SLACK
     excess = np.maximum(below, above)
@@ -39,32 +39,37 @@ def check_travel(machine: Machine, q: Floats, block: Ints, source: str = "") -> 
     unit, scale = _unit(machine, joint)
     raise ReachError(
         f"{place(source, block[point])}joint {machine.joints[joint]} would have to go to "
-        f"{q[point, joint] * scale:.3f} {unit}, {'above' if high else 'below'} its limit of {limit * scale:g} {unit}"
-        f"{_others(lines)}; {_cure(machine, joint)}"
+        f"{q[point, joint] * scale:.3f} {unit}, {'above' if high else 'below'} its limit of "
+        f"{limit * scale:g} {unit}{_others(lines)}; {_cure(machine, joint)}"
     )
 
 
 def unreachable_tilt(machine: Machine, axis: Floats, block: int, source: str = "") -> ReachError:
     """The error for a tool axis (3,) that no angles of the rotary joints give."""
-    frame = machine.geometry.frame
-    sign = machine.geometry.sign[0]
-    asked = math.degrees(math.acos(max(-1.0, min(1.0, float(sign * frame[0] @ axis)))))
+    asked = math.degrees(math.acos(max(-1.0, min(1.0, float(_pole(machine) @ axis)))))
     low, high = tilt_range(machine)
     first = machine.joints[machine.rotary[0]]
     return ReachError(
-        f"{place(source, block)}unreachable tilt: the tool axis ({axis[0]:.5f}, {axis[1]:.5f}, {axis[2]:.5f}) stands at "
-        f"{asked:.3f} deg to the axis of joint {first}; machine {machine.name} reaches {low:.3f} to {high:.3f} deg; "
-        "mount the part otherwise or take another machine"
+        f"{place(source, block)}unreachable tilt: the tool axis ({axis[0]:.5f}, {axis[1]:.5f}, {axis[2]:.5f}) "
+        f"stands at {asked:.3f} deg to the axis of joint {first}; machine {machine.name} reaches {low:.3f} to "
+        f"{high:.3f} deg; mount the part otherwise or take another machine"
     )
 
 
 def tilt_range(machine: Machine) -> tuple[float, float]:
-    """Least and most angle between the tool axis and the axis of the first rotary joint, by geometry alone [deg]."""
-    frame, sign = machine.geometry.frame, machine.geometry.sign[0]
-    slant = math.acos(max(-1.0, min(1.0, float(sign * frame[0] @ frame[1]))))
+    """Least and most angle of the tool axis to the axis of the first rotary joint, by geometry alone [deg]."""
+    frame = machine.geometry.frame
+    slant = math.acos(max(-1.0, min(1.0, float(_pole(machine) @ frame[1]))))
     lean = math.acos(max(-1.0, min(1.0, float(frame[1] @ frame[2]))))
     most = slant + lean
     return math.degrees(abs(slant - lean)), math.degrees(most if most <= math.pi else 2.0 * math.pi - most)
+
+
+def _pole(machine: Machine) -> Floats:
+    """(3,) the axis of the first rotary joint, on the side where the tool is at joints zero."""
+    frame = machine.geometry.frame
+    pole: Floats = frame[0] if frame[0] @ frame[2] >= 0.0 else -frame[0]
+    return pole
 
 
 def tilt_out_of_travel(machine: Machine, solutions: Floats, block: int, source: str = "") -> ReachError:
@@ -82,8 +87,8 @@ def tilt_out_of_travel(machine: Machine, solutions: Floats, block: int, source: 
         if math.isfinite(low)
     )
     return ReachError(
-        f"{place(source, block)}the tool axis needs {' or '.join(ways)} deg, outside the travel of machine {machine.name} "
-        f"({travel}); mount the part otherwise or take another machine"
+        f"{place(source, block)}the tool axis needs {' or '.join(ways)} deg, outside the travel of machine "
+        f"{machine.name} ({travel}); mount the part otherwise or take another machine"
     )
 
 

@@ -1,15 +1,17 @@
 """Five-axis chains: forward and inverse kinematics on plain arrays.
 
 Seen from the workpiece, every machine is one chain of five motions that ends at the tool: the joints of the
-workpiece side backwards, then those of the tool side. Two of them turn, R1 (nearest the workpiece) and R2; the
-linear ones lie before R1 (group 0), between (group 1) or after R2 (group 2). With u1, u2 the axes of rotation,
+workpiece side backwards, then those of the tool side. Two of them turn, R1 (nearest the workpiece) and R2;
+the linear ones lie before R1 (group 0), between (group 1) or after R2 (group 2). With u1, u2 the axes of
+rotation,
 
-    axis       =  R1 R2 a0
-    tip + c0   =  L0 + R1 (c1 + L1 + R2 (c2 + L2)),    Lg = sum over the linear joints of group g of direction * q
+    axis       =  R1 R2 a0 tip + c0   =  L0 + R1 (c1 + L1 + R2 (c2 + L2)),    Lg = sum over the linear
+    joints of group g of direction * q
 
-`frame` (9, 3) holds u1, u2, a0, c0, c1, c2 and the three linear directions, all in the orientation of the workpiece
-frame at joints zero, signed so that a joint of the workpiece side counts backwards. `group` (3,) says where the linear
-joints lie, `place` (5,) which columns of the joint array are R1, R2 and the three linear ones.
+`frame` (9, 3) holds u1, u2, a0, c0, c1, c2 and the three linear directions, all in the orientation of the
+workpiece frame at joints zero, signed so that a joint of the workpiece side counts backwards. `group` (3,)
+says where the linear joints lie, `place` (5,) which columns of the joint array are R1, R2 and the three
+linear ones.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import numpy as np
 from toolpace.kernels.jit import jit
 
 REACH_SLACK = 1e-9
-"""How far the squared half-chord of the two cones may be negative (about 1e-9 rad of tilt) and still count as touching."""
+"""How far the squared half-chord of the cones may be negative (1e-9 rad of tilt) and still count as touching."""
 SINGULAR = 1e-9
 """Volume spanned by the three linear directions below which they cannot move the tip in space."""
 
@@ -99,13 +101,13 @@ def second_angle(frame: Any, target: Any) -> float:
 
 @jit()
 def solve_rotary(frame: Any, pole_tolerance: float, a: Any, solutions: Any) -> bool:
-    """Both angles (2, 2) [solution, joint] with R1 R2 a0 = a; nan where none exist; returns whether a lies at the pole.
+    """Both angles (2, 2) [solution, joint] with R1 R2 a0 = a, or nan; returns whether a lies at the pole.
 
-    Two rotations that carry one direction into another (Paden and Kahan's second subproblem; Murray, Li and Sastry
-    1994, 3.3): b = R2 a0 lies on a cone about u2, and on the cone about u1 through a. Its part across u1 has length
-    w = |u1 x a| and the component p along u2, so the other component is the root of (w - p)(w + p). Written this
-    way, no digits are lost near the pole (a along u1), where w and p are small together.
-    At the pole the first angle is free and returned as zero.
+    Two rotations that carry one direction into another (Paden and Kahan's second subproblem; Murray, Li and
+    Sastry 1994, 3.3): b = R2 a0 lies on a cone about u2, and on the cone about u1 through a. Its part
+    across u1 has length w = |u1 x a| and the component p along u2, so the other component is the root of (w
+    - p)(w + p). Written this way, no digits are lost near the pole (a along u1), where w and p are small
+    together. At the pole the first angle is free and returned as zero.
     """
     u1 = frame[0]
     u2 = frame[1]
@@ -125,7 +127,7 @@ def solve_rotary(frame: Any, pole_tolerance: float, a: Any, solutions: Any) -> b
     p = (offset + (slant * rest if h > 0.0 else -slant * rest)) / norm
     square = (w - p) * (w + p)
     pole = w < pole_tolerance
-    # A small offset between pole and reach (an axis rounded in the file) must not make the pole itself unreachable.
+    # An offset between pole and reach (an axis rounded in the file) must not make the pole itself unreachable.
     if not square >= -(REACH_SLACK if not pole else max(REACH_SLACK, 4.0 * pole_tolerance * pole_tolerance)):
         solutions[:] = np.nan
         return pole
@@ -163,7 +165,7 @@ def linear_columns(frame: Any, group: Any, s1: float, k1: float, s2: float, k2: 
 
 @jit()
 def reciprocal(columns: Any, inverse: Any) -> bool:
-    """Rows of the inverse of the matrix with the given columns (rows of `columns`); False where they span no space."""
+    """Inverse of the matrix whose columns are the rows of `columns`; False where they span no space."""
     volume = triple(columns[0], columns[1], columns[2])
     if not abs(volume) > SINGULAR:
         inverse[:] = np.nan

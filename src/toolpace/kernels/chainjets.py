@@ -1,6 +1,7 @@
-"""Derivatives of the kinematics to third order along a path parameter, by Taylor arithmetic through the same formulas.
+"""Derivatives of the kinematics to third order along a path parameter, by Taylor arithmetic.
 
-Arrays hold plain derivatives, shape (4, n, ...): value, first, second, third. `frame`, `group`, `place`: see chain.py.
+Arrays hold plain derivatives, shape (4, n, ...): value, first, second, third. `frame`, `group`, `place`:
+see chain.py.
 """
 
 from __future__ import annotations
@@ -53,8 +54,9 @@ def axis_jets(frame: Any, rotary: Any, out: Any) -> None:
 def linear_jets(frame: Any, group: Any, place: Any, tip: Any, rotary: Any, q: Any) -> int:
     """Derivatives (4, n, 5) of all joints from those of the tip (4, n, 3) and of the rotary joints (4, n, 2).
 
-    The columns M of the linear joints and the right side b are jets; M q = b gives the coefficients one by one:
-    q_k = inverse(M_0) (b_k - sum over j = 1..k of M_j q_(k-j)). Returns the first singular point, or -1.
+    The columns M of the linear joints and the right side b are jets; M q = b gives the coefficients one by
+    one: q_k = inverse(M_0) (b_k - sum over j = 1..k of M_j q_(k-j)). Returns the first singular point, or
+    -1.
     """
     const = np.empty((4, 3, 3))
     scratch = np.empty((4, 3, 3))
@@ -133,11 +135,12 @@ def nearest(solutions: Any, near: Any) -> int:
 
 @jit()
 def rotary_jets(frame: Any, pole_tolerance: float, axis: Any, near: Any, out: Any) -> None:
-    """Derivatives (4, n, 2) of the rotary joints from those of the axis (4, n, 3), on the branch nearest to `near` (n, 2).
+    """Derivatives (4, n, 2) of the rotary joints from those of the axis (4, n, 3), nearest to `near` (n, 2).
 
-    The k-th coefficient of R1 R2 a0 is linear in the k-th coefficients of the angles: two unknowns, three equations
-    of rank two. At the pole the first angle keeps the value of `near` and rests. Where the two solutions meet away
-    from the pole (the edge of reach) no finite derivative exists, and the result is nan.
+    The k-th coefficient of R1 R2 a0 is linear in the k-th coefficients of the angles: two unknowns, three
+    equations of rank two. At the pole the first angle keeps the value of `near` and rests. Where the two
+    solutions meet away from the pole (the edge of reach) no finite derivative exists, and the result is
+    nan.
     """
     solutions = np.empty((2, 2))
     parts = np.empty((3, 3))

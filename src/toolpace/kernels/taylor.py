@@ -1,8 +1,8 @@
 """Truncated Taylor arithmetic to third order: sine, cosine and rotation of a vector about a fixed direction.
 
-A jet is the array of Taylor coefficients f, f', f''/2, f'''/6 along some parameter. Products of jets are convolutions,
-and a function that solves a linear differential equation gives its coefficients one after the other (Moore 1966;
-Griewank and Walther, Evaluating Derivatives, 2008, chapter 13).
+A jet is the array of Taylor coefficients f, f', f''/2, f'''/6 along some parameter. Products of jets are
+convolutions, and a function that solves a linear differential equation gives its coefficients one after the
+other (Moore 1966; Griewank and Walther, Evaluating Derivatives, 2008, chapter 13).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def sine_term(angle: Any, sine: Any, cosine: Any, k: int) -> None:
 
 @jit()
 def split(direction: Any, vector: Any, along: Any, across: Any, turned: Any) -> None:
-    """Split a vector (3,) for turning about a unit direction: R(t) v = along + cos(t) across + sin(t) turned."""
+    """Split a vector (3,) for turning about a direction: R(t) v = along + cos(t) across + sin(t) turned."""
     dot = direction[0] * vector[0] + direction[1] * vector[1] + direction[2] * vector[2]
     for i in range(3):
         along[i] = dot * direction[i]
@@ -50,7 +50,7 @@ def turn_constant(parts: Any, sine: Any, cosine: Any, out: Any) -> None:
 
 @jit()
 def turn_jet(direction: Any, sine: Any, cosine: Any, vector: Any, parts: Any, out: Any) -> None:
-    """Jet (4, 3) of a vector that is itself a jet (4, 3), turned by a jet of angles; parts (4, 3, 3) is scratch."""
+    """Jet (4, 3) of a vector jet (4, 3) turned by a jet of angles; parts (4, 3, 3) is scratch."""
     for k in range(4):
         split(direction, vector[k], parts[k, 0], parts[k, 1], parts[k, 2])
     for k in range(4):
