@@ -53,7 +53,7 @@ def parse_time(text: str) -> float:
 
 
 def parse_feed(text: str) -> float:
-    """Feed [m/s] of text such as `3000mm/min`, `120in/min`, `50mm/s`; UsageError where it is none, or not above zero."""
+    """Feed [m/s] of text such as `3000mm/min`, `50mm/s`; UsageError where it is none, zero or negative."""
     return _parse(text, FEEDS, "feed", "3000mm/min", positive=True)
 
 

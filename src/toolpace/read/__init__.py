@@ -27,13 +27,14 @@ def read(
 ) -> ToolPath:
     """Read a program.
 
-    machine: needed by G-code with rotary words, or without tool-centre-point mode: axis words are joint positions.
+    machine: needed by G-code with rotary words. Outside tool-centre-point mode axis words are joint positions;
+        without a machine they are the tip, under the tool axis +z.
     dialect: `gcode`, `apt` or `csv`; None tells it by the file's name and content.
     feed: `none`, a factor such as `120%`, or a value such as `3000mm/min` in place of the program's feeds.
     block_delete: whether G-code blocks that begin with `/` are passed over.
 
-    The path starts where the program first has every axis positioned: where the machine stands before is unknown.
-    Rotary joints that are not named before are at zero. Raises ProgramError with file, line, text and cure.
+    The path starts where the program first has every axis positioned: where the machine stands before is
+    unknown. Rotary joints that are not named by then are at zero. Raises ProgramError with file, line, text and cure.
     """
     return _read(Source.load(path), machine, dialect, feed, block_delete)
 

@@ -17,7 +17,7 @@ Vector = Sequence[float]
 
 
 class Arc(NamedTuple):
-    """centre + r(t) (cos(sweep t) u + sin(sweep t) w) + rise t for t from 0 to 1, r from r0 to r1 in proportion."""
+    """centre + r(t) (cos(sweep t) u + sin(sweep t) w) + rise t, 0 <= t <= 1, r from r0 to r1 in proportion."""
 
     centre: tuple[float, float, float]
     u: tuple[float, float, float]
@@ -43,14 +43,14 @@ class ArcError(ValueError):
 
 
 def plane_arc(start: Vector, end: Vector, centre: Vector, plane: int, clockwise: bool, turns: int = 1) -> Arc:
-    """Arc about the normal of a plane (0: XY, 1: ZX, 2: YZ), seen from its positive side; equal ends are a circle."""
+    """Arc in a plane (0: XY, 1: ZX, 2: YZ) seen from the positive side of its normal; equal ends: a circle."""
     normal = [0.0, 0.0, 0.0]
     normal[(2 + 2 * plane) % 3] = -1.0 if clockwise else 1.0
     return arc_about(start, end, centre, normal, turns)
 
 
 def arc_about(start: Vector, end: Vector, centre: Vector, normal: Vector, turns: int = 1) -> Arc:
-    """Arc from start to end about the unit normal by the right-hand rule; what is along the normal rises evenly."""
+    """Arc from start to end about the unit normal by the right-hand rule, rising evenly along the normal."""
     a = [start[i] - centre[i] for i in range(3)]
     b = [end[i] - centre[i] for i in range(3)]
     height0, height1 = _dot(a, normal), _dot(b, normal)
@@ -61,8 +61,9 @@ def arc_about(start: Vector, end: Vector, centre: Vector, normal: Vector, turns:
         raise ArcError("the arc has no radius: its centre is its start or its end")
     if abs(r1 - r0) > max(1e-5, 1e-3 * min(r0, r1)):
         raise ArcError(
-            f"the arc ends {abs(r1 - r0) * 1e3:.4g} mm off its circle (radius {r0 * 1e3:.6g} mm at its start, "
-            f"{r1 * 1e3:.6g} mm at its end; at most 0.01 mm or 0.1 percent): check the end, the centre and the plane"
+            f"the arc ends {abs(r1 - r0) * 1e3:.4g} mm off its circle (radius {r0 * 1e3:.6g} mm at its "
+            f"start, {r1 * 1e3:.6g} mm at its end; at most 0.01 mm or 0.1 percent): "
+            "check the end, the centre and the plane"
         )
     u = (a[0] / r0, a[1] / r0, a[2] / r0)
     w = (
@@ -88,7 +89,7 @@ def arc_about(start: Vector, end: Vector, centre: Vector, normal: Vector, turns:
 
 
 def centre_of_radius(start: Vector, end: Vector, radius: float, plane: int, clockwise: bool) -> list[float]:
-    """Centre of an R-form arc; a negative radius asks for the longer way (RS274/NGC, Kramer et al. 2000, 3.5.3.1)."""
+    """Centre of an R-form arc; a negative radius asks for the longer way (Kramer et al. 2000, RS274/NGC 3.5.3)."""
     first, second = ((0, 1), (2, 0), (1, 2))[plane]
     dx, dy = end[first] - start[first], end[second] - start[second]
     chord = math.hypot(dx, dy)

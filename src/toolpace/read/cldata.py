@@ -27,10 +27,11 @@ from toolpace.units import INCH, MILLIMETRE
 
 UNITS = {"MM": MILLIMETRE, "INCHES": INCH, "INCH": INCH, "IN": INCH, "CM": 1e-2, "M": 1.0}
 LONGEST_DELAY = 86400.0
+MOST_TURNS = 1000
 
 
 class ClReader:
-    """One reading of one program; `run` does it. Positions are the tip in the workpiece frame: no machine is needed."""
+    """One reading of one program; `run` does it. Points are tips in the workpiece frame: no machine is needed."""
 
     def __init__(self, source: Source, *, default_feed: float | None = None) -> None:
         self.source = source
@@ -39,11 +40,11 @@ class ClReader:
         self.rapid = False
         self.tip: tuple[float, float, float] | None = None
         self.axis = (0.0, 0.0, 1.0)
-        self.circle: tuple[Statement, list[float]] | None = None
+        self.circle: tuple[Statement, list[float], int] | None = None
         self.frame: list[str] | None = None
         self.rows: list[tuple[float, ...]] = []
         self.stops: set[int] = set()
-        self.dwells: Counter[int] = Counter()
+        self.dwells: dict[int, float] = {}
         self.arcs: dict[int, Arc] = {}
         self.skipped: Counter[str] = Counter()
         self.count = 0
@@ -128,28 +129,41 @@ class ClReader:
         line = statement.line
         if self.circle is not None:
             self.arcs[len(self.rows)] = self._arc(tip)
-        first = self.tip is None or statement.major == "FROM"
-        feed = math.inf if self.rapid or first else self.feed.speed(line)
-        self.rapid = False if statement.major != "FROM" else self.rapid
+        if statement.major == "FROM" and self.rows:
+            self.source.fail("FROM names the start, but points stand before it: write GOTO", line)
+        feed = math.inf if self.rapid or self.tip is None else self.feed.speed(line)
+        self.rapid = False
         if max(map(abs, tip)) > 1e3:
             self.source.fail("this point is more than a kilometre away: check the numbers and UNITS", line)
         self.tip = tip
         self.rows.append((*tip, *self.axis, feed, line))
 
     def _circle(self, statement: Statement) -> None:
-        values = numbers(self.source, statement)
+        words, turns = statement.minors, 1
+        if "TIMES" in words:
+            at = words.index("TIMES")
+            count = numbers(self.source, statement, words[at + 1 :])
+            if len(count) != 1 or count[0] != int(count[0]) or not 1 <= count[0] <= MOST_TURNS:
+                self.source.fail(f"TIMES takes one whole number from 1 to {MOST_TURNS}", statement.line)
+            words, turns = words[:at], int(count[0])
+        values = numbers(self.source, statement, words)
         if len(values) < 7:
             self.source.fail(
                 f"CIRCLE has {len(values)} numbers: it takes centre, direction and radius", statement.line
             )
         if self.tip is None:
             self.source.fail("CIRCLE before any position: begin with GOTO or FROM", statement.line)
-        self.circle = (statement, values)
+        self.circle = (statement, values, turns)
 
     def _arc(self, end: tuple[float, float, float]) -> Arc:
-        """Arc from the last point to `end` about the pending CIRCLE, by the right-hand rule of its direction."""
+        """Arc from the last point to `end` about the pending CIRCLE.
+
+        Siemens' description of the CLSF record (CLSF Manager, CIRCLE) gives its direction for clockwise motion:
+        clockwise for one who looks at the tip of the vector, so against the right-hand rule. TIMES,n asks for n
+        turns of a helix.
+        """
         assert self.circle is not None and self.tip is not None
-        (statement, values), self.circle = self.circle, None
+        (statement, values, turns), self.circle = self.circle, None
         centre = [value * self.unit for value in values[:3]]
         length = math.hypot(*values[3:6])
         if abs(length - 1) > 0.02:
@@ -157,13 +171,13 @@ class ClReader:
                 f"the direction of CIRCLE has length {length:.4g}, not 1: correct it", statement.line
             )
         try:
-            arc = arc_about(self.tip, end, centre, [value / length for value in values[3:6]])
+            arc = arc_about(self.tip, end, centre, [-value / length for value in values[3:6]], turns)
         except ArcError as error:
             self.source.fail(str(error), statement.line)
         radius = abs(values[6]) * self.unit
         if abs(arc.r0 - radius) > max(5e-5, 5e-3 * radius):
             self.source.fail(
-                f"CIRCLE says radius {radius * 1e3:.6g} mm, its start lies {arc.r0 * 1e3:.6g} mm from its axis: "
+                f"CIRCLE says radius {radius * 1e3:.6g} mm, but it starts {arc.r0 * 1e3:.6g} mm from its axis: "
                 "check the centre and the radius",
                 statement.line,
             )
@@ -186,8 +200,9 @@ class ClReader:
         if not 0 <= seconds <= LONGEST_DELAY:
             self.source.fail("DELAY is not between 0 and a day: its number is seconds", statement.line)
         if self.rows:
-            self.stops.add(len(self.rows) - 1)
-            self.dwells[len(self.rows) - 1] += seconds  # type: ignore[assignment]
+            last = len(self.rows) - 1
+            self.stops.add(last)
+            self.dwells[last] = self.dwells.get(last, 0.0) + seconds
 
     def _units(self, statement: Statement) -> None:
         name = statement.minors[0] if statement.minors else ""
@@ -213,7 +228,7 @@ class ClReader:
         self.skipped["ORIGIN"] += 1
 
     def _toolpath(self) -> ToolPath:
-        """Points of the rows; arcs get as many as keep within half a micrometre, with the axis on its great circle."""
+        """Points of the rows; on arcs so many that chords keep within half a micrometre."""
         table = np.array(self.rows, dtype=float).reshape(len(self.rows), 8)
         line = table[:, 7].astype(np.int64)
         axis = unit_axes(self.source, table[:, 3:6], line)

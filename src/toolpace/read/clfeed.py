@@ -1,4 +1,4 @@
-"""The feed of cutter-location data: FEDRAT in its forms, and the spindle speed that feeds per revolution need."""
+"""The feed of cutter-location data: FEDRAT in its forms, and the spindle speed for feeds per revolution."""
 
 from __future__ import annotations
 
@@ -61,7 +61,8 @@ class ClFeed:
         if self.value is None:
             if self.default is None:
                 self.source.fail(
-                    "feed missing: no FEDRAT before this motion; write one, or give --feed 3000mm/min (feed= in Python)",
+                    "feed missing: no FEDRAT before this motion; write one, or give --feed 3000mm/min "
+                    "(feed= in Python)",
                     line,
                 )
             return self.default

@@ -78,8 +78,7 @@ def statements(source: Source) -> Iterator[Statement]:
     for line, text in enumerate(source.lines, start=1):
         text = text.upper()
         if "$" in text:
-            text, _, comment = text.partition("$$")
-            text = text.rstrip()
+            text = text.partition("$$")[0].rstrip()
             if text.endswith("$"):
                 first = first or line
                 pending += text[:-1] + " "

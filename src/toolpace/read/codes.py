@@ -1,7 +1,7 @@
 """What the G and M codes mean to reading: known, passed over, or refused with the reason.
 
-G codes are ten times their number, so that G43.4 is 434. Meanings after RS274/NGC (Kramer, Proctor and Messina 2000)
-and LinuxCNC; tool-centre-point codes after Fanuc (G43.4) and LinuxCNC's switchable kinematics (M428, M429).
+G codes are ten times their number, so that G43.4 is 434. Meanings after RS274/NGC (Kramer, Proctor and Messina
+2000) and LinuxCNC; tool-centre-point mode after Fanuc (G43.4) and LinuxCNC's switchable kinematics (M428, M429).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ REFUSED: dict[int, str] = {
     435: "tool vectors in the program (I, J, K) are not read: write rotary positions under G43.4",
     510: "scaling and mirroring are not read: let the CAM system apply it",
     520: _OFFSETS,
-    530: "it speaks of machine coordinates known to the controller only: write the position in G54 coordinates",
+    530: "it speaks of machine coordinates, known to the controller only: write G54 coordinates",
     **dict.fromkeys((550, 560, 570, 580, 590, 591, 592, 593), _OFFSETS),
     680: "rotated coordinates are not read: let the CAM system apply them",
     682: "tilted planes are not read: let the CAM system write five-axis points under G43.4",
@@ -67,7 +67,7 @@ UNKNOWN_G = (
 )
 
 STOPS_BEFORE = frozenset((3, 4, 5, 6, 7, 8, 9, 10, 11, 19, 66))
-"""M codes at which a controller comes to rest before the motion of their block: spindle, tool, coolant, clamps."""
+"""M codes that bring the motion to rest before that of their block: spindle, tool, coolant, clamps."""
 STOPS_AFTER = frozenset((0, 1, 60))
 """M codes at which it comes to rest after the motion."""
 ENDS = frozenset((2, 30))

@@ -53,6 +53,6 @@ def dialect_of(source: Source, wanted: str | None = None) -> str:
         if pattern.search(head):
             return dialect
     source.fail(
-        "this is no G-code, APT, CLSF or CSV that can be told apart: name it with --dialect gcode, apt or csv",
+        "neither G-code nor APT, CLSF or CSV can be recognised here: name it with --dialect gcode, apt or csv",
         0,
     )

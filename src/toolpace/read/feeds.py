@@ -17,7 +17,7 @@ class FeedChange:
     """What `--feed` asks for."""
 
     speed: float | None = None
-    """Speed of the tip [m/s] in place of the program's; inf takes all caps away; None keeps them, times `factor`."""
+    """Speed of the tip [m/s] in place of the program's; inf: no caps at all; None: the program's times `factor`."""
     factor: float = 1.0
 
     @staticmethod
@@ -36,8 +36,8 @@ class FeedChange:
     def apply(self, toolpath: ToolPath) -> ToolPath:
         """The same points with other feeds; rapids keep having none.
 
-        A value rules where the tip moves, also where inverse times ruled before; rotations in place keep their
-        times, since a length per minute says nothing of them.
+        A value rules where the tip moves, also where inverse times ruled before; rotations in place keep
+        their times, since a length per minute says nothing of them.
         """
         feed, least_time = toolpath.feed.copy(), toolpath.least_time.copy()
         if self.speed is None:

@@ -75,12 +75,12 @@ class GcodeReader:
             return
         if tape_line:
             self.source.fail(
-                "the program is cut off: % opens it here, but neither % nor M2 or M30 ends it; export it again",
+                "the program is cut off: % opens it here, but neither %, M2 nor M30 ends it; export it again",
                 tape_line,
             )
         if not self.source.last_line_ended:
             self.source.fail(
-                "the program looks cut off: neither M2, M30 nor % ends it, and its last line has no line end; "
+                "the program looks cut off: neither M2, M30 nor % ends it, and its last line has no end; "
                 "export it again, or end the line if it is complete",
                 len(self.source.lines),
             )

@@ -26,11 +26,11 @@ class Kinematics(Protocol):
         """Indices of the rotary joints, in the order of the columns of ToolPath.rotary."""
 
     def forward(self, q: Floats, /) -> tuple[Floats, Floats]:
-        """Tip (n, 3) [m] and tool axis (n, 3) in the workpiece frame, of joint positions q (n, joints) [m, rad]."""
+        """Tip (n, 3) [m] and tool axis (n, 3) in the workpiece frame, of joints q (n, joints) [m, rad]."""
 
 
 class Frame:
-    """Turns program positions (n, 3 + rotary) [m, rad] into tip and tool axis, by the mode they were programmed in."""
+    """Turns program positions (n, 3 + rotary) [m, rad] into tip and tool axis, by the mode they were written in."""
 
     def __init__(self, machine: Kinematics | None) -> None:
         self.machine = machine
@@ -71,7 +71,7 @@ class Frame:
     def to_joints(self, position: list[float]) -> list[float]:
         """The same place of the machine, with the linear joints instead of the tip.
 
-        With the rotary joints held the tip is linear in the linear joints, so four forward calls give the system.
+        With the rotary joints held the tip is linear in the linear joints: four places give the system.
         """
         if self.machine is None:
             return list(position)

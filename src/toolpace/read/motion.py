@@ -119,7 +119,7 @@ class MotionReader:
     def need_linear_joints(self, line: int) -> None:
         if self.frame.machine is not None and len(self.frame.linear) < 3:
             self.source.fail(
-                f"machine '{self.frame.machine.name}' has no joints X, Y, Z (its joints: {', '.join(self.frame.joints)}): "
+                f"machine '{self.frame.machine.name}' lacks a joint X, Y or Z (it has {', '.join(self.frame.joints)}): "
                 "switch tool-centre-point mode on (G43.4 or M428) before the first motion",
                 line,
             )
@@ -128,7 +128,7 @@ class MotionReader:
         fail = self.source.fail
         if letter in codes.WORD_USES:
             fail(
-                f"{letter}{value:g} has no use in this block, it belongs to {codes.WORD_USES[letter]}: remove it",
+                f"{letter} has no use in this block, it belongs to {codes.WORD_USES[letter]}: remove it",
                 line,
             )
         if letter in "ABC" and self.frame.machine is None:

@@ -15,7 +15,7 @@ RAPID, FEED, JUMP = 0.0, 1.0, 2.0
 
 
 class Rate(NamedTuple):
-    """What F says of a motion: most speed of X, Y, Z [m/s], of rotations in place [rad/s], or its time [s]."""
+    """What F says of a motion: speed of X, Y, Z [m/s] and of rotations in place [rad/s], or its time [s]."""
 
     speed: float = math.inf
     turn: float = math.inf
@@ -72,9 +72,9 @@ class Moves:
     def _start(kind: Floats, named: np.ndarray[tuple[int], np.dtype[np.int64]]) -> int:
         """Row at whose end the path starts.
 
-        Where the machine stands before the program is unknown, so the path starts where the program first has all
-        the axes it uses positioned: leading rapids that position them one after the other are passed over, but no
-        motion at feed ever is, except the way to the first position.
+        Where the machine stands before the program is unknown, so the path starts where the program first has
+        all the axes it uses positioned: leading rapids that position them one after the other are passed over,
+        but no motion at feed ever is, except the way to the first position.
         """
         complete = int(named[-1])
         for index in range(len(named)):

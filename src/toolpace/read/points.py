@@ -30,8 +30,8 @@ def assemble(
 ) -> ToolPath:
     """ToolPath of points in order (see ToolPath for shapes and units).
 
-    A point equal to the one before is dropped: a repeated position takes no time. Its stop and its dwell move onto
-    the point that stays. The first and the last point are stops.
+    A point equal to the one before is dropped: a repeated position takes no time. Its stop and its dwell move
+    onto the point that stays. The first and the last point are stops.
     """
     axis = unit_axes(source, axis, block)
     n = len(tip)
@@ -72,7 +72,7 @@ def assemble(
 
 
 def unit_axes(source: Source, axis: Floats, block: Ints) -> Floats:
-    """Tool axes (n, 3) at length 1; ProgramError with the line of the first that is zero or far from a unit vector."""
+    """Tool axes (n, 3) at length 1; ProgramError with the line of the first that is zero or no unit vector."""
     length = np.linalg.norm(axis, axis=1)
     wrong = np.flatnonzero(~(np.abs(length - 1) <= AXIS_ROUNDING))
     if len(wrong):

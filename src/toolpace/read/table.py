@@ -128,7 +128,8 @@ def _feed(source: Source, line: Ints, feed: Floats | None, rapid: Bools, default
             needs = np.flatnonzero(~rapid[1:])
             if len(needs):
                 source.fail(
-                    "feed missing: the table has no column feed; add one, or give --feed 3000mm/min (feed= in Python)",
+                    "feed missing: the table has no column feed; add one, or give --feed 3000mm/min "
+                    "(feed= in Python)",
                     int(line[1 + needs[0]]),
                 )
             default = 1.0

@@ -1,8 +1,8 @@
 """Lays points along the motions of a program so closely that straight ways between them stay true to it.
 
-Two things are curved in the workpiece frame although the program's words move in proportion: the tool axis while
-rotary joints turn, and the tip while they turn with tool-centre-point mode off. Their curvature is not known
-beforehand, so the pieces are measured, against the chord and the great circle at three places inside, and cut
+Two things are curved in the workpiece frame although the program's words move in proportion: the tool axis
+while rotary joints turn, and the tip while they turn with tool-centre-point mode off. Their curvature is not
+known beforehand, so the pieces are measured, against the chord and the great circle at three places inside, and cut
 into more until all agree; the gap falls with the square of their number.
 """
 
@@ -110,9 +110,9 @@ class Unroll:
         worst = int(np.argmax(pieces))
         if not pieces[worst] <= MOST_PIECES_OF_BLOCK or not pieces.sum() <= MOST_PIECES:
             self.source.fail(
-                f"this block turns {np.rad2deg(self.rotation[worst]):.6g} deg over {self.length[worst] * 1e3:.6g} mm "
-                f"of way and would take {float(pieces[worst]):.3g} points (at most {MOST_PIECES_OF_BLOCK} a block, "
-                f"{MOST_PIECES} in all): check its numbers, or split the program",
+                f"this block turns {np.rad2deg(self.rotation[worst]):.6g} deg over "
+                f"{self.length[worst] * 1e3:.6g} mm of way and would take {float(pieces[worst]):.3g} points "
+                f"(at most {MOST_PIECES_OF_BLOCK} a block, {MOST_PIECES} in all): check its numbers, or split the program",
                 int(self.line[worst]),
             )
 

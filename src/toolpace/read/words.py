@@ -54,5 +54,5 @@ def _reason(rest: str) -> str:
     if rest[0].isalpha() and rest[0].isascii():
         return f"letter {rest[0]} has no number after it: write one, like {rest[0]}1.5"
     if rest[0] in "+-.0123456789":
-        return f"number '{rest.split()[0][:20]}' has no letter, or is written in a way G-code lacks: write it like X1.5"
+        return f"number '{rest.split()[0][:20]}' has no letter before it: write it like X1.5"
     return f"'{rest[0]}' has no meaning in G-code: remove it, or write it as a comment in ( )"
