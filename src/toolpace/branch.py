@@ -72,16 +72,13 @@ def _fixed(machine: Machine, toolpath: ToolPath, solutions: Floats, points: Ints
     from toolpace.kernels import branches
 
     travel = np.ascontiguousarray(machine.travel[machine.rotary])
-    endless: Bools = np.isinf(travel).any(axis=1)
+    endless: Bools = np.asarray(np.isinf(travel[:, 0]) | np.isinf(travel[:, 1]))
     penalty = _penalty(machine, toolpath, solutions, points, travel, endless)
     first_turn, slots = _turns(solutions, travel, endless)
     chosen, jumps = np.empty((len(points), 2)), np.zeros(len(points), dtype=np.bool_)
     bridged = np.diff(points, prepend=points[0] - 1) > 1
-    rapid = (
-        np.maximum.reduceat(np.isinf(toolpath.feed), np.r_[0, points[:-1] + 1])
-        if len(points)
-        else np.empty(0)
-    )
+    ways = np.isinf(toolpath.feed[: points[-1] + 1])
+    rapid: Bools = np.asarray(np.logical_or.reduceat(ways, np.r_[0, points[:-1] + 1]), dtype=np.bool_)
     branches.choose(
         machine.geometry.frame,
         np.ascontiguousarray(toolpath.axis[points]),
@@ -159,6 +156,6 @@ def _broken(machine: Machine, toolpath: ToolPath, points: Ints, chosen: Floats, 
         f"{place(toolpath.source, line)}the rotary joints run out of travel ({travel}): between lines "
         f"{int(toolpath.block[points[at - 1]])} and {line} they would have to jump from "
         f"{names[0]} {before[0]:.3f} {names[1]} {before[1]:.3f} to {names[0]} {after[0]:.3f} {names[1]} "
-        f"{after[1]:.3f} deg while cutting; split the program there with a retract (rapid), or give the joint "
-        "more travel or wrap = true"
+        f"{after[1]:.3f} deg while cutting; split the program there with a retract (rapid), or give the "
+        "joint more travel, or wrap = true"
     )

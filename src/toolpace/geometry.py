@@ -1,4 +1,4 @@
-"""The chain of a machine file as the plain arrays of the compiled functions, with every check of its shape."""
+"""The chain of a machine file as the plain arrays of the compiled functions, with all checks of its shape."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
     linear = [name for name in names if joints[name].kind == "linear"]
     if len(rotary) != 2 or len(linear) != 3:
         raise MachineError(
-            f"{source}: {len(linear)} linear and {len(rotary)} rotary joints; five-axis kinematics needs exactly "
+            f"{source}: {len(linear)} linear and {len(rotary)} rotary joints; five axes need exactly "
             "three linear and two rotary ones"
         )
     directions = {

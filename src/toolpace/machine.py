@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.errors import MachineError, ReachError, UsageError
+from toolpace.errors import MachineError, UsageError
 from toolpace.geometry import Geometry, chain_geometry
 from toolpace.limits import Limits
 from toolpace.machinefile import MachineFile, did_you_mean, read_machine, write_machine
@@ -29,7 +29,7 @@ POLE = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Machine:
-    """Three linear and two rotary joints in any order, kinematics in closed form, limits and travel of each joint.
+    """Three linear and two rotary joints in any order, closed-form kinematics, limits and travel.
 
     Built-in machines come from `Machine.load(name)`, own ones from a TOML file. Arrays are in SI units;
     tips and tool axes are in the workpiece frame; joint arrays have one column a joint, in the order of
@@ -48,7 +48,7 @@ class Machine:
     is_rotary: Bools = field(init=False)
     """(m,)"""
     rotary: Ints = field(init=False)
-    """(2,) columns of the rotary joints, nearest the workpiece first; columns of rotary arrays in this order."""
+    """(2,) columns of the rotary joints, nearest the workpiece first; rotary arrays are in this order."""
     linear: Ints = field(init=False)
     """(3,) columns of the linear joints."""
     limits: Limits = field(init=False)
@@ -129,7 +129,7 @@ class Machine:
         x: Sequence[float] | None = None,
         z: Sequence[float] | None = None,
     ) -> Machine:
-        """The machine with the part mounted elsewhere: origin [m] and directions in the bed frame at joints zero."""
+        """The machine with the part mounted elsewhere: origin [m] and directions, bed frame, joints zero."""
         return self._with_chain(workpiece_origin=origin, workpiece_x=x, workpiece_z=z)
 
     def with_tool(self, length: float) -> Machine:
@@ -179,7 +179,7 @@ class Machine:
     def rotary_solutions(self, axis: Floats, pole_tolerance: float = POLE) -> tuple[Floats, Bools]:
         """Tool axes (n, 3) to both rotary solutions (n, 2, 2) [point, solution, joint] and pole (n,).
 
-        Angles lie in [-pi, pi]. Rows are nan where no angle of the joints, whatever their travel, gives the axis. At the pole the
+        Angles lie in [-pi, pi]; nan where no angles, whatever the travel, give the axis. At the pole the
         first rotary joint is free; it is returned as zero there.
         """
         from toolpace.kernels import chain
@@ -213,7 +213,7 @@ class Machine:
         return q
 
     def rotary_jets(self, axis: Floats, rotary: Floats) -> Floats:
-        """Derivatives 0..3 of the tool axis (4, n, 3) to those (4, n, 2) of the rotary joints near `rotary` (n, 2).
+        """Derivatives 0..3 of the tool axis (4, n, 3) to those of the rotary joints (4, n, 2) near `rotary`.
 
         At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be
         reached, and in the derivatives where it lies on the edge of reach.
@@ -246,7 +246,7 @@ class Machine:
         return lever
 
     def choose_rotary(self, toolpath: ToolPath, pole_tolerance: float = 1e-4) -> Floats:
-        """Rotary positions (n, 2) [rad] along a whole tool path, unwound; see `toolpace.branch`. Raises ReachError."""
+        """Rotary positions (n, 2) [rad] along a tool path, unwound; see branch.py. Raises ReachError."""
         from toolpace.branch import choose_rotary
 
         return choose_rotary(self, toolpath, pole_tolerance)
@@ -259,38 +259,17 @@ class Machine:
 
     def _check_singular(self, point: int, rotary: Floats) -> None:
         if point >= 0:
-            where = ", ".join(
-                f"{self.joints[joint]} = {math.degrees(angle):.3f} deg"
-                for joint, angle in zip(self.rotary, rotary[point])
-            )
-            raise ReachError(
-                f"machine {self.name}: at {where} the linear joints cannot move the tip in all directions; "
-                "keep away from this tilt or limit the travel of the rotary joints"
-            )
+            from toolpace.reach import singular_pose
+
+            raise singular_pose(self, rotary[point])
 
     def summary(self) -> list[dict[str, str]]:
-        """One row a joint, in mm and deg: machine, class, joint, kind, carries, travel, and the three limits."""
-        rows = []
-        for i, (name, joint) in enumerate(self.file.joints.items()):
-            unit, scale = ("deg", 180.0 / math.pi) if joint.kind == "rotary" else ("mm", 1e3)
-            low, high = self.travel[i] * scale
-            rows.append(
-                {
-                    "machine": self.name,
-                    "class": self.kind,
-                    "joint": name,
-                    "kind": joint.kind,
-                    "carries": "workpiece" if name in self.file.chain.workpiece else "tool",
-                    "travel": "endless" if joint.wrap else f"{low:g} .. {high:g} {unit}",
-                    "velocity": f"{joint.velocity * scale:g} {unit}/s",
-                    "acceleration": f"{joint.acceleration * scale:g} {unit}/s^2",
-                    "jerk": f"{joint.jerk * scale:g} {unit}/s^3",
-                }
-            )
-        return rows
+        """One row a joint, in mm and deg: machine, class, joint, kind, carries, travel, limits."""
+        from toolpace.machinetable import rows
+
+        return rows(self)
 
     def __repr__(self) -> str:
-        chain = self.file.chain
-        inward = " < ".join(["workpiece", *reversed(chain.workpiece), "bed"])
-        outward = " > ".join(["bed", *chain.tool, "tool"]).removeprefix("bed")
-        return f"<Machine {self.name}: {self.kind}, {inward}{outward}, tool length {self.tool_length * 1e3:g} mm>"
+        from toolpace.machinetable import title
+
+        return f"<Machine {title(self)}>"

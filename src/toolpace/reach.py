@@ -50,14 +50,14 @@ def unreachable_tilt(machine: Machine, axis: Floats, block: int, source: str = "
     low, high = tilt_range(machine)
     first = machine.joints[machine.rotary[0]]
     return ReachError(
-        f"{place(source, block)}unreachable tilt: the tool axis ({axis[0]:.5f}, {axis[1]:.5f}, {axis[2]:.5f}) "
-        f"stands at {asked:.3f} deg to the axis of joint {first}; machine {machine.name} reaches {low:.3f} to "
-        f"{high:.3f} deg; mount the part otherwise or take another machine"
+        f"{place(source, block)}unreachable tilt: the tool axis ({axis[0]:.5f}, {axis[1]:.5f}, "
+        f"{axis[2]:.5f}) stands at {asked:.3f} deg to the axis of joint {first}; {machine.name} reaches "
+        f"{low:.3f} to {high:.3f} deg; mount the part otherwise or take another machine"
     )
 
 
 def tilt_range(machine: Machine) -> tuple[float, float]:
-    """Least and most angle of the tool axis to the axis of the first rotary joint, by geometry alone [deg]."""
+    """Least and most angle of the tool axis to the axis of the first rotary joint, by geometry [deg]."""
     frame = machine.geometry.frame
     slant = math.acos(max(-1.0, min(1.0, float(_pole(machine) @ frame[1]))))
     lean = math.acos(max(-1.0, min(1.0, float(frame[1] @ frame[2]))))
@@ -89,6 +89,18 @@ def tilt_out_of_travel(machine: Machine, solutions: Floats, block: int, source: 
     return ReachError(
         f"{place(source, block)}the tool axis needs {' or '.join(ways)} deg, outside the travel of machine "
         f"{machine.name} ({travel}); mount the part otherwise or take another machine"
+    )
+
+
+def singular_pose(machine: Machine, rotary: Floats) -> ReachError:
+    """The error for rotary positions (2,) at which the linear joints act in one plane."""
+    where = ", ".join(
+        f"{machine.joints[joint]} = {math.degrees(angle):.3f} deg"
+        for joint, angle in zip(machine.rotary, rotary)
+    )
+    return ReachError(
+        f"machine {machine.name}: at {where} the linear joints cannot move the tip in all directions; "
+        "keep away from this tilt or limit the travel of the rotary joints"
     )
 
 

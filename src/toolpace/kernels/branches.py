@@ -36,7 +36,7 @@ def wrapped(angle: float) -> float:
 
 @jit()
 def strays(frame: Any, from_angles: Any, change: Any, axis: Any, next_axis: Any, scratch: Any) -> bool:
-    """Whether joints moving by `change` (2,) leave the great circle between two axes by more than its length."""
+    """Whether joints moving by `change` (2,) leave the great circle between two axes by its length."""
     t1 = from_angles[0] + 0.5 * change[0]
     t2 = from_angles[1] + 0.5 * change[1]
     turn(frame[1], math.sin(t2), math.cos(t2), frame[2], scratch)

@@ -5,8 +5,8 @@ workpiece side backwards, then those of the tool side. Two of them turn, R1 (nea
 the linear ones lie before R1 (group 0), between (group 1) or after R2 (group 2). With u1, u2 the axes of
 rotation,
 
-    axis       =  R1 R2 a0 tip + c0   =  L0 + R1 (c1 + L1 + R2 (c2 + L2)),    Lg = sum over the linear
-    joints of group g of direction * q
+    axis      =  R1 R2 a0
+    tip + c0  =  L0 + R1 (c1 + L1 + R2 (c2 + L2)),    Lg = sum over the joints of group g of direction * q
 
 `frame` (9, 3) holds u1, u2, a0, c0, c1, c2 and the three linear directions, all in the orientation of the
 workpiece frame at joints zero, signed so that a joint of the workpiece side counts backwards. `group` (3,)
@@ -24,7 +24,7 @@ import numpy as np
 from toolpace.kernels.jit import jit
 
 REACH_SLACK = 1e-9
-"""How far the squared half-chord of the cones may be negative (1e-9 rad of tilt) and still count as touching."""
+"""How far the squared half-chord of the cones may be negative (1e-9 rad of tilt) and count as touching."""
 SINGULAR = 1e-9
 """Volume spanned by the three linear directions below which they cannot move the tip in space."""
 
@@ -127,7 +127,7 @@ def solve_rotary(frame: Any, pole_tolerance: float, a: Any, solutions: Any) -> b
     p = (offset + (slant * rest if h > 0.0 else -slant * rest)) / norm
     square = (w - p) * (w + p)
     pole = w < pole_tolerance
-    # An offset between pole and reach (an axis rounded in the file) must not make the pole itself unreachable.
+    # An offset between pole and reach (an axis rounded in the file) must not make the pole unreachable.
     if not square >= -(REACH_SLACK if not pole else max(REACH_SLACK, 4.0 * pole_tolerance * pole_tolerance)):
         solutions[:] = np.nan
         return pole
