@@ -1,0 +1,104 @@
+"""What a controller is fed: joint positions at equal time steps, with derivatives and the tool in the
+workpiece frame."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.errors import ToolpaceError, UsageError
+from toolpace.files import reason, whole_file
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class SetPoints:
+    """Set-points of a motion, one row a time step; lengths in m, angles in rad, times in s.
+
+    Without a machine there is no tool: `tip` and `axis` then have no rows.
+    """
+
+    t: Floats
+    """(n,) times [s], equally spaced."""
+    q: Floats
+    """(n, joints) joint positions."""
+    qd: Floats
+    """(n, joints) joint velocities."""
+    qdd: Floats
+    """(n, joints) joint accelerations."""
+    qddd: Floats
+    """(n, joints) joint jerks."""
+    tip: Floats
+    """(n, 3) tool tip in the workpiece frame [m], or (0, 3)."""
+    axis: Floats
+    """(n, 3) unit vectors from the tip to the spindle, or (0, 3)."""
+    block: Ints
+    """(n,) line number of the block being run."""
+    joints: tuple[str, ...]
+    """Names of the columns of `q`."""
+
+    def __post_init__(self) -> None:
+        n, m = len(self.t), len(self.joints)
+        tools = n if len(self.tip) else 0
+        shapes = {"t": (n,), "q": (n, m), "qd": (n, m), "qdd": (n, m), "qddd": (n, m), "block": (n,)}
+        for name, shape in (shapes | {"tip": (tools, 3), "axis": (tools, 3)}).items():
+            value = getattr(self, name)
+            if value.shape != shape:
+                raise UsageError(f"set-points: {name} has shape {value.shape} where {shape} is expected")
+            value.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def has_tool(self) -> bool:
+        """Whether tip and axis are known."""
+        return len(self.tip) > 0
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the npz file (not compressed: a million set-points in about a second), whole or not at
+        all."""
+        arrays = {f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}
+        with whole_file(path) as temporary, temporary.open("wb") as stream:
+            np.savez(stream, **arrays)  # type: ignore[arg-type]
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> SetPoints:
+        """Read what `save` wrote. Raises UsageError, naming the file, where it is missing, cut short or
+        another thing."""
+        source = Path(path)
+        cure = "plan again to write it anew"
+        try:
+            with np.load(source, allow_pickle=False) as archive:
+                if not isinstance(archive, np.lib.npyio.NpzFile):
+                    raise UsageError(
+                        f"{source}: holds one array, not set-points; give the setpoints.npz of a plan"
+                    )
+                names = [f.name for f in fields(cls)]
+                if missing := [name for name in names if name not in archive.files]:
+                    raise UsageError(f"{source}: not a set-points file: lacks {', '.join(missing)}; {cure}")
+                arrays = {name: archive[name] for name in names}
+        except ToolpaceError:
+            raise
+        except FileNotFoundError:
+            raise UsageError(f"{source}: no such file; `toolpace plan` writes it") from None
+        except OSError as error:
+            raise UsageError(f"{source}: cannot read: {reason(error)}") from None
+        except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zipfile.LargeZipFile):
+            raise UsageError(f"{source}: damaged or not a set-points file; {cure}") from None
+        joints = tuple(str(name) for name in np.atleast_1d(arrays.pop("joints")))
+        try:
+            block = np.asarray(arrays.pop("block"), dtype=np.int64)
+            floats = {name: np.asarray(value, dtype=np.float64) for name, value in arrays.items()}
+            return cls(**floats, block=block, joints=joints)
+        except (ValueError, TypeError):
+            raise UsageError(f"{source}: holds no numbers where set-points should be; {cure}") from None
+        except UsageError as error:
+            raise UsageError(f"{source}: {error}; {cure}") from None

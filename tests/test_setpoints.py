@@ -1,0 +1,95 @@
+"""Set-points survive the disk, and a file that is something else is refused in one line."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+import motions
+from toolpace.errors import UsageError
+from toolpace.setpoints import SetPoints
+
+POINTS = motions.set_points(dt=1e-2)
+
+
+def test_round_trip(tmp_path):
+    path = tmp_path / "setpoints.npz"
+    POINTS.save(path)
+    again = SetPoints.load(path)
+    for f in fields(SetPoints):
+        np.testing.assert_array_equal(getattr(again, f.name), getattr(POINTS, f.name))
+    assert again.joints == POINTS.joints
+    assert sorted(np.load(path).files) == sorted(f.name for f in fields(SetPoints))
+    assert [p.name for p in tmp_path.iterdir()] == ["setpoints.npz"]
+
+
+def test_arrays_are_read_only():
+    with pytest.raises(ValueError, match="read-only"):
+        POINTS.q[0, 0] = 1.0
+
+
+def test_shapes_are_checked():
+    with pytest.raises(UsageError, match=r"qd has shape \(2, 5\)"):
+        SetPoints(
+            *(np.zeros(s) for s in ((3,), (3, 5), (2, 5), (3, 5), (3, 5), (3, 3), (3, 3))),
+            block=np.zeros(3, dtype=np.int64),
+            joints=tuple("XYZAC"),
+        )
+
+
+def damaged(path, kind):
+    """A file that is no set-points file."""
+    if kind == "missing":
+        return path
+    if kind == "folder":
+        path.mkdir()
+    elif kind == "empty":
+        path.write_bytes(b"")
+    elif kind == "text":
+        path.write_text("G1 X1\n")
+    elif kind == "foreign":
+        np.savez(path, a=np.zeros(3))
+    elif kind == "one array":
+        with path.open("wb") as stream:
+            np.save(stream, np.zeros(3))
+    elif kind == "strings":
+        arrays = {f.name: getattr(POINTS, f.name) for f in fields(SetPoints)} | {"q": np.array(["a"])}
+        np.savez(path, **arrays)
+    elif kind == "pickle":
+        np.savez(path, **{f.name: np.array([{}], dtype=object) for f in fields(SetPoints)})
+    else:
+        POINTS.save(path)
+        path.write_bytes(path.read_bytes()[:-1000] if kind == "truncated" else path.read_bytes()[:5000])
+    return path
+
+
+KINDS = ("missing", "folder", "empty", "text", "foreign", "one array", "strings", "pickle", "truncated", "stump")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_refuses_another_file_in_one_line(tmp_path, kind):
+    path = damaged(tmp_path / "setpoints.npz", kind)
+    with pytest.raises(UsageError) as caught:
+        SetPoints.load(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_cannot_be_written_is_an_error_and_leaves_nothing(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="cannot write"):
+        POINTS.save(tmp_path / "file" / "setpoints.npz")
+    assert [p.name for p in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_million_set_points_are_cheap(tmp_path):
+    n = 1_000_000
+    shapes = ((n,), (n, 5), (n, 5), (n, 5), (n, 5), (n, 3), (n, 3))
+    big = SetPoints(*(np.zeros(s) for s in shapes), block=np.zeros(n, dtype=np.int64), joints=tuple("XYZAC"))
+    begin = time.perf_counter()
+    big.save(tmp_path / "big.npz")
+    SetPoints.load(tmp_path / "big.npz")
+    assert time.perf_counter() - begin < 10.0
