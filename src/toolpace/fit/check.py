@@ -37,9 +37,9 @@ def deviations(
     if machine is None:
         curve = turn / np.linalg.norm(turn, axis=1)[:, None]
     else:
-        curve = axis_of(turn * axis_tolerance, machine)
+        curve = machine.axis_at(turn * axis_tolerance)
     if machine is not None and joints_given:
-        program = axis_of(interpolate(line.s, line.turn, at) * axis_tolerance, machine)
+        program = machine.axis_at(interpolate(line.s, line.turn, at) * axis_tolerance)
     else:
         cell = np.clip(np.searchsorted(line.s, at, side="right") - 1, 0, len(line.s) - 2)
         u = (at - line.s[cell]) / (line.s[cell + 1] - line.s[cell])
@@ -47,9 +47,3 @@ def deviations(
     angle = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * np.linalg.norm(curve - program, axis=1)))
     return tip_off, angle / axis_tolerance
 
-
-def axis_of(rotary: Floats, machine: Machine) -> Floats:
-    """Unit tool axis (n, 3) of rotary joints (n, 2)."""
-    jet = np.zeros((4, len(rotary), 2))
-    jet[0] = rotary
-    return machine.axis_jets(jet)[0]

@@ -105,11 +105,11 @@ def turn_weight(line: Polyline, tip_tolerance: float, axis_tolerance: float, mac
         return np.ones(3)
     lever = np.sqrt(np.mean(machine.tip_lever(line.tip * tip_tolerance, line.turn * axis_tolerance) ** 2, axis=0))
     jerk = np.asarray(machine.limits.jerk)
-    linear = np.min(jerk[list(machine.linear)])
-    squared = 1.0 / jerk[list(machine.rotary)] ** 2 + (lever / linear) ** 2
+    linear = np.min(jerk[machine.linear])
+    squared = 1.0 / jerk[machine.rotary] ** 2 + (lever / linear) ** 2
     if not np.all(np.isfinite(squared)) or np.max(squared) <= 0.0:
         return np.ones(2)
-    return np.maximum(squared / np.max(squared), 1e-4)
+    return np.asarray(np.maximum(squared / np.max(squared), 1e-4))
 
 
 def piecewise(

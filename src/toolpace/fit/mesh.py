@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.errors import PathError
-from toolpace.fit.polyline import Machine, Polyline
+from toolpace.fit.polyline import Machine, Polyline, axis_columns
 from toolpace.pathrun import Floats, Ints
 
 SPACING = 20.0
@@ -103,13 +103,7 @@ def turn_metric(turn: Floats, axis_tolerance: float, machine: Machine | None) ->
     """
     if machine is None:
         return np.broadcast_to(np.eye(3), (len(turn), 3, 3)).copy()
-    columns = []
-    for joint in range(2):
-        jet = np.zeros((4, len(turn), 2))
-        jet[0] = turn * axis_tolerance
-        jet[1, :, joint] = 1.0
-        columns.append(machine.axis_jets(jet)[1])
-    jacobian = np.stack(columns, axis=2)
+    jacobian = axis_columns(turn * axis_tolerance, machine)
     metric = np.asarray(np.einsum("nca,ncb->nab", jacobian, jacobian))
     for joint in range(2):
         length = np.sqrt(metric[:, joint, joint])

@@ -18,6 +18,9 @@ from toolpace.toolpath import ToolPath
 LEAST_CELL = 1e-7
 """Shorter cells count as repeated points [tolerances]."""
 
+POLE_LEVER = 0.03
+"""Sine of the angle to a pole below which a turn about it counts as if there [1]."""
+
 
 class Limits(Protocol):
     """What the fit asks of the limits of a machine."""
@@ -32,10 +35,11 @@ class Machine(Protocol):
     @property
     def limits(self) -> Limits: ...
     @property
-    def linear(self) -> tuple[int, ...]: ...
+    def linear(self) -> Ints: ...
     @property
-    def rotary(self) -> tuple[int, ...]: ...
+    def rotary(self) -> Ints: ...
     def choose_rotary(self, toolpath: ToolPath) -> Floats: ...
+    def axis_at(self, rotary: Floats) -> Floats: ...
     def axis_jets(self, rotary: Floats) -> Floats: ...
     def tip_lever(self, tip: Floats, rotary: Floats) -> Floats: ...
 
@@ -65,7 +69,7 @@ def polylines(
     dense, entry = refined(toolpath, axis_tolerance, machine)
     tip = dense.tip / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
-    length = np.sqrt(np.sum(np.diff(tip, axis=0) ** 2, axis=1) + np.sum(np.diff(turn, axis=0) ** 2, axis=1))
+    length = np.sqrt(np.sum(np.diff(tip, axis=0) ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2)
     stops = np.flatnonzero(dense.stop)
     stops = np.unique(np.concatenate([[0], stops, [len(dense) - 1]]))
     runs: list[Polyline] = []
@@ -94,6 +98,31 @@ def polylines(
     return runs
 
 
+def turn_length(turn: Floats, axis_tolerance: float, machine: Machine | None) -> Floats:
+    """Length of the turn of each cell (n - 1,) in tolerances, as the tool axis feels it.
+
+    Near a pole rounding makes one rotary joint jitter by degrees. It counts by what it does to the axis, but at
+    least by POLE_LEVER, so that a turn at the pole has length too.
+    """
+    step = np.diff(turn, axis=0)
+    if machine is None:
+        return np.linalg.norm(step, axis=1)
+    columns = axis_columns(0.5 * (turn[1:] + turn[:-1]) * axis_tolerance, machine)
+    moved = np.einsum("nca,na->nc", columns, step)
+    return np.asarray(np.sqrt(np.sum(moved**2, axis=1) + POLE_LEVER**2 * np.sum(step**2, axis=1)))
+
+
+def axis_columns(rotary: Floats, machine: Machine) -> Floats:
+    """Derivative (n, 3, 2) of the tool axis along both rotary joints (n, 2) [rad]."""
+    columns = []
+    for joint in range(2):
+        jet = np.zeros((4, len(rotary), 2))
+        jet[0] = rotary
+        jet[1, :, joint] = 1.0
+        columns.append(machine.axis_jets(jet)[1])
+    return np.stack(columns, axis=2)
+
+
 def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) -> tuple[ToolPath, Ints]:
     """The tool path with points put in where straight lines of the turn would leave the great circle of the axis.
 
@@ -116,11 +145,9 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
         return toolpath, entry
     for _ in range(8):
         rotary = machine.choose_rotary(toolpath)
-        middle = np.zeros((4, len(toolpath) - 1, 2))
-        middle[0] = 0.5 * (rotary[1:] + rotary[:-1])
         between = toolpath.axis[1:] + toolpath.axis[:-1]
         between /= np.linalg.norm(between, axis=1)[:, None]
-        error = np.linalg.norm(machine.axis_jets(middle)[0] - between, axis=1)
+        error = np.linalg.norm(machine.axis_at(0.5 * (rotary[1:] + rotary[:-1])) - between, axis=1)
         moves = np.linalg.norm(np.diff(toolpath.axis, axis=0), axis=1) > 0.01 * axis_tolerance
         count = np.where(moves, np.clip(np.ceil(np.sqrt(error / (0.05 * axis_tolerance))), 1, 8), 1)
         if np.all(count == 1):

@@ -14,7 +14,8 @@ Floats = npt.NDArray[np.float64]
 def factor(a: Floats) -> bool:
     """Replace the lower band a (n, w), entry [r, w - 1 - r + c] for (r, c), by its Cholesky factor.
 
-    The diagonal of the factor is stored inverted. False where the matrix is not positive definite.
+    The diagonal of the factor is stored inverted. Rows that depend on earlier ones within rounding are held still;
+    False where a diagonal entry is not positive.
     """
     n, w = a.shape
     for r in range(n):
@@ -32,10 +33,13 @@ def factor(a: Floats) -> bool:
                 total -= row[p + k] * other[q + k]
             row[c + shift] = total * other[w - 1]
         total = row[w - 1]
+        least = 1e-15 * total
         for k in range(start + shift, w - 1):
             total -= row[k] * row[k]
-        if not total > 0.0:
-            return False
+        if not total > least:
+            if not least > 0.0:
+                return False
+            total = 1e100  # lost to rounding: this unknown stays where it is
         row[w - 1] = 1.0 / np.sqrt(total)
     return True
 
