@@ -91,11 +91,7 @@ class ClReader:
 
     @staticmethod
     def _cancels(statement: Statement) -> bool:
-        return (
-            statement.major in CANCELLABLE
-            and statement.minors[:1] != []
-            and statement.minors[0] in CANCELLED_BY
-        )
+        return statement.major in CANCELLABLE and statement.minors[:1] != [] and statement.minors[0] in CANCELLED_BY
 
     def _goto(self, statement: Statement) -> None:
         values = numbers(self.source, statement)
@@ -148,9 +144,7 @@ class ClReader:
             words, turns = words[:at], int(count[0])
         values = numbers(self.source, statement, words)
         if len(values) < 7:
-            self.source.fail(
-                f"CIRCLE has {len(values)} numbers: it takes centre, direction and radius", statement.line
-            )
+            self.source.fail(f"CIRCLE has {len(values)} numbers: it takes centre, direction and radius", statement.line)
         if self.tip is None:
             self.source.fail("CIRCLE before any position: begin with GOTO or FROM", statement.line)
         self.circle = (statement, values, turns)
@@ -167,9 +161,7 @@ class ClReader:
         centre = [value * self.unit for value in values[:3]]
         length = math.hypot(*values[3:6])
         if abs(length - 1) > 0.02:
-            self.source.fail(
-                f"the direction of CIRCLE has length {length:.4g}, not 1: correct it", statement.line
-            )
+            self.source.fail(f"the direction of CIRCLE has length {length:.4g}, not 1: correct it", statement.line)
         try:
             arc = arc_about(self.tip, end, centre, [-value / length for value in values[3:6]], turns)
         except ArcError as error:
@@ -213,9 +205,7 @@ class ClReader:
     def _msys(self, statement: Statement) -> None:
         # Points are written in this system; a change in the middle would shift them against each other.
         if self.rows and self.frame is not None and statement.minors != self.frame:
-            self.source.fail(
-                "MSYS changes the coordinates between points: write one program a system", statement.line
-            )
+            self.source.fail("MSYS changes the coordinates between points: write one program a system", statement.line)
         self.frame = statement.minors
         self.skipped["MSYS"] += 1
 

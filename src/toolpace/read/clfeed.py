@@ -41,9 +41,7 @@ class ClFeed:
         if value is None:
             self.source.fail("FEDRAT has no number: write it like FEDRAT/MMPM,250", statement.line)
         if not 0 < value <= 1e9:
-            self.source.fail(
-                f"feed {value:g} must be above zero (and at most 1e9): correct FEDRAT", statement.line
-            )
+            self.source.fail(f"feed {value:g} must be above zero (and at most 1e9): correct FEDRAT", statement.line)
         self.value = value * length if self.per_revolution else value * length / MINUTE
 
     def spindle(self, statement: Statement) -> None:
@@ -76,15 +74,9 @@ class ClFeed:
         if len(words) != 1 or not NUMBER.fullmatch(words[0]):
             self.source.fail("DELAY takes one number, its seconds: write it like DELAY/0.5", statement.line)
         time = float(words[0].replace("D", "E"))
-        return (
-            time / self._turning("DELAY in revolutions", statement.line)
-            if "REV" in statement.minors
-            else time
-        )
+        return time / self._turning("DELAY in revolutions", statement.line) if "REV" in statement.minors else time
 
     def _turning(self, what: str, line: int) -> float:
         if self.revolutions is None:
-            self.source.fail(
-                f"{what} needs the spindle speed: write SPINDL/2000,RPM before it, or per minute", line
-            )
+            self.source.fail(f"{what} needs the spindle speed: write SPINDL/2000,RPM before it, or per minute", line)
         return self.revolutions

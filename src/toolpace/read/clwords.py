@@ -73,20 +73,16 @@ class Statement(NamedTuple):
 
 
 def statements(source: Source) -> Iterator[Statement]:
-    """Statements of a program: `$` at a line's end goes on in the next line, `$$` begins a comment."""
+    """Statements of a program: `$` goes on in the next line, what follows it is ignored; `$$` begins a comment."""
     pending, first = "", 0
     for line, text in enumerate(source.lines, start=1):
         text = text.upper()
         if "$" in text:
             text = text.partition("$$")[0].rstrip()
-            if text.endswith("$"):
-                first = first or line
-                pending += text[:-1] + " "
-                continue
             if "$" in text:
-                source.fail(
-                    "'$' in the middle of a statement: $ ends a line that goes on, $$ begins a comment", line
-                )
+                first = first or line
+                pending += text.partition("$")[0] + " "
+                continue
             if pending and not text.strip():
                 # A comment between the parts of a statement does not end it.
                 continue

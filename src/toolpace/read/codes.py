@@ -62,9 +62,7 @@ REFUSED: dict[int, str] = {
     950: "feed per revolution is not read: let the CAM system write feeds per minute (G94)",
 }
 
-UNKNOWN_G = (
-    "it is not known here and might move something: remove it, or let the CAM system write plain G0 to G3"
-)
+UNKNOWN_G = "it is not known here and might move something: remove it, or let the CAM system write plain G0 to G3"
 
 STOPS_BEFORE = frozenset((3, 4, 5, 6, 7, 8, 9, 10, 11, 19, 66))
 """M codes that bring the motion to rest before that of their block: spindle, tool, coolant, clamps."""
@@ -74,9 +72,7 @@ ENDS = frozenset((2, 30))
 TIP_MODE = {428: True, 429: False}
 PASSED_M = frozenset((48, 49, 50, 51, 52, 53, 62, 63, 64, 65, 67, 68))
 """Overrides, and outputs that are switched in the middle of motion."""
-REFUSED_M: dict[int, str] = dict.fromkeys(
-    (97, 98, 99), "subprograms are not read: write every block out, in one file"
-)
+REFUSED_M: dict[int, str] = dict.fromkeys((97, 98, 99), "subprograms are not read: write every block out, in one file")
 UNKNOWN_M = "it is not known here and might move something: remove it, or write what it does as plain blocks"
 
 WORD_USES = {

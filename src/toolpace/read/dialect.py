@@ -18,9 +18,7 @@ DIALECTS = {
     "table": "csv",
 }
 SUFFIXES = {
-    **dict.fromkeys(
-        (".ngc", ".nc", ".gcode", ".gc", ".g", ".tap", ".cnc", ".eia", ".ncc", ".din", ".iso"), "gcode"
-    ),
+    **dict.fromkeys((".ngc", ".nc", ".gcode", ".gc", ".g", ".tap", ".cnc", ".eia", ".ncc", ".din", ".iso"), "gcode"),
     **dict.fromkeys((".apt", ".cls", ".cl", ".clsf", ".cldata", ".aptsource", ".ncl"), "cldata"),
     **dict.fromkeys((".csv", ".tsv"), "csv"),
 }

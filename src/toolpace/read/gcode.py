@@ -10,6 +10,7 @@ from toolpace.read.kinematics import Frame, Kinematics
 from toolpace.read.modal import Modal
 from toolpace.read.motion import MotionReader
 from toolpace.read.moves import JUMP, Moves, Rate
+from toolpace.read.points import refuse_still
 from toolpace.read.source import Source
 from toolpace.read.unroll import Unroll
 from toolpace.read.words import WordError, without_comments, words
@@ -56,9 +57,7 @@ class GcodeReader:
                     self.block(block, line)
             except WordError as error:
                 cut = (
-                    "the file ends in the middle of a word, it looks cut off; "
-                    if self.source.cut_off_at(line)
-                    else ""
+                    "the file ends in the middle of a word, it looks cut off; " if self.source.cut_off_at(line) else ""
                 )
                 self.source.fail(f"{cut}{error}", line)
             except ArcError as error:
@@ -66,9 +65,9 @@ class GcodeReader:
             if self.state.ended:
                 break
         self._refuse_cut_off(tape_line, tape_closed)
-        return Unroll(self.source, self.frame, self.moves.table()).toolpath(
-            self.state.blocks, dict(self.state.skipped)
-        )
+        if not len(self.moves):
+            refuse_still(self.source, 0)
+        return Unroll(self.source, self.frame, self.moves.table()).toolpath(self.state.blocks, dict(self.state.skipped))
 
     def _refuse_cut_off(self, tape_line: int, tape_closed: bool) -> None:
         if self.state.ended or tape_closed:
@@ -136,9 +135,7 @@ class GcodeReader:
             self.moves.stop()
         state.ended = ends
 
-    def _modes(
-        self, g_codes: list[int], numbers: dict[str, float], line: int
-    ) -> tuple[int | None, bool, bool]:
+    def _modes(self, g_codes: list[int], numbers: dict[str, float], line: int) -> tuple[int | None, bool, bool]:
         """Apply the modes of a block; returns its motion code, whether it dwells, and whether it has G9."""
         state = self.state
         seen: dict[str, int] = {}
@@ -184,9 +181,7 @@ class GcodeReader:
                 ends = True
             elif code not in codes.STOPS_AFTER:
                 reason = codes.REFUSED_M.get(code, codes.UNKNOWN_M)
-                self.source.fail(
-                    f"M{code} cannot be read: {reason}" if code >= 0 else "M has no whole number", line
-                )
+                self.source.fail(f"M{code} cannot be read: {reason}" if code >= 0 else "M has no whole number", line)
         return ends
 
     def _tip_mode(self, switched: bool, by_length: bool, line: int) -> None:

@@ -68,8 +68,7 @@ class Modal:
             return Rate(self.feed, self.turn_feed)
         if self.default_feed is None:
             source.fail(
-                "feed missing: no F before this motion; write one, or give --feed 3000mm/min "
-                "(feed= in Python)",
+                "feed missing: no F before this motion; write one, or give --feed 3000mm/min (feed= in Python)",
                 line,
             )
         # Of rotations in place a length per minute says nothing: the axes' own limits rule them.

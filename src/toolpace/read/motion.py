@@ -54,9 +54,7 @@ class MotionReader:
             self.moves.add(state.position, Rate(), line, RAPID, state.tip_mode, named)
         if motion >= 20:
             if not len(self.moves):
-                self.source.fail(
-                    "an arc cannot be the first motion, its start is not known: position with G0", line
-                )
+                self.source.fail("an arc cannot be the first motion, its start is not known: position with G0", line)
             self._arc(arc_words, target, line)
         elif motion == 0 and number is not None and state.inverse_time:
             state.skipped["F with G0 under G93"] += 1
@@ -83,9 +81,7 @@ class MotionReader:
             centre = centre_of_radius(start, target, radius, state.plane, clockwise)
         else:
             centre = self._centre(arc_words, line)
-        self.moves.arcs[len(self.moves)] = plane_arc(
-            start, target, centre, state.plane, clockwise, int(turns)
-        )
+        self.moves.arcs[len(self.moves)] = plane_arc(start, target, centre, state.plane, clockwise, int(turns))
 
     def _centre(self, arc_words: dict[str, float], line: int) -> list[float]:
         """Centre from I, J, K; a word that is not there is zero as a distance, but missing as a position."""
@@ -99,17 +95,13 @@ class MotionReader:
             value = arc_words.pop(letter, None)
             if value is None:
                 if state.arc_absolute:
-                    self.source.fail(
-                        f"the arc lacks {letter}: under G90.1 both centre coordinates are needed", line
-                    )
+                    self.source.fail(f"the arc lacks {letter}: under G90.1 both centre coordinates are needed", line)
                 continue
             self._refuse_far(value * state.unit, letter, line)
             centre[slot] = value * state.unit + (0.0 if state.arc_absolute else centre[slot])
         if arc_words:
             extra, plane = next(iter(arc_words)), ("G17", "G18", "G19")[state.plane]
-            self.source.fail(
-                f"{extra} has no meaning for an arc in the plane of {plane}: check the plane", line
-            )
+            self.source.fail(f"{extra} has no meaning for an arc in the plane of {plane}: check the plane", line)
         return centre
 
     def _refuse_far(self, value: float, letter: str, line: int) -> None:

@@ -35,9 +35,7 @@ class Moves:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def add(
-        self, position: list[float], rate: Rate, line: int, kind: float, tip_mode: bool, named: int
-    ) -> None:
+    def add(self, position: list[float], rate: Rate, line: int, kind: float, tip_mode: bool, named: int) -> None:
         """Note a motion to `position` (3 + rotary); `named` has a bit for each of X, Y, Z named so far."""
         self.rows.append((*position, *rate, line, kind, tip_mode, named))
 

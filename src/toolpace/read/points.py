@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 import numpy as np
 
 from toolpace.read.source import Source
@@ -43,12 +45,7 @@ def assemble(
             moved[1:] |= np.abs(np.diff(turned, axis=0)).max(axis=1) > SAME
     kept = np.flatnonzero(moved)
     if len(kept) < 2:
-        source.fail(
-            "there is no motion in the program"
-            + (": it names one position only, and the path starts there" if n else "")
-            + "; is it complete, and is this its dialect?",
-            0,
-        )
+        refuse_still(source, n)
     stop = np.logical_or.reduceat(stop, kept)
     stop[[0, -1]] = True
     dwell = np.add.reduceat(dwell, kept)
@@ -69,6 +66,12 @@ def assemble(
         blocks=blocks,
         skipped=dict(skipped or {}),
     )
+
+
+def refuse_still(source: Source, positions: int) -> NoReturn:
+    """Raise the error of a program with fewer than two different positions."""
+    where = ": it names one position only, and the path starts there" if positions else ""
+    source.fail(f"there is no motion in the program{where}; is it complete, and is this its dialect?", 0)
 
 
 def unit_axes(source: Source, axis: Floats, block: Ints) -> Floats:

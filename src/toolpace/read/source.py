@@ -43,9 +43,7 @@ class Source:
             raise ProgramError("this is a folder; name the program file in it", source=name) from None
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise ProgramError(
-                f"cannot be opened ({reason}); check the path and its rights", source=name
-            ) from None
+            raise ProgramError(f"cannot be opened ({reason}); check the path and its rights", source=name) from None
         return Source.from_bytes(data, name)
 
     @staticmethod
@@ -53,9 +51,7 @@ class Source:
         """Decode bytes: UTF-8, else one byte a character, since old programs carry accents in comments."""
         controls = sum(data.count(code) for code in range(32) if code not in ORDINARY_CONTROLS)
         if b"\0" in data or controls > len(data) // 100:
-            raise ProgramError(
-                "this is a binary file, not a program; export it as plain text (UTF-8)", source=name
-            )
+            raise ProgramError("this is a binary file, not a program; export it as plain text (UTF-8)", source=name)
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError:

@@ -20,9 +20,7 @@ _COLUMN = re.compile(r"\s*\"?\s*([A-Za-z]+)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*
 
 def read_table(source: Source, *, default_feed: float | None = None) -> ToolPath:
     """ToolPath of a table whose rows are points; `rapid` and `stop` are 0 or 1, `dwell` a time."""
-    rows = [
-        (n, text) for n, text in enumerate(source.lines, start=1) if text.strip() and text.lstrip()[0] != "#"
-    ]
+    rows = [(n, text) for n, text in enumerate(source.lines, start=1) if text.strip() and text.lstrip()[0] != "#"]
     if not rows:
         source.fail("the table has no header: begin it with " + EXAMPLE, 0)
     header_line, header = rows[0]
@@ -48,11 +46,7 @@ def read_table(source: Source, *, default_feed: float | None = None) -> ToolPath
         np.abs(tip).max(axis=1) > FARTHEST,
         "this point is more than a kilometre away: check the units",
     )
-    axis = (
-        np.column_stack([column[name] for name in AXIS])
-        if "i" in column
-        else np.tile([0.0, 0.0, 1.0], (n, 1))
-    )
+    axis = np.column_stack([column[name] for name in AXIS]) if "i" in column else np.tile([0.0, 0.0, 1.0], (n, 1))
     dwell = column.get("dwell", np.zeros(n))
     _refuse(source, line, (dwell < 0) | (dwell > 86400), "dwell is not between 0 and a day: correct it")
     rapid = column.get("rapid", np.zeros(n)) != 0
@@ -84,11 +78,7 @@ def _columns(source: Source, header: str, line: int, delimiter: str) -> dict[str
             scale[name] = 1.0
         elif unit not in units:
             known = ", ".join(key for key in units if key.isascii())
-            what = (
-                f"unit '{unit[:20]}' of column {name} is not known"
-                if unit
-                else f"column {name} names no unit"
-            )
+            what = f"unit '{unit[:20]}' of column {name} is not known" if unit else f"column {name} names no unit"
             source.fail(f"{what}: write one of {known} in brackets, like {EXAMPLE}", line)
         else:
             scale[name] = units[unit]
@@ -128,8 +118,7 @@ def _feed(source: Source, line: Ints, feed: Floats | None, rapid: Bools, default
             needs = np.flatnonzero(~rapid[1:])
             if len(needs):
                 source.fail(
-                    "feed missing: the table has no column feed; add one, or give --feed 3000mm/min "
-                    "(feed= in Python)",
+                    "feed missing: the table has no column feed; add one, or give --feed 3000mm/min (feed= in Python)",
                     int(line[1 + needs[0]]),
                 )
             default = 1.0

@@ -23,7 +23,7 @@ AXIS_GAP = 0.9e-4
 """Most angle between the tool axis and the great circle [rad]; a tenth below the promised 1e-4."""
 FIRST_TURN = np.deg2rad(5.0)
 """Most rotation of a piece before measuring [rad], so that three places inside see the whole of it."""
-MOST_PIECES_OF_BLOCK = 200_000
+MOST_PIECES_OF_BLOCK = 100_000
 MOST_PIECES = 4_000_000
 CHUNK = 100_000
 INSIDE = np.array([0.25, 0.5, 0.75])
@@ -112,7 +112,8 @@ class Unroll:
             self.source.fail(
                 f"this block turns {np.rad2deg(self.rotation[worst]):.6g} deg over "
                 f"{self.length[worst] * 1e3:.6g} mm of way and would take {float(pieces[worst]):.3g} points "
-                f"(at most {MOST_PIECES_OF_BLOCK} a block, {MOST_PIECES} in all): check its numbers, or split the program",
+                f"(at most {MOST_PIECES_OF_BLOCK} a block, {MOST_PIECES} in all): "
+                "check its numbers, or split the program",
                 int(self.line[worst]),
             )
 

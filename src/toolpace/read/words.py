@@ -24,9 +24,7 @@ def without_comments(line: str) -> str:
         line = _COMMENT.sub(" ", line)
         line = line.split(";", 1)[0]
         if "(" in line or ")" in line:
-            raise WordError(
-                "a comment's bracket has no partner: close the comment on its line, and do not nest them"
-            )
+            raise WordError("a comment's bracket has no partner: close the comment on its line, and do not nest them")
     return line.upper().strip()
 
 
@@ -35,12 +33,12 @@ def words(block: str) -> list[tuple[str, str]]:
     match = _BLOCK.match(block)
     end = match.end() if match else 0
     if end != len(block):
-        raise WordError(_reason(block[end:]))
+        raise WordError(_reason(block, block[end:]))
     return _WORD.findall(block)
 
 
-def _reason(rest: str) -> str:
-    if any(mark in rest for mark in "#[]=<>") or rest.startswith("O"):
+def _reason(block: str, rest: str) -> str:
+    if any(mark in rest for mark in "#[]=<>") or block.startswith("O"):
         return (
             "variables, expressions, subroutines and loops are not read: "
             "export the program with plain numbers and every block written out"
