@@ -58,9 +58,11 @@ TABLE = """x [mm],y [mm],z [mm],i,j,k,feed [mm/min],rapid,stop,dwell [s]
 4,5,6,0,0,1,100,1,1,0
 """
 SEEDS = {"gcode": GCODE, "apt": APT, "csv": TABLE}
-SCRAPS = ["nan", "inf", "-", "+", ".", "1e999", "9" * 400, "$", "%", "(", ")", ";",
-          "/", "\x00", "\n", ",", "G", "#1", "G2", "G3",
-          "R1", "P9", "C99999", "CIRCLE/", "G91", "G20", "M429", "M428", "é", "\t", "\f", "\u2028", "\u0660"]  # fmt: skip
+SCRAPS = [
+    "nan", "inf", "-", "+", ".", "1e999", "$", "%", "(", ")", ";", "/", ",", "G",
+    "#1", "G2", "G3", "R1", "P9", "C99999", "CIRCLE/", "G91", "G20", "M429", "M428", "é",
+    "9" * 400, "\x00", "\n", "\t", "\f", "\u2028", "\u0660",
+]  # fmt: skip
 
 
 def check(data: bytes, dialect: str | None, machine=MACHINE) -> None:

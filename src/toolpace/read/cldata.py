@@ -98,9 +98,8 @@ class ClReader:
         if len(values) == 6:
             self.axis = (values[3], values[4], values[5])
         elif len(values) != 3:
-            cut = "; the file is cut off here" if self.source.cut_off_at(statement.line) else ""
             self.source.fail(
-                f"{statement.major} has {len(values)} numbers: it takes x, y, z, or x, y, z, i, j, k{cut}",
+                f"{statement.major} has {len(values)} numbers: it takes x, y, z, or x, y, z, i, j, k",
                 statement.line,
             )
         unit = self.unit

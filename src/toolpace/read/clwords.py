@@ -127,8 +127,7 @@ def _statement(source: Source, text: str, line: int) -> Statement:
             return Statement(line, word, [text[len(word) :]])
     match = _MAJOR.fullmatch(text)
     if match is None:
-        cut = "; the file is cut off here" if source.cut_off_at(line) else ""
-        source.fail(f"this is no statement of the form WORD or WORD/...: correct or remove it{cut}", line)
+        source.fail("this is no statement of the form WORD or WORD/...: correct or remove it", line)
     return Statement(line, match[1], _split(match[2] or ""))
 
 

@@ -55,12 +55,7 @@ class GcodeReader:
                     self.state.skipped["/"] += self.block_delete
                 if block:
                     self.block(block, line)
-            except WordError as error:
-                cut = (
-                    "the file ends in the middle of a word, it looks cut off; " if self.source.cut_off_at(line) else ""
-                )
-                self.source.fail(f"{cut}{error}", line)
-            except ArcError as error:
+            except (WordError, ArcError) as error:
                 self.source.fail(str(error), line)
             if self.state.ended:
                 break
@@ -125,6 +120,8 @@ class GcodeReader:
                 state.skipped[letter] += 1
         if dwell:
             self._dwell(numbers, line)
+            if numbers and new_motion is None:
+                fail("G4 takes P alone: write the motion in a block of its own", line)
         if new_motion is not None:
             state.motion = None if new_motion == 800 else new_motion
         if numbers:

@@ -60,13 +60,11 @@ class Source:
 
     def fail(self, message: str, line: int) -> NoReturn:
         """Raise a ProgramError that shows the line (from 1; 0 speaks of the whole file)."""
+        if line == len(self.lines) and not self.last_line_ended and "cut off" not in message:
+            message += "; the file ends here without a line end: is it cut off?"
         text = self.lines[line - 1] if 0 < line <= len(self.lines) else ""
         shown = "".join(c if c.isprintable() else " " for c in text)
         raise ProgramError(message, source=self.name, line=line, text=shown)
-
-    def cut_off_at(self, line: int) -> bool:
-        """Whether the line is the last one and lacks its line end."""
-        return line == len(self.lines) and not self.last_line_ended
 
 
 def _similar(path: Path) -> str:

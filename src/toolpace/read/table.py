@@ -100,14 +100,13 @@ def _numbers(source: Source, rows: list[tuple[int, str]], delimiter: str, width:
         pass
     for line, text in rows:
         cells = text.split(delimiter)
-        cut = "; the file is cut off here" if source.cut_off_at(line) else ""
         if len(cells) != width:
-            source.fail(f"this row has {len(cells)} cells, the header {width}: complete it{cut}", line)
+            source.fail(f"this row has {len(cells)} cells, the header {width}: complete it", line)
         for cell in cells:
             try:
                 float(cell)
             except ValueError:
-                source.fail(f"'{cell.strip()[:20]}' is no number: write it like -12.5{cut}", line)
+                source.fail(f"'{cell.strip()[:20]}' is no number: write it like -12.5", line)
     source.fail("the rows of this table cannot be read: write plain numbers under its header", rows[0][0])
 
 
