@@ -32,7 +32,7 @@ REFUSED: dict[int, str] = {
     50: "splines are not read: let the CAM system write lines and arcs",
     51: "splines are not read: let the CAM system write lines and arcs",
     52: "splines are not read: let the CAM system write lines and arcs",
-    70: "lathe diameter mode is not read: write G8 programs in radius without it",
+    70: "lathe diameter mode is not read: write the program in radius, without G7",
     100: "it sets data in the controller that may shift positions: " + _OFFSETS,
     280: _REFERENCE,
     281: _REFERENCE,
