@@ -66,7 +66,7 @@ def damaged(path, kind):
     return path
 
 
-KINDS = ("missing", "folder", "empty", "text", "foreign", "one array", "strings", "pickle", "truncated", "stump")
+KINDS = ["missing", "folder", "empty", "text", "foreign", "one array", "strings", "pickle", "truncated", "stump"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -76,11 +76,10 @@ class SetPoints:
         source = Path(path)
         cure = "plan again to write it anew"
         try:
-            with np.load(source, allow_pickle=False) as archive:
-                if not isinstance(archive, np.lib.npyio.NpzFile):
-                    raise UsageError(
-                        f"{source}: holds one array, not set-points; give the setpoints.npz of a plan"
-                    )
+            archive = np.load(source, allow_pickle=False)
+            if not isinstance(archive, np.lib.npyio.NpzFile):
+                raise UsageError(f"{source}: holds one array, not set-points; give the setpoints.npz of a plan")
+            with archive:
                 names = [f.name for f in fields(cls)]
                 if missing := [name for name in names if name not in archive.files]:
                     raise UsageError(f"{source}: not a set-points file: lacks {', '.join(missing)}; {cure}")
