@@ -61,9 +61,7 @@ def _chosen(machine: Machine, toolpath: ToolPath, pole_tolerance: float) -> Floa
     points = np.flatnonzero(~pole)
     if len(points):
         rotary[points] = _fixed(machine, toolpath, solutions[points], points)
-    branches.settle_poles(
-        frame, axis, np.ascontiguousarray(toolpath.tip), pole, travel, pole_tolerance, rotary
-    )
+    branches.settle_poles(frame, axis, np.ascontiguousarray(toolpath.tip), pole, travel, pole_tolerance, rotary)
     return rotary
 
 
@@ -113,9 +111,7 @@ def _penalty(
     out = np.isinf(penalty).all(axis=1)
     if out.any():
         first = int(np.argmax(out))
-        raise tilt_out_of_travel(
-            machine, solutions[first], int(toolpath.block[points[first]]), toolpath.source
-        )
+        raise tilt_out_of_travel(machine, solutions[first], int(toolpath.block[points[first]]), toolpath.source)
     tip = np.ascontiguousarray(toolpath.tip[points])
     for side in range(2):
         try:

@@ -42,9 +42,7 @@ def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
             f"{source}: {len(linear)} linear and {len(rotary)} rotary joints; five axes need exactly "
             "three linear and two rotary ones"
         )
-    directions = {
-        name: np.array(joint.direction) / math.hypot(*joint.direction) for name, joint in joints.items()
-    }
+    directions = {name: np.array(joint.direction) / math.hypot(*joint.direction) for name, joint in joints.items()}
     signs = dict(order)
     first, second = rotary[0][0], rotary[1][0]
     u1, u2 = (sign * directions[name] for name, sign in rotary)
@@ -62,9 +60,7 @@ def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
     orientation = _workpiece_orientation(file, source)
     frame = np.ascontiguousarray(np.array(rows) @ orientation)
     position = {name: i for i, (name, _) in enumerate(order)}
-    group = np.array(
-        [sum(position[name] > position[turn] for turn, _ in rotary) for name in linear], dtype=np.int64
-    )
+    group = np.array([sum(position[name] > position[turn] for turn, _ in rotary) for name in linear], dtype=np.int64)
     place = np.array([names.index(name) for name in (first, second, *linear)], dtype=np.int64)
     _check_space(frame, group, linear, source)
     for array in (frame, group, place):
@@ -84,15 +80,11 @@ def _check_names(file: MachineFile, source: str) -> None:
                     f"{did_you_mean(name, file.joints)}"
                 )
             if name in used:
-                raise MachineError(
-                    f"{source}: joint {name} appears twice in [chain]; every joint moves one side once"
-                )
+                raise MachineError(f"{source}: joint {name} appears twice in [chain]; every joint moves one side once")
             used.add(name)
     for name in file.joints:
         if name not in used:
-            raise MachineError(
-                f"{source}: joint {name} is in neither [chain] workpiece nor tool; add it to one"
-            )
+            raise MachineError(f"{source}: joint {name} is in neither [chain] workpiece nor tool; add it to one")
 
 
 def _unit(vector: tuple[float, float, float], key: str, source: str) -> Floats:
@@ -117,23 +109,19 @@ def _workpiece_orientation(file: MachineFile, source: str) -> Floats:
 
 def _check_space(frame: Floats, group: Ints, names: list[str], source: str) -> None:
     """Refuse linear joints that lie in one plane whatever the rotary joints do."""
-    most = 0.0
     for t1 in np.arange(0.1, 6.2, 0.7):
         for t2 in np.arange(0.1, 6.2, 0.7):
             columns = [
                 _turned(frame[0], t1 if g > 0 else 0.0, _turned(frame[1], t2 if g > 1 else 0.0, direction))
                 for g, direction in zip(group, frame[6:])
             ]
-            most = max(most, abs(float(np.linalg.det(np.array(columns)))))
-    if most < PARALLEL:
-        raise MachineError(
-            f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; "
-            "they must span space"
-        )
+            if abs(float(np.linalg.det(np.array(columns)))) > PARALLEL:
+                return
+    raise MachineError(
+        f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; they must span space"
+    )
 
 
 def _turned(u: Floats, angle: float, v: Floats) -> Floats:
-    turned: Floats = (
-        math.cos(angle) * v + math.sin(angle) * np.cross(u, v) + (1.0 - math.cos(angle)) * (u @ v) * u
-    )
+    turned: Floats = math.cos(angle) * v + math.sin(angle) * np.cross(u, v) + (1.0 - math.cos(angle)) * (u @ v) * u
     return turned

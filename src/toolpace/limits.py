@@ -42,15 +42,11 @@ class Limits:
         names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
         for kind, value in zip(KINDS, given):
             if value.ndim != 1 or len(value) not in (1, count):
-                raise UsageError(
-                    f"limits: {kind} has shape {value.shape} for {count} joints ({', '.join(names)})"
-                )
+                raise UsageError(f"limits: {kind} has shape {value.shape} for {count} joints ({', '.join(names)})")
             limit = np.ascontiguousarray(np.broadcast_to(value, count)).copy()
             for name, figure in zip(names, limit):
                 if not figure > 0.0:
-                    raise UsageError(
-                        f"limits: {kind} of joint {name} is {figure:g}; give a positive number (or inf)"
-                    )
+                    raise UsageError(f"limits: {kind} of joint {name} is {figure:g}; give a positive number (or inf)")
             limit.flags.writeable = False
             object.__setattr__(self, kind, limit)
         object.__setattr__(self, "joints", names)
@@ -60,6 +56,4 @@ class Limits:
 
     def scaled(self, velocity: float = 1.0, acceleration: float = 1.0, jerk: float = 1.0) -> Limits:
         """The same limits times a factor of each kind."""
-        return Limits(
-            self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints
-        )
+        return Limits(self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints)

@@ -139,9 +139,7 @@ class Machine:
     def with_limits(self, limits: Limits) -> Machine:
         """The machine with other limits; `limits` has its joints in the same order."""
         if len(limits) != len(self.joints):
-            raise UsageError(
-                f"limits of {len(limits)} joints given, machine {self.name} has {len(self.joints)}"
-            )
+            raise UsageError(f"limits of {len(limits)} joints given, machine {self.name} has {len(self.joints)}")
         import msgspec
 
         values = zip(self.file.joints.items(), limits.velocity, limits.acceleration, limits.jerk)
@@ -196,9 +194,7 @@ class Machine:
         tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
         q = np.empty((len(tip), len(self.joints)))
         geometry = self.geometry
-        self._check_singular(
-            chain.joints_at(geometry.frame, geometry.group, geometry.place, tip, rotary, q), rotary
-        )
+        self._check_singular(chain.joints_at(geometry.frame, geometry.group, geometry.place, tip, rotary, q), rotary)
         return q
 
     def linear_jets(self, tip: Floats, rotary: Floats) -> Floats:

@@ -81,9 +81,7 @@ def read_machine(text: str, source: str) -> MachineFile:
     chain = _convert(raw["chain"], ChainFile, "[chain]", source)
     if not isinstance(raw["joints"], dict):
         raise MachineError(f"{source}: joints must be tables such as [joints.X]")
-    joints = {
-        name: _convert(value, JointFile, f"[joints.{name}]", source) for name, value in raw["joints"].items()
-    }
+    joints = {name: _convert(value, JointFile, f"[joints.{name}]", source) for name, value in raw["joints"].items()}
     for key in ("name", "note"):
         if not isinstance(raw.get(key, ""), str):
             raise MachineError(f"{source}: {key} must be text in quotes")
@@ -162,24 +160,18 @@ def _check_joint(name: str, joint: JointFile, source: str, units: Units) -> None
         if not figure > 0.0:
             raise MachineError(f"{place}: {key} = {figure:g} {unit}{suffix}; give a number above zero")
     if not all(map(math.isfinite, joint.direction)) or math.hypot(*joint.direction) < 1e-9:
-        raise MachineError(
-            f"{place}: direction = {list(joint.direction)} is no direction; give e.g. [1, 0, 0]"
-        )
+        raise MachineError(f"{place}: direction = {list(joint.direction)} is no direction; give e.g. [1, 0, 0]")
     if not all(map(math.isfinite, joint.point)):
         raise MachineError(f"{place}: point must be three finite numbers")
     if joint.wrap and joint.kind == "linear":
         raise MachineError(f"{place}: wrap = true is for rotary joints; give travel = [low, high] in {unit}")
     if joint.wrap and joint.travel is not None:
-        raise MachineError(
-            f"{place}: has both travel and wrap = true; keep one (wrap is for endless rotary joints)"
-        )
+        raise MachineError(f"{place}: has both travel and wrap = true; keep one (wrap is for endless rotary joints)")
     if joint.travel is None and not joint.wrap:
         cure = "" if joint.kind == "linear" else " or, for an endless rotary joint, wrap = true"
         raise MachineError(f"{place}: travel is missing; give travel = [low, high] in {unit}{cure}")
     if joint.travel is not None and not joint.travel[0] < joint.travel[1]:
-        raise MachineError(
-            f"{place}: travel = {list(joint.travel)} {unit} is empty; give the lower end first"
-        )
+        raise MachineError(f"{place}: travel = {list(joint.travel)} {unit} is empty; give the lower end first")
 
 
 def _scaled(vector: Vector, factor: float) -> Vector:

@@ -95,8 +95,7 @@ def tilt_out_of_travel(machine: Machine, solutions: Floats, block: int, source: 
 def singular_pose(machine: Machine, rotary: Floats) -> ReachError:
     """The error for rotary positions (2,) at which the linear joints act in one plane."""
     where = ", ".join(
-        f"{machine.joints[joint]} = {math.degrees(angle):.3f} deg"
-        for joint, angle in zip(machine.rotary, rotary)
+        f"{machine.joints[joint]} = {math.degrees(angle):.3f} deg" for joint, angle in zip(machine.rotary, rotary)
     )
     return ReachError(
         f"machine {machine.name}: at {where} the linear joints cannot move the tip in all directions; "
@@ -123,6 +122,4 @@ def _others(lines: Ints) -> str:
 def _cure(machine: Machine, joint: int) -> str:
     if machine.is_rotary[joint]:
         return "mount the part otherwise, split the program there, or correct the travel in the machine file"
-    return (
-        "move the part (workpiece_origin), change the tool length, or correct the travel in the machine file"
-    )
+    return "move the part (workpiece_origin), change the tool length, or correct the travel in the machine file"

@@ -113,9 +113,7 @@ def choose(
                         worth = possible and (way == 0 or (not endless[0] and abs(near) > 0.5 * math.pi))
                         bad[s, r, way] = not worth or (
                             not bridged[i]
-                            and strays(
-                                frame, angles[i - 1, s], change[s, r, way], axis[i - 1], axis[i], scratch
-                            )
+                            and strays(frame, angles[i - 1, s], change[s, r, way], axis[i - 1], axis[i], scratch)
                         )
             best = 0
             for state in range(states):
@@ -145,12 +143,7 @@ def choose(
                             w1 = angles[i, r, 0] + TURN * (first_turn[0] + j1) if free else v1
                             if free and slot_of(w1, angles[i, r, 0], travel[0], first_turn[0], k1) < 0:
                                 continue
-                            total = (
-                                cost[state]
-                                + penalty[i, r]
-                                + abs(w1 - value[state, 0])
-                                + abs(v2 - value[state, 1])
-                            )
+                            total = cost[state] + penalty[i, r] + abs(w1 - value[state, 0]) + abs(v2 - value[state, 1])
                             target = (r * k1 + j1) * k2 + j2
                             if total < new_cost[target]:
                                 new_cost[target] = total
@@ -227,9 +220,7 @@ def step(tip: Any, i: int) -> float:
 
 
 @jit()
-def settle_poles(
-    frame: Any, axis: Any, tip: Any, pole: Any, travel: Any, tolerance: float, rotary: Any
-) -> None:
+def settle_poles(frame: Any, axis: Any, tip: Any, pole: Any, travel: Any, tolerance: float, rotary: Any) -> None:
     """Fill in `rotary` (n, 2) at poles (n,), the rest being given.
 
     The first joint turns over each stretch of poles in proportion to the way of the tip, from its value

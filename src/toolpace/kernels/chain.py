@@ -40,9 +40,7 @@ def dot(a: Any, b: Any) -> float:
 def triple(a: Any, b: Any, c: Any) -> float:
     """a . (b x c)."""
     volume: float = (
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-        + a[1] * (b[2] * c[0] - b[0] * c[2])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
     return volume
 

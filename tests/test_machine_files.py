@@ -1,0 +1,148 @@
+"""Machine files: what is built in, what goes through, and one line of error for everything that does not."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toolpace.errors import MachineError, UsageError
+from toolpace.limits import Limits
+from toolpace.machine import Machine
+
+TEXT = Machine.load("xyzac-trunnion").to_toml()
+
+
+def test_built_in_names_and_classes() -> None:
+    classes = {name: Machine.load(name).kind for name in Machine.names()}
+    assert classes == {
+        "linuxcnc-xyzac-trt": "table-table",
+        "paper-ab": "head-table",
+        "xyzac-trunnion": "table-table",
+        "xyzbc-head": "head-head",
+        "xyzbc-nutating": "head-table",
+        "xyzbc-trunnion": "table-table",
+    }
+
+
+@pytest.mark.parametrize("name", Machine.names())
+def test_text_round_trip_is_exact(name: str, tmp_path: Path) -> None:
+    machine = Machine.load(name)
+    file = tmp_path / "mine.toml"
+    file.write_text(machine.to_toml())
+    again = Machine.load(file)
+    for key in ("frame", "group", "place"):
+        np.testing.assert_array_equal(getattr(machine.geometry, key), getattr(again.geometry, key))
+    np.testing.assert_array_equal(machine.travel, again.travel)
+    for key in ("velocity", "acceleration", "jerk"):
+        np.testing.assert_array_equal(getattr(machine.limits, key), getattr(again.limits, key))
+    assert (machine.joints, machine.name, machine.kind) == (again.joints, again.name, again.kind)
+
+
+def test_units() -> None:
+    machine = Machine.load("linuxcnc-xyzac-trt")
+    np.testing.assert_allclose(machine.limits.velocity, [0.02, 0.02, 0.02, math.radians(30), math.radians(30)])
+    np.testing.assert_allclose(machine.limits.jerk, [3, 3, 3, math.radians(3000), math.radians(3000)])
+    np.testing.assert_allclose(machine.travel[:, 1], [0.2, 0.1, 0.12, math.radians(50), math.radians(36000)])
+    wrap = Machine.load("xyzac-trunnion")
+    assert wrap.wrap.tolist() == [False, False, False, False, True] and np.isinf(wrap.travel[4]).all()
+    inch = Machine.from_toml(TEXT.replace('length = "m"', 'length = "in"'))
+    np.testing.assert_allclose(inch.limits.velocity[:3], 0.0254 * wrap.limits.velocity[:3])
+
+
+def test_description() -> None:
+    machine = Machine.load("paper-ab")
+    assert "head-table, workpiece < Y < X < B < bed > Z > A > tool" in repr(machine)
+    row = machine.summary()[3]
+    assert row["joint"] == "A" and row["carries"] == "tool" and row["velocity"] == "28.6479 deg/s"
+    assert Machine.load("xyzac-trunnion").summary()[4]["travel"] == "endless"
+
+
+def test_arrays_are_locked() -> None:
+    machine = Machine.load("paper-ab")
+    for array in (machine.travel, machine.geometry.frame, machine.limits.jerk):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+def test_other_limits() -> None:
+    machine = Machine.load("paper-ab")
+    faster = machine.with_limits(machine.limits.scaled(jerk=2.0))
+    assert faster.limits.jerk.tolist() == [400.0] * 5 and faster.limits.velocity.tolist() == [0.5] * 5
+    with pytest.raises(UsageError, match="limits of 2 joints given, machine paper-ab has 5"):
+        machine.with_limits(Limits([1, 1], [1, 1], [1, 1]))
+
+
+def swap(old: str, new: str, count: int = 1) -> str:
+    assert old in TEXT
+    return TEXT.replace(old, new, count)
+
+
+BAD = {
+    "misspelt limit": (
+        swap("acceleration", "accelleration"),
+        r"m.toml: \[joints.X\] unknown key 'accelleration'; did you mean 'acceleration'",
+    ),
+    "misspelt chain": (swap("spindle_nose", "nose"), r"\[chain\] unknown key 'nose'; known: workpiece, tool,"),
+    "misspelt table": (swap("[units]", "[unit]"), r"unknown key 'unit'; did you mean 'units'"),
+    "missing limit": (swap("jerk = 50.0\n", ""), r"\[joints.X\] 'jerk' is missing"),
+    "zero limit": (swap("jerk = 50.0\n", "jerk = 0\n"), r"joint X: jerk = 0 m/s\^3; give a number above zero"),
+    "negative limit": (swap("jerk = 50.0\n", "jerk = -1\n"), r"joint X: jerk = -1 m/s\^3"),
+    "nan limit": (swap("jerk = 50.0\n", "jerk = nan\n"), r"joint X: jerk = nan m/s\^3"),
+    "text limit": (swap("jerk = 50.0\n", 'jerk = "50"\n'), r"\[joints.X\] Expected `float`, got `str`: key `jerk`"),
+    "wrong unit": (swap('length = "m"', 'length = "cm"'), r"\[units\] Invalid enum value 'cm'"),
+    "no travel": (swap("travel = [-0.5, 0.5]\n", ""), r"joint X: travel is missing; give travel ="),
+    "reversed travel": (swap("travel = [-0.5, 0.5]", "travel = [0.5, -0.5]"), r"travel = \[0.5, -0.5\] m is empty"),
+    "travel and wrap": (swap("wrap = true", "wrap = true\ntravel = [-1, 1]"), r"joint C: has both travel and wrap"),
+    "linear wrap": (swap("travel = [-0.5, 0.5]", "wrap = true"), r"joint X: wrap = true is for rotary joints"),
+    "no direction": (swap("direction = [1.0, 0.0, 0.0]", "direction = [0, 0, 0]"), r"joint X: .* is no direction"),
+    "plane": (swap("direction = [0.0, 1.0, 0.0]", "direction = [1, 0, 0]"), r"linear joints X, Y, Z lie in one plane"),
+    "parallel": (swap("direction = [-1.0, 0.0, 0.0]", "direction = [0, 0, 1]"), r"rotary joints C and A are parallel"),
+    "no tilt": (swap('workpiece = ["A", "C"]', 'workpiece = ["C", "A"]'), r"rotary joint C turns about the tool axis"),
+    "unknown joint": (swap('"A", "C"', '"A", "D"'), r"\[chain\] workpiece names joint 'D', which has no table"),
+    "idle joint": (swap('"A", "C"', '"A"'), r"joint C is in neither"),
+    "twice": (swap('"A", "C"', '"A", "C", "X"'), r"joint X appears twice"),
+    "four linear": (swap('kind = "rotary"', 'kind = "linear"'), r"4 linear and 1 rotary joints; .* need exactly"),
+    "no chain": (swap("[chain]", "[chains]"), r"unknown key 'chains'; did you mean 'chain'"),
+    "not toml": ("name = ", r"m.toml: not a TOML file"),
+    "skew part": (swap("workpiece_x = [1.0, 0.0, 0.0]", "workpiece_x = [1, 0, 1]"), r"not at a right angle"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_file(case: str) -> None:
+    text, message = BAD[case]
+    with pytest.raises(MachineError, match=message) as caught:
+        Machine.from_toml(text, "m.toml")
+    assert str(caught.value).startswith("m.toml: ") and "\n" not in str(caught.value)
+
+
+def test_unknown_machine_lists_the_known() -> None:
+    with pytest.raises(
+        MachineError, match=r"unknown machine 'xyzac-trunion'; did you mean 'xyzac-trunnion'\? built-in: "
+    ):
+        Machine.load("xyzac-trunion")
+    with pytest.raises(MachineError, match=r"unknown machine 'foo'; built-in: linuxcnc-xyzac-trt, paper-ab"):
+        Machine.load("foo")
+    with pytest.raises(MachineError, match=r"machine file gone.toml: No such file"):
+        Machine.load("gone.toml")
+
+
+def test_binary_file(tmp_path: Path) -> None:
+    file = tmp_path / "m.toml"
+    file.write_bytes(b"\xff\xfe\x00\x01")
+    with pytest.raises(MachineError, match="not a text file"):
+        Machine.load(file)
+
+
+def test_limits() -> None:
+    limits = Limits(1.0, [2.0, 3.0], math.inf)
+    assert limits.joints == ("q1", "q2") and limits.velocity.tolist() == [1.0, 1.0] and len(limits) == 2
+    with pytest.raises(UsageError, match="acceleration of joint q2 is nan"):
+        Limits(1.0, [2.0, math.nan], 1.0)
+    with pytest.raises(UsageError, match="velocity of joint X is 0"):
+        Limits(0.0, 1.0, 1.0, ("X",))
+    with pytest.raises(UsageError, match=r"jerk has shape \(3,\) for 2 joints"):
+        Limits([1, 1], [1, 1], [1, 1, 1], ("X", "Y"))
