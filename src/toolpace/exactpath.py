@@ -24,8 +24,12 @@ class CallableRun(PathRun):
         """Position and derivatives at s (n,), as the function gives them."""
         s = np.asarray(s, dtype=np.float64)
         parts = [self.curve(s, order) for order in range(4)]
-        tip = np.stack([np.broadcast_to(np.asarray(part[0], dtype=np.float64), (len(s), 3)) for part in parts])
-        axis = np.stack([np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts])
+        tip = np.stack(
+            [np.broadcast_to(np.asarray(part[0], dtype=np.float64), (len(s), 3)) for part in parts]
+        )
+        axis = np.stack(
+            [np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts]
+        )
         return PathJet(tip, axis, None)
 
 
@@ -44,7 +48,9 @@ class TwoCurveRun(PathRun):
         return PathJet(tip, unit_jets(point - tip), None)
 
 
-def callable_run(curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None) -> CallableRun:
+def callable_run(
+    curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None
+) -> CallableRun:
     """One run of one block over [s0, s1]."""
     if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
         raise PathError(f"a path from s0 = {s0:g} to s1 = {s1:g} has no length; give s0 < s1")
@@ -64,18 +70,22 @@ def one_block(ends: Floats, feed: float) -> dict[str, Floats]:
     }
 
 
-def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float) -> CallableRun:
+def arc_run(
+    centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float
+) -> CallableRun:
     """A circular arc over its length, the tool axis in its plane at a constant angle to the outward normal.
 
-          n (normal, towards you)     P(s) = centre + R (e cos th + f sin th),  th = s / R
-          f |  /axis                  axis = e cos(th + lean) + f sin(th + lean)
-            | / ) lean
-            |/____ e = (start - centre) / R,  f = n x e
+    n (normal, towards you)     P(s) = centre + R (e cos th + f sin th),  th = s / R
+    f |  /axis                  axis = e cos(th + lean) + f sin(th + lean)
+      | / ) lean
+      |/____ e = (start - centre) / R,  f = n x e
     """
     centre, start = np.asarray(centre, dtype=np.float64), np.asarray(start, dtype=np.float64)
     radius = float(np.linalg.norm(start - centre))
     if radius == 0.0 or sweep <= 0.0:
-        raise PathError(f"an arc of radius {radius:g} m and sweep {sweep:g} rad has no length; turn the normal to go back")
+        raise PathError(
+            f"an arc of radius {radius:g} m and sweep {sweep:g} rad has no length; turn the normal to go back"
+        )
     e = (start - centre) / radius
     n = np.asarray(normal, dtype=np.float64) / np.linalg.norm(normal)
     if abs(n @ e) > 1e-9:

@@ -50,7 +50,11 @@ class Path:
 
     @classmethod
     def from_callable(
-        cls, f: Callable[[Floats, int], tuple[Floats, Floats]], s0: float = 0.0, s1: float = 1.0, feed: float = math.inf
+        cls,
+        f: Callable[[Floats, int], tuple[Floats, Floats]],
+        s0: float = 0.0,
+        s1: float = 1.0,
+        feed: float = math.inf,
     ) -> Path:
         """A path whose derivatives f(s (n,), order 0 to 3) -> (tip (n, 3) [m], unit axis (n, 3)) knows."""
         from toolpace.exactpath import callable_run

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 
 class PathJet(NamedTuple):
@@ -56,6 +57,21 @@ class PathRun(ABC):
         """Last parameter."""
         return float(self.breaks[-1])
 
+    @property
+    def third_jumps(self) -> bool:
+        """Whether the third derivative may jump at the breaks."""
+        return True
+
+    def block_index(self, s: Floats) -> Ints:
+        """(n,) index of the block at s; at a border that of the next."""
+        at = np.searchsorted(self.block_start, s, side="right") - 1
+        return np.clip(at, 0, len(self.block) - 1).astype(np.int64)
+
+    def block_at(self, s: Floats) -> Ints:
+        """(n,) line number of the block at s."""
+        line: Ints = self.block[self.block_index(s)]
+        return line
+
     @abstractmethod
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives 1 to 3 at s (n,): at a break those of its right side, at s1 those of its left."""
@@ -67,6 +83,11 @@ class SplineRun(PathRun):
 
     coefficients: Floats
     """(k - 1, 6, 5 or 6) Taylor coefficients at the left end of each piece: tip (3), then rotary joints (2) or axis (3)."""
+
+    @property
+    def third_jumps(self) -> bool:
+        """A spline of degree five with single knots is four times continuously differentiable."""
+        return False
 
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives at s (n,); the axis of unit length, with exact derivatives."""
@@ -91,5 +112,7 @@ def unit_jets(v: Floats) -> Floats:
     u[0] = v[0] / r[0][:, None]
     u[1] = (v[1] - r[1][:, None] * u[0]) / r[0][:, None]
     u[2] = (v[2] - 2.0 * r[1][:, None] * u[1] - r[2][:, None] * u[0]) / r[0][:, None]
-    u[3] = (v[3] - 3.0 * r[1][:, None] * u[2] - 3.0 * r[2][:, None] * u[1] - r[3][:, None] * u[0]) / r[0][:, None]
+    u[3] = (v[3] - 3.0 * r[1][:, None] * u[2] - 3.0 * r[2][:, None] * u[1] - r[3][:, None] * u[0]) / r[0][
+        :, None
+    ]
     return u

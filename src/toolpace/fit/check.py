@@ -13,15 +13,6 @@ from toolpace.fit.mesh import interpolate
 from toolpace.fit.polyline import Machine, Polyline, great_circle
 from toolpace.pathrun import Floats
 
-PARTS = 4
-
-
-def dense(samples: Floats) -> Floats:
-    """Parameters that cut each stretch between samples into PARTS."""
-    u = np.arange(PARTS) / PARTS
-    inner = (samples[:-1, None] + np.diff(samples)[:, None] * u).ravel()
-    return np.concatenate([inner, samples[-1:]])
-
 
 def deviations(
     line: Polyline,
@@ -46,4 +37,3 @@ def deviations(
         program = great_circle(line.axis[cell], line.axis[cell + 1], u[:, None])
     angle = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * np.linalg.norm(curve - program, axis=1)))
     return tip_off, angle / axis_tolerance
-

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from toolpace.errors import PathError, UsageError
-from toolpace.fit.check import dense, deviations
-from toolpace.fit.mesh import inside_spline, knots_of, sample
+from toolpace.fit.check import deviations
+from toolpace.fit.mesh import dense, first_breaks, inside_spline, knots_of, refined_at
 from toolpace.fit.polyline import Machine, Polyline, polylines
 from toolpace.fit.tube import tighten
 from toolpace.pathrun import Floats, SplineRun
@@ -64,46 +64,54 @@ def fit_run(
     from toolpace.kernels.spline import jets, pieces
 
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
-    extra = np.zeros(0)
-    breaks, data, tip, turn = inside_spline(line, weight, axis_tolerance, machine, extra)
-    first_tip, first_turn = tip.copy(), turn.copy()
-    radius = (np.ones(len(data.s)), np.ones(len(data.s)))
     joints_given = machine is not None and toolpath.rotary is not None
+    least_third = SLOW * tip_tolerance**2
+    breaks = first_breaks(line.s)
+    narrow: list[tuple[Floats, Floats]] = []
     for repair in range(REPAIRS + 1):
-        tighten(breaks, data, tip, turn, weight, SLOW * tip_tolerance**2, radius)
+        breaks, data, tip, turn = inside_spline(line, breaks, weight, axis_tolerance, machine)
+        if repair < REPAIRS:
+            tighten(breaks, data, tip, turn, weight, least_third, narrowed(data.s, narrow))
         polynomials = pieces(knots_of(breaks), np.concatenate([tip, turn], axis=1))
         at = dense(data.s)
         curve = jets(breaks, polynomials, at)[0]
-        tip_off, axis_off = deviations(line, at, curve[:, :3], curve[:, 3:], axis_tolerance, machine, joints_given)
-        bad = np.maximum(tip_off, axis_off) > 1.0
-        if not np.any(bad):
-            break
-        if repair == REPAIRS:
-            raise PathError("the curve cannot be kept inside the tolerance")
-        # compare at the places of the trouble too, and start over there from the first spline
-        tip[:], turn[:] = first_tip, first_turn
-        old, old_radius = data.s, radius
-        extra = np.concatenate([extra, at[bad]])
-        data = sample(line, breaks, extra, axis_tolerance, machine)
-        near = np.clip(np.searchsorted(old, data.s), 0, len(old) - 1)
-        radius = (old_radius[0][near].copy(), old_radius[1][near].copy())
-        for off, limit in ((tip_off, radius[0]), (axis_off, radius[1])):
-            for j in np.flatnonzero(off > 1.0):
-                k = np.searchsorted(data.s, at[j])
-                limit[max(0, k - 2) : k + 3] *= 0.97 / off[j]
-    return piecewise(line, toolpath, breaks, polynomials, tip_tolerance, axis_tolerance, start), float(
-        np.max(tip_off)
-    ), float(np.max(axis_off))
+        tip_off, axis_off = deviations(
+            line, at, curve[:, :3], curve[:, 3:], axis_tolerance, machine, joints_given
+        )
+        off = np.maximum(tip_off, axis_off)
+        bad = np.flatnonzero(off > 1.0)
+        if len(bad) == 0:
+            run = piecewise(line, toolpath, breaks, polynomials, tip_tolerance, axis_tolerance, start)
+            return run, float(np.max(tip_off)), float(np.max(axis_off))
+        narrow.append((at[bad], np.maximum(0.96 / off[bad], 0.7)))
+        breaks = refined_at(line.s, breaks, at[bad])
+    raise PathError("the curve cannot be kept inside the tolerance")
 
 
-def turn_weight(line: Polyline, tip_tolerance: float, axis_tolerance: float, machine: Machine | None) -> Floats:
+def narrowed(s: Floats, narrow: list[tuple[Floats, Floats]]) -> Floats:
+    """Radius (m,) of the tube at the samples, narrower where the curve was found outside."""
+    radius = np.ones(len(s))
+    for at, share in narrow:
+        k = np.searchsorted(s, at)
+        least = np.ones(len(s))
+        for shift in (-2, -1, 0, 1):
+            np.minimum.at(least, np.clip(k + shift, 0, len(s) - 1), share)
+        radius *= least
+    return np.maximum(radius, 0.3)
+
+
+def turn_weight(
+    line: Polyline, tip_tolerance: float, axis_tolerance: float, machine: Machine | None
+) -> Floats:
     """Relative weight of the squared roughness of each coordinate of the turn: what the joints feel of it.
 
     A rotary joint feels itself, and the linear joints feel it times the lever of the tip.
     """
     if machine is None:
         return np.ones(3)
-    lever = np.sqrt(np.mean(machine.tip_lever(line.tip * tip_tolerance, line.turn * axis_tolerance) ** 2, axis=0))
+    lever = np.sqrt(
+        np.mean(machine.tip_lever(line.tip * tip_tolerance, line.turn * axis_tolerance) ** 2, axis=0)
+    )
     jerk = np.asarray(machine.limits.jerk)
     linear = np.min(jerk[machine.linear])
     squared = 1.0 / jerk[machine.rotary] ** 2 + (lever / linear) ** 2

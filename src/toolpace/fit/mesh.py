@@ -12,7 +12,7 @@ import numpy as np
 
 from toolpace.errors import PathError
 from toolpace.fit.polyline import Machine, Polyline, axis_columns
-from toolpace.pathrun import Floats, Ints
+from toolpace.pathrun import Bools, Floats, Ints
 
 SPACING = 20.0
 """Least distance of the first knots [tolerances]: curves that differ by less than a tolerance need no closer ones."""
@@ -23,6 +23,10 @@ INSIDE = 0.6
 SMOOTHING = 0.01
 """Weight of the roughness in the first spline: it smooths what is shorter than a few tolerances."""
 ROUNDS = 60
+LEAST = 1e-4
+"""Shortest cell [tolerances]."""
+PARTS = 4
+"""Into how many parts the stretches between samples are cut to look between them."""
 
 
 @dataclass(frozen=True)
@@ -43,17 +47,14 @@ class Samples:
     """(m, d, d) what a deviation of the turn is on the sphere, squared."""
 
 
-def first_knots(s: Floats) -> Floats:
-    """Breaks at vertices, SPACING apart or more, and graded."""
-    breaks = [s[0]]
-    vertex = 0
-    while True:
-        vertex = int(np.searchsorted(s, breaks[-1] + SPACING))
-        if vertex >= len(s) - 1 or s[-1] - s[vertex] < 0.5 * SPACING:
-            break
-        breaks.append(s[vertex])
-    breaks.append(s[-1])
-    return graded(np.array(breaks))
+def first_breaks(s: Floats) -> Floats:
+    """Breaks at vertices, SPACING apart or more, and graded; two cells at least."""
+    from toolpace.kernels.spline import thin
+
+    breaks = thin(s, SPACING)
+    if len(breaks) < 3:
+        breaks = np.array([s[0], 0.5 * (s[0] + s[-1]), s[-1]])
+    return graded(breaks)
 
 
 def graded(breaks: Floats) -> Floats:
@@ -80,18 +81,25 @@ def interpolate(s: Floats, values: Floats, at: Floats) -> Floats:
     return np.stack([np.interp(at, s, column) for column in values.T], axis=1)
 
 
-def sample(line: Polyline, breaks: Floats, extra: Floats, axis_tolerance: float, machine: Machine | None) -> Samples:
-    """Samples at vertices, breaks, `extra` parameters and the middles between them where these are not close."""
+def sample(
+    line: Polyline, breaks: Floats, axis_tolerance: float, machine: Machine | None, at: Floats | None = None
+) -> Samples:
+    """Samples `at` parameters; by default vertices, breaks, and the middles between them where these are not close."""
     from toolpace.kernels.spline import basis_rows
 
-    s = np.unique(np.concatenate([line.s, breaks, extra]))
-    middle = 0.5 * (s[1:] + s[:-1])
-    cell = np.clip(np.searchsorted(breaks, middle) - 1, 0, len(breaks) - 2)
-    wide = np.diff(s) > 0.2 * np.diff(breaks)[cell]
-    s = np.sort(np.concatenate([s, middle[wide]]))
+    if at is None:
+        s = np.unique(np.concatenate([line.s, breaks]))
+        middle = 0.5 * (s[1:] + s[:-1])
+        cell = np.clip(np.searchsorted(breaks, middle) - 1, 0, len(breaks) - 2)
+        wide = np.diff(s) > 0.2 * np.diff(breaks)[cell]
+        s = np.sort(np.concatenate([s, middle[wide]]))
+    else:
+        s = at
     first, rows = basis_rows(knots_of(breaks), s)
     turn = interpolate(line.s, line.turn, s)
-    return Samples(s, first, rows, interpolate(line.s, line.tip, s), turn, turn_metric(turn, axis_tolerance, machine))
+    return Samples(
+        s, first, rows, interpolate(line.s, line.tip, s), turn, turn_metric(turn, axis_tolerance, machine)
+    )
 
 
 def turn_metric(turn: Floats, axis_tolerance: float, machine: Machine | None) -> Floats:
@@ -112,20 +120,16 @@ def turn_metric(turn: Floats, axis_tolerance: float, machine: Machine | None) ->
 
 
 def inside_spline(
-    line: Polyline, weight: Floats, axis_tolerance: float, machine: Machine | None, extra: Floats
+    line: Polyline, breaks: Floats, weight: Floats, axis_tolerance: float, machine: Machine | None
 ) -> tuple[Floats, Samples, Floats, Floats]:
     """Breaks, samples and the coefficients of tip (n, 3) and turn (n, d) of a spline well inside the tube."""
     from toolpace.kernels.spline import third_rows
     from toolpace.kernels.tube import least_squares
 
-    breaks = first_knots(line.s)
-    if len(breaks) < 3:
-        breaks = np.array([breaks[0], 0.5 * (breaks[0] + breaks[-1]), breaks[-1]])
-    eye = np.eye(3)
     for _ in range(ROUNDS):
-        data = sample(line, breaks, extra, axis_tolerance, machine)
+        data = sample(line, breaks, axis_tolerance, machine)
         third = third_rows(knots_of(breaks))
-        tips = np.broadcast_to(eye, (len(data.s), 3, 3)).copy()
+        tips = np.broadcast_to(np.eye(3), (len(data.s), 3, 3)).copy()
         n = len(breaks) + 4
         tip, turn = np.zeros((n, 3)), np.zeros((n, data.turn.shape[1]))
         tip[0], tip[-1], turn[0], turn[-1] = line.tip[0], line.tip[-1], line.turn[0], line.turn[-1]
@@ -133,26 +137,51 @@ def inside_spline(
         done &= least_squares(third, SMOOTHING * weight, data.first, data.rows, data.turn, data.metric, turn)
         if not done:
             break
-        worst = np.maximum(deviation(data, tip, data.tip, tips), deviation(data, turn, data.turn, data.metric))
-        bad = np.flatnonzero(worst > INSIDE)
+        bad = data.s[outside(data, tip, turn)]
+        if len(bad) == 0:
+            # a spline with as many coefficients as samples obeys at the samples and swings between them
+            between = sample(line, breaks, axis_tolerance, machine, dense(data.s))
+            bad = between.s[outside(between, tip, turn)]
         if len(bad) == 0:
             return breaks, data, tip, turn
-        split = np.zeros(len(breaks) - 1, dtype=bool)
-        for side in (-1e-9, 1e-9):
-            at = np.searchsorted(breaks, data.s[bad] + side * (1.0 + data.s[bad]), side="right") - 1
-            split[np.clip(at, 0, len(split) - 1)] = True
-        if np.any(np.diff(breaks)[split] < 1e-4):
-            break
-        breaks = graded(np.sort(np.concatenate([breaks, middles(line.s, breaks, split)])))
+        breaks = refined_at(line.s, breaks, bad)
     raise PathError("the program asks for a corner that no curve within the tolerance can follow")
 
 
-def middles(vertices: Floats, breaks: Floats, split: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Floats:
+def outside(data: Samples, tip: Floats, turn: Floats) -> Bools:
+    """Which samples see the splines leave the inner part of the tube."""
+    tips = np.broadcast_to(np.eye(3), (len(data.s), 3, 3)).copy()
+    return np.asarray(
+        np.maximum(deviation(data, tip, data.tip, tips), deviation(data, turn, data.turn, data.metric))
+        > INSIDE
+    )
+
+
+def dense(samples: Floats) -> Floats:
+    """Parameters that cut each stretch between samples into PARTS."""
+    inner = (samples[:-1, None] + np.diff(samples)[:, None] * (np.arange(PARTS) / PARTS)).ravel()
+    return np.concatenate([inner, samples[-1:]])
+
+
+def refined_at(vertices: Floats, breaks: Floats, bad: Floats) -> Floats:
+    """The breaks with the cells that hold or touch a bad parameter cut in two."""
+    split = np.zeros(len(breaks) - 1, dtype=bool)
+    for side in (-1e-9, 1e-9):
+        at = np.searchsorted(breaks, bad + side * (1.0 + bad), side="right") - 1
+        split[np.clip(at, 0, len(split) - 1)] = True
+    if np.any(np.diff(breaks)[split] < LEAST):
+        raise PathError("the program asks for a corner that no curve within the tolerance can follow")
+    return graded(np.sort(np.concatenate([breaks, middles(vertices, breaks, split)])))
+
+
+def middles(vertices: Floats, breaks: Floats, split: Bools) -> Floats:
     """Where to cut the cells: at the vertex nearest the middle if there is one in the middle half."""
     low, high = breaks[:-1][split], breaks[1:][split]
     middle = 0.5 * (low + high)
     above = np.clip(np.searchsorted(vertices, middle), 1, len(vertices) - 1)
-    near = np.where(vertices[above] - middle < middle - vertices[above - 1], vertices[above], vertices[above - 1])
+    near = np.where(
+        vertices[above] - middle < middle - vertices[above - 1], vertices[above], vertices[above - 1]
+    )
     return np.where(np.abs(near - middle) < 0.25 * (high - low), near, middle)
 
 

@@ -69,7 +69,9 @@ def polylines(
     dense, entry = refined(toolpath, axis_tolerance, machine)
     tip = dense.tip / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
-    length = np.sqrt(np.sum(np.diff(tip, axis=0) ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2)
+    length = np.sqrt(
+        np.sum(np.diff(tip, axis=0) ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2
+    )
     stops = np.flatnonzero(dense.stop)
     stops = np.unique(np.concatenate([[0], stops, [len(dense) - 1]]))
     runs: list[Polyline] = []
@@ -140,7 +142,9 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
         )
     angle = 2.0 * np.arcsin(0.5 * chord)
     # the chord of a great circle dips by angle^2 / 8
-    toolpath, entry = inserted(toolpath, entry, np.ceil(angle / np.sqrt(0.4 * axis_tolerance)).astype(np.int64))
+    toolpath, entry = inserted(
+        toolpath, entry, np.ceil(angle / np.sqrt(0.4 * axis_tolerance)).astype(np.int64)
+    )
     if machine is None:
         return toolpath, entry
     for _ in range(8):

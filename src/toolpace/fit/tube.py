@@ -18,7 +18,7 @@ USED = 0.95
 """Share of the tolerance that the samples may use; what lies between takes some of the rest."""
 WINDOW = 2000
 SEAM = 250
-ACCURACY = 5e-3
+ACCURACY = 0.02
 STEPS = 80
 
 
@@ -29,7 +29,7 @@ def tighten(
     turn: Floats,
     weight: Floats,
     least_third: float,
-    radius: tuple[Floats, Floats],
+    radius: Floats,
 ) -> None:
     """Minimise the roughness of tip and turn inside the tube, in place.
 
@@ -46,13 +46,13 @@ def tighten(
     floor = 0.5 * least_third**2 * h
     tips = np.broadcast_to(np.eye(3), (len(data.s), 3, 3)).copy()
     groups = [
-        (tip, np.ones(3), data.tip, tips, radius[0]),
-        (turn, weight, data.turn, data.metric, radius[1]),
+        (tip, np.ones(3), data.tip, tips),
+        (turn, weight, data.turn, data.metric),
     ]
 
     def solve(job: tuple[int, int, int]) -> None:
         which, low, high = job
-        x, share, target, metric, limit = groups[which]
+        x, share, target, metric = groups[which]
         base = max(0, low - 5)
         end = min(len(x), high + 5)
         j0, j1 = np.searchsorted(data.first, [low - 5, high])
@@ -65,7 +65,7 @@ def tighten(
             target[j0:j1],
             metric[j0:j1],
             pull[j0:j1],
-            USED * limit[j0:j1],
+            USED * radius[j0:j1],
             before,
             low - base,
             high - base,

@@ -139,3 +139,17 @@ def jets(breaks: Floats, coefficients: Floats, s: Floats) -> Floats:
             out[2, j, c] = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
             out[3, j, c] = 6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)
     return out
+
+
+@jit()
+def thin(s: Floats, spacing: float) -> Floats:
+    """Some of the ascending s, the first and the last among them, each at least `spacing` from the one before."""
+    out = np.empty(len(s))
+    out[0] = s[0]
+    n = 1
+    for j in range(1, len(s) - 1):
+        if s[j] >= out[n - 1] + spacing and s[len(s) - 1] - s[j] >= 0.5 * spacing:
+            out[n] = s[j]
+            n += 1
+    out[n] = s[len(s) - 1]
+    return out[: n + 1].copy()
