@@ -82,7 +82,7 @@ class SplineRun(PathRun):
     """A piecewise polynomial of degree five, four times continuously differentiable: what a fit returns."""
 
     coefficients: Floats
-    """(k - 1, 6, 5 or 6) Taylor coefficients at the left end of each piece: tip (3), then rotary joints (2) or axis (3)."""
+    """(k - 1, 6, 5 or 6) Taylor coefficients at the left end of each piece: tip (3), then rotary joints (2) or axis."""
 
     @property
     def third_jumps(self) -> bool:
@@ -112,7 +112,5 @@ def unit_jets(v: Floats) -> Floats:
     u[0] = v[0] / r[0][:, None]
     u[1] = (v[1] - r[1][:, None] * u[0]) / r[0][:, None]
     u[2] = (v[2] - 2.0 * r[1][:, None] * u[1] - r[2][:, None] * u[0]) / r[0][:, None]
-    u[3] = (v[3] - 3.0 * r[1][:, None] * u[2] - 3.0 * r[2][:, None] * u[1] - r[3][:, None] * u[0]) / r[0][
-        :, None
-    ]
+    u[3] = (v[3] - 3.0 * r[1][:, None] * u[2] - 3.0 * r[2][:, None] * u[1] - r[3][:, None] * u[0]) / r[0][:, None]
     return u

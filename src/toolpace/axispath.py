@@ -1,0 +1,198 @@
+"""Joint positions along a path: all that a planner needs to know."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.errors import PathError, UsageError
+from toolpace.toolpath import ToolPath
+
+if TYPE_CHECKING:
+    from toolpace.machine import Machine
+    from toolpace.path import Path
+    from toolpace.pathrun import PathRun
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+GRID = 401
+"""Points of a run, beside its breaks, at which the solution of the inverse kinematics is chosen."""
+
+
+class AxisRun(ABC):
+    """One stretch between two stops, three times differentiable but for its `breaks`."""
+
+    s0: float
+    s1: float
+    breaks: Floats
+    """(k,) parameter values inside the run where the third derivative or the speed cap may jump."""
+    hints: Floats
+    """(h,) parameter values between which the run is smooth on the scale of a mesh cell; may be empty."""
+    dwell: float = 0.0
+    """Time to wait at the end [s]."""
+
+    @abstractmethod
+    def evaluate(self, s: Floats) -> Floats:
+        """(4, n, joints): positions and three derivatives along s, from the right at a break [m or rad over s]."""
+
+    @abstractmethod
+    def speed_cap(self, s: Floats) -> Floats:
+        """(n,) most ds/dt that feed and block times allow, from the right at a break; inf without a cap."""
+
+    def block_at(self, s: Floats) -> Ints:
+        """(n,) line number of the block at s; 0 where there is no program."""
+        return np.zeros(len(s), dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class AxisPath:
+    """Runs one after the other, each from rest to rest."""
+
+    runs: tuple[AxisRun, ...]
+    joints: tuple[str, ...]
+    machine: Machine | None = None
+
+    @classmethod
+    def from_callable(
+        cls,
+        f: Callable[[Floats, int], npt.ArrayLike],
+        s0: float = 0.0,
+        s1: float = 1.0,
+        *,
+        joints: Sequence[str] | None = None,
+        speed_cap: float | Callable[[Floats], npt.ArrayLike] = np.inf,
+        breaks: npt.ArrayLike = (),
+    ) -> AxisPath:
+        """A path given by a function: f(s (n,), order) -> (n, joints), the order-th derivative for orders 0 to 3.
+
+        `speed_cap` limits ds/dt; `breaks` names the values of s where the third derivative or the cap jumps.
+        """
+        if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
+            raise UsageError(f"path: s runs from {s0:g} to {s1:g}; it must increase")
+        run = CallableRun(f, float(s0), float(s1), speed_cap, np.unique(np.asarray(breaks, dtype=float)))
+        count = run.evaluate(np.array([s0, s1])).shape[2]
+        names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
+        if len(names) != count:
+            raise UsageError(f"path: {len(names)} joint names for {count} joints")
+        return cls((run,), names)
+
+    @classmethod
+    def follow(cls, path: Path, machine: Machine) -> AxisPath:
+        """The joints of a machine that carries tool tip and tool axis along a path."""
+        branches = _branches(path, machine)
+        runs = tuple(FollowRun(run, machine, branch) for run, branch in zip(path.runs, branches))
+        return cls(runs, machine.joints, machine)
+
+
+class CallableRun(AxisRun):
+    """A run given by a function of (s, order)."""
+
+    def __init__(
+        self,
+        f: Callable[[Floats, int], npt.ArrayLike],
+        s0: float,
+        s1: float,
+        speed_cap: float | Callable[[Floats], npt.ArrayLike],
+        breaks: Floats,
+    ) -> None:
+        self.f, self.cap = f, speed_cap
+        self.s0, self.s1, self.breaks = s0, s1, breaks[(breaks > s0) & (breaks < s1)]
+        self.hints = np.empty(0)
+
+    def evaluate(self, s: Floats) -> Floats:
+        values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
+        for order, value in enumerate(values):
+            if value.ndim != 2 or value.shape != (len(s), values[0].shape[-1]):
+                raise PathError(
+                    f"path: f(s, {order}) has shape {value.shape} for {len(s)} values of s, not (n, joints)"
+                )
+            if not np.isfinite(value).all():
+                where = s[np.argmin(np.isfinite(value).all(axis=1))]
+                raise PathError(f"path: f(s, {order}) is not finite at s = {where:.9g}")
+        return np.stack(values)
+
+    def speed_cap(self, s: Floats) -> Floats:
+        cap = self.cap(s) if callable(self.cap) else self.cap
+        return np.broadcast_to(np.asarray(cap, dtype=float), s.shape).copy()
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Rotary joints on a grid along a run: which of both solutions, and which turn, is meant."""
+
+    s: Floats
+    rotary: Floats
+    """(n, 2) [rad]"""
+
+    def near(self, s: Floats) -> Floats:
+        """(n, 2) rotary joints about s."""
+        return np.column_stack([np.interp(s, self.s, self.rotary[:, i]) for i in range(2)])
+
+
+def _branches(path: Path, machine: Machine) -> list[Branch | None]:
+    """The solution taken along each run: chosen over the whole path, where the path gives tool axes only."""
+    grids, tips, axes, blocks = [], [], [], []
+    for run in path.runs:
+        s = np.unique(np.concatenate([np.linspace(run.s0, run.s1, GRID), run.breaks]))
+        jet = run.evaluate(s)
+        if jet.axis is None:
+            return [None] * len(path.runs)
+        grids.append(s)
+        tips.append(jet.tip[0])
+        axes.append(jet.axis[0])
+        blocks.append(run.block_at(s))
+    count = sum(map(len, grids))
+    ends = np.cumsum([len(s) for s in grids])[:-1]
+    stop = np.isin(np.arange(count), [0, count - 1])
+    nothing = np.zeros(count)
+    points = ToolPath(
+        np.concatenate(tips),
+        np.concatenate(axes),
+        np.full(count, np.inf),
+        nothing,
+        np.concatenate(blocks),
+        stop,
+        nothing,
+    )
+    rotary = machine.choose_rotary(points)
+    return [Branch(s, part) for s, part in zip(grids, np.split(rotary, ends))]
+
+
+class FollowRun(AxisRun):
+    """The joints of a machine along one run of a path."""
+
+    def __init__(self, run: PathRun, machine: Machine, branch: Branch | None) -> None:
+        self.run, self.machine, self.branch = run, machine, branch
+        self.s0, self.s1, self.hints, self.dwell = run.s0, run.s1, run.breaks, run.dwell
+        length = np.diff(run.block_start)
+        self.pace = np.divide(length, run.least_time, where=run.least_time > 0.0, out=np.full(len(length), np.inf))
+        """Most ds/dt in each block for the sake of its least time."""
+        jumps = (run.feed[1:] != run.feed[:-1]) | (self.pace[1:] != self.pace[:-1])
+        kinks = run.breaks[1:-1] if run.third_jumps else np.empty(0)
+        self.breaks = np.union1d(run.block_start[1:-1][jumps], kinks)
+
+    def evaluate(self, s: Floats) -> Floats:
+        jet = self.run.evaluate(s)
+        rotary = jet.rotary
+        if rotary is None:
+            assert jet.axis is not None and self.branch is not None
+            rotary = self.machine.rotary_jets(jet.axis, self.branch.near(s))
+        return self.machine.linear_jets(jet.tip, rotary)
+
+    def speed_cap(self, s: Floats) -> Floats:
+        block = self.run.block_index(s)
+        feed = self.run.feed[block]
+        cap: Floats = self.pace[block]
+        if np.isfinite(feed).any():
+            speed = np.linalg.norm(self.run.evaluate(s).tip[1], axis=1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                cap = np.minimum(cap, np.where(speed > 0.0, feed / speed, np.inf))
+        return cap
+
+    def block_at(self, s: Floats) -> Ints:
+        return self.run.block_at(s)

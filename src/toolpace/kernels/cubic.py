@@ -1,0 +1,67 @@
+"""Clamped cubic B-splines at their own knots: twice continuously differentiable, three coefficients a knot.
+
+coefficients   c_0   c_1   c_2   c_3  ...  c_n+1
+knots            x_0   x_1   x_2  ...  x_n-1           knot k is touched by c_k, c_k+1, c_k+2
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolpace.kernels.jit import jit
+
+
+@jit()
+def basis_at_knots(x: Any) -> Any:
+    """Values and two derivatives of the three basis functions at each knot.
+
+    x (n,) increasing. Returns (n, 3, 3): row d gives the d-th derivative at knot k from c_k, c_k+1, c_k+2.
+    """
+    n = len(x)
+    knots = np.empty(n + 6)
+    knots[:3] = x[0]
+    knots[3 : n + 3] = x
+    knots[n + 3 :] = x[n - 1]
+    basis = np.zeros((n, 3, 3))
+    for k in range(n):
+        left, here, right = knots[k + 2], knots[k + 3], knots[k + 4]
+        slope0 = 3.0 / (right - knots[k + 1])
+        slope1 = 3.0 / (knots[k + 5] - left)
+        curve = 2.0 / (right - left)
+        weight = (here - left) / (right - left)
+        basis[k, 2, 0] = curve * slope0
+        basis[k, 2, 1] = -curve * (slope0 + slope1)
+        basis[k, 2, 2] = curve * slope1
+        basis[k, 1, 0] = -(1.0 - weight) * slope0
+        basis[k, 1, 1] = (1.0 - weight) * slope0 - weight * slope1
+        basis[k, 1, 2] = weight * slope1
+        basis[k, 0, 0] = (1.0 - weight) * (right - here) / (right - knots[k + 1])
+        basis[k, 0, 2] = weight * (here - left) / (knots[k + 5] - left)
+        basis[k, 0, 1] = 1.0 - basis[k, 0, 0] - basis[k, 0, 2]
+    return basis
+
+
+@jit()
+def at_knots(basis: Any, c: Any) -> Any:
+    """Value and two derivatives (n, 3) at the knots of the spline with coefficients c (n + 2,)."""
+    n = len(basis)
+    out = np.empty((n, 3))
+    for k in range(n):
+        for d in range(3):
+            out[k, d] = basis[k, d, 0] * c[k] + basis[k, d, 1] * c[k + 1] + basis[k, d, 2] * c[k + 2]
+    return out
+
+
+@jit()
+def control_points(x: Any) -> Any:
+    """Greville abscissae (n + 2,): where each coefficient of the spline over the knots x (n,) has its say."""
+    n = len(x)
+    out = np.empty(n + 2)
+    for i in range(n + 2):
+        total = 0.0
+        for k in range(i - 2, i + 1):
+            total += x[min(max(k, 0), n - 1)]
+        out[i] = total / 3.0
+    return out

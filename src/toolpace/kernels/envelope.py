@@ -1,0 +1,61 @@
+"""A first guess of the speed along a path: pointwise limits, with jerk-limited ramps between them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolpace.kernels.jit import jit
+
+RAMP = 1.0
+"""Share of the jerk limit that a ramp of the guess uses, in the measure of w = z^(3/4), which grows by 2.12 sqrt(J)."""
+
+
+@jit()
+def pointwise(q: Any, velocity: Any, acceleration: Any, jerk: Any, speed_cap: Any) -> Any:
+    """For each point of q (4, n, m): cap on z = (ds/dt)^2 by velocity and feed, by all limits at steady speed, and
+    the most d3s/dt3 that the jerk limits leave at rest."""
+    n, m = q.shape[1], q.shape[2]
+    cap, steady, third = np.empty(n), np.empty(n), np.empty(n)
+    for i in range(n):
+        low, low_steady, low_third = speed_cap[i] ** 2, np.inf, np.inf
+        for j in range(m):
+            q1, q2, q3 = abs(q[1, i, j]), abs(q[2, i, j]), abs(q[3, i, j])
+            if q1 > 0.0:
+                low = min(low, (velocity[j] / q1) ** 2)
+                low_third = min(low_third, jerk[j] / q1)
+            if q2 > 0.0:
+                low_steady = min(low_steady, acceleration[j] / q2)
+            if q3 > 0.0:
+                low_steady = min(low_steady, (jerk[j] / q3) ** (2.0 / 3.0))
+        cap[i], steady[i], third[i] = low, min(low, low_steady), low_third
+    return cap, steady, third
+
+
+@jit()
+def ramped(s: Any, steady: Any, third: Any, z0: Any, z1: Any) -> Any:
+    """(n,) z below `steady` whose ramps respect d3s/dt3 <= `third` as if from rest, starting at z0 and ending at z1."""
+    n = len(s)
+    w = np.empty(n)
+    for i in range(n):
+        w[i] = steady[i] ** 0.75
+    w[0] = min(w[0], z0**0.75)
+    w[n - 1] = min(w[n - 1], z1**0.75)
+    for i in range(1, n):
+        w[i] = min(w[i], w[i - 1] + RAMP * np.sqrt(min(third[i], third[i - 1])) * (s[i] - s[i - 1]))
+    for i in range(n - 2, -1, -1):
+        w[i] = min(w[i], w[i + 1] + RAMP * np.sqrt(min(third[i], third[i + 1])) * (s[i + 1] - s[i]))
+    return w ** (4.0 / 3.0)
+
+
+@jit()
+def times(s: Any, z: Any) -> Any:
+    """(n,) time to reach each point at the speeds sqrt(z), z^(3/4) being linear between points (exact next to rest)."""
+    n = len(s)
+    out = np.zeros(n)
+    for i in range(n - 1):
+        a, b = z[i] ** 0.25, z[i + 1] ** 0.25
+        # integral of w^(-2/3) over a line from w = a^3 to b^3
+        out[i + 1] = out[i] + 3.0 * (s[i + 1] - s[i]) / (a * a + a * b + b * b)
+    return out

@@ -1,0 +1,49 @@
+"""Symmetric positive definite matrices with five diagonals: LDL' without pivoting, in place.
+
+Stored as three rows (3, n): the diagonal, the entries (i, i + 1) and the entries (i, i + 2).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from toolpace.kernels.jit import jit
+
+
+@jit()
+def factor(matrix: Any) -> Any:
+    """Factor in place. Returns 0, or the 1-based index of the first pivot that is not positive."""
+    n = matrix.shape[1]
+    diagonal, first, second = matrix[0], matrix[1], matrix[2]
+    for i in range(n):
+        pivot = diagonal[i]
+        if not pivot > 0.0:
+            return i + 1
+        inverse = 1.0 / pivot
+        low1, low2 = first[i] * inverse, second[i] * inverse
+        if i + 1 < n:
+            diagonal[i + 1] -= low1 * first[i]
+            first[i + 1] -= low1 * second[i]
+        if i + 2 < n:
+            diagonal[i + 2] -= low2 * second[i]
+        diagonal[i], first[i], second[i] = inverse, low1, low2
+    return 0
+
+
+@jit()
+def solve(factors: Any, b: Any) -> Any:
+    """Overwrite b (n,) by the solution, given the factors of `factor`."""
+    n = factors.shape[1]
+    inverse, low1, low2 = factors[0], factors[1], factors[2]
+    for i in range(n):
+        if i + 1 < n:
+            b[i + 1] -= low1[i] * b[i]
+        if i + 2 < n:
+            b[i + 2] -= low2[i] * b[i]
+    for i in range(n - 1, -1, -1):
+        value = b[i] * inverse[i]
+        if i + 1 < n:
+            value -= low1[i] * b[i + 1]
+        if i + 2 < n:
+            value -= low2[i] * b[i + 2]
+        b[i] = value

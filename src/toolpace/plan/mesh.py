@@ -1,0 +1,144 @@
+"""Where the planner puts its nodes: evenly in time, finer next to rest and where the path turns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.axispath import AxisRun
+from toolpace.kernels import envelope
+from toolpace.limits import Limits
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+STEPS_A_RAMP = 8.0
+"""Nodes for the time in which the acceleration of the slowest joint builds up."""
+GRADING = 0.1
+"""Largest step in time next to rest, as a share of the time since rest."""
+CELLS_A_HINT = 2.0
+"""Fewest cells between two hints of a run, such as the knots of a fitted path."""
+FEWEST_CELLS = 24
+DEFAULT_CELLS = 600
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A first idea of the motion along a run, on a fine grid."""
+
+    s: Floats
+    z: Floats
+    """(n,) (ds/dt)^2, well within the limits but for its kinks."""
+    t: Floats
+    """(n,) time [s]."""
+
+
+def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: int) -> Guess:
+    """The speed that pointwise limits and jerk-limited ramps allow; `ends` are the given z, 0 at rest."""
+    length = run.s1 - run.s0
+    graded = run.s0 + length * from_graded(np.linspace(0.0, 1.0, resolution + 1), ends)
+    s = np.unique(np.concatenate([graded, run.hints, run.breaks]))
+    s = s[(s >= run.s0) & (s <= run.s1)]
+    keep = np.concatenate([[True], np.diff(s) > 1e-12 * length])
+    keep |= np.isin(s, run.breaks)
+    s = s[keep]
+    s[-1] = run.s1
+    steady, third = steady_speed(run, limits, s)
+    if len(run.breaks):
+        before, third_before = steady_speed(run, limits, np.nextafter(run.breaks, -np.inf))
+        at = np.searchsorted(s, run.breaks)
+        steady[at], third[at] = np.minimum(steady[at], before), np.minimum(third[at], third_before)
+    finite = np.isfinite(steady)
+    if not finite.all():
+        steady[~finite] = 1e6 * (steady[finite].max() if finite.any() else (length / 1e-6) ** 2)
+    third = np.where(np.isfinite(third), third, 1e6 * np.min(third, initial=length / 1e-9))
+    z = envelope.ramped(s, steady, third, ends[0], ends[1])
+    return Guess(s, z, envelope.times(s, z))
+
+
+def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
+    """(n,) z that all limits allow at steady speed, and (n,) the most d3s/dt3 they allow at rest."""
+    _, steady, third = envelope.pointwise(
+        run.evaluate(s), limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s)
+    )
+    return steady, third
+
+
+def from_graded(x: Floats, ends: tuple[float, float]) -> Floats:
+    """Place in [0, 1] of evenly spaced x in [0, 1]: next to an end at rest it goes like the cube of the distance."""
+    if ends[0] == 0.0 and ends[1] == 0.0:
+        return x**3 / (x**3 + (1.0 - x) ** 3)
+    if ends[0] == 0.0:
+        return x**3
+    return 1.0 - (1.0 - x) ** 3 if ends[1] == 0.0 else x
+
+
+def to_graded(place: Floats, ends: tuple[float, float]) -> Floats:
+    """The inverse of `from_graded`."""
+    left: Floats = np.cbrt(place)
+    right: Floats = np.cbrt(1.0 - place)
+    if ends[0] == 0.0 and ends[1] == 0.0:
+        return left / (left + right)
+    if ends[0] == 0.0:
+        return left
+    return 1.0 - right if ends[1] == 0.0 else place
+
+
+def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> tuple[Floats, Guess]:
+    """Nodes (n,) from s0 to s1, with every break among them; `cells` fixes their number, else time decides it."""
+    rough = guess(run, limits, ends, cells or DEFAULT_CELLS)
+    s, t = rough.s, rough.t
+    total = t[-1]
+    step = total / (cells or DEFAULT_CELLS)
+    if cells is None:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ramp = np.nanmin(limits.acceleration / limits.jerk)
+        if np.isfinite(ramp) and ramp > 0.0:
+            step = min(step, ramp / STEPS_A_RAMP)
+    # nodes a unit of time: even, but no coarser than GRADING next to rest
+    middle = (t[1:] + t[:-1]) / 2.0
+    density = np.full(len(middle), 1.0 / step)
+    for distance, z in ((middle, ends[0]), (total - middle, ends[1])):
+        if z == 0.0:
+            density = np.maximum(density, 1.0 / (GRADING * np.maximum(distance, step)))
+    count = np.diff(t) * density
+    if cells is None and len(run.hints):
+        # between two hints the third derivative bends
+        inside = np.clip(np.searchsorted(run.hints, (s[1:] + s[:-1]) / 2.0) - 1, 0, len(run.hints) - 2)
+        share = np.diff(s) / np.diff(run.hints)[inside]
+        count = np.maximum(count, CELLS_A_HINT * share)
+    else:
+        count += 0.25 * count.sum() * np.diff(s) / (run.s1 - run.s0)
+    measure = np.concatenate([[0.0], np.cumsum(count)])
+    wanted = cells if cells is not None else max(FEWEST_CELLS, int(np.ceil(measure[-1])))
+    outer = [step if z == 0.0 else 0.0 for z in ends]
+    first, last = np.interp([outer[0], total - outer[1]], t, measure)
+    inner = wanted - sum(z == 0.0 for z in ends)
+    length = run.s1 - run.s0
+    graded = to_graded((s - run.s0) / length, ends)
+    nodes = run.s0 + length * from_graded(np.interp(np.linspace(first, last, inner + 1), measure, graded), ends)
+    nodes = np.concatenate([[run.s0] if ends[0] == 0.0 else [], nodes, [run.s1] if ends[1] == 0.0 else []])
+    nodes[0], nodes[-1] = run.s0, run.s1
+    return with_breaks(nodes, run.breaks), rough
+
+
+def with_breaks(nodes: Floats, breaks: Floats) -> Floats:
+    """The same nodes with the breaks among them, the nearest node moved where it lies within a third of a cell."""
+    if len(breaks) == 0:
+        return nodes
+    inner = nodes[2:-2]
+    k = np.clip(np.searchsorted(breaks, inner), 1, len(breaks)) - 1
+    near = np.minimum(np.abs(inner - breaks[k]), np.abs(inner - breaks[np.minimum(k + 1, len(breaks) - 1)]))
+    keep = near > 0.34 * np.minimum(np.diff(nodes)[1:-2], np.diff(nodes)[2:-1])
+    inside = breaks[(breaks > nodes[1]) & (breaks < nodes[-2])]
+    return np.unique(np.concatenate([nodes[:2], inner[keep], inside, nodes[-2:]]))
+
+
+def split(nodes: Floats, parts: Ints) -> Floats:
+    """The nodes with each cell cut into `parts` (n - 1,) equal cells."""
+    cell = np.repeat(np.arange(len(parts)), parts)
+    first = np.concatenate([[0], np.cumsum(parts)[:-1]])
+    share = (np.arange(len(cell)) - first[cell]) / parts[cell]
+    return np.append(nodes[cell] + share * np.diff(nodes)[cell], nodes[-1])

@@ -1,0 +1,84 @@
+"""How the path parameter moves over time."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Probe:
+    """States of a time law, dense enough to see every peak between them."""
+
+    state: Floats
+    """(4, n): s, ds/dt, d2s/dt2, d3s/dt3."""
+    right: Floats
+    """(n,) of bool-like: 1 where the state belongs to the right side of a break at s, else 0."""
+    share: Floats
+    """(n,) time that each state stands for [s]; sums to the duration."""
+
+
+class TimeLaw(ABC):
+    """s(t) from s0 to s1, three times differentiable but for jumps of the third derivative."""
+
+    s0: float
+    s1: float
+    duration: float
+    """[s]"""
+
+    @abstractmethod
+    def at(self, t: Floats) -> Floats:
+        """(4, n): s and three time derivatives at sorted times t (n,) in [0, duration]."""
+
+    @abstractmethod
+    def probe(self) -> Probe:
+        """States between which nothing is hidden."""
+
+
+class SplineLaw(TimeLaw):
+    """(ds/dt)^2 a twice differentiable cubic spline of s; next to rest, ds/dt has a constant third derivative.
+
+    Between nodes, time is the integral of ds / sqrt(z), by Gauss' rule with eight points; its inverse by Newton.
+    """
+
+    def __init__(self, nodes: Floats, c: Floats, rest: tuple[float, float]) -> None:
+        """Take the spline's knots (n,), its coefficients (n + 2,) and the lengths of the rest cells (0: in motion)."""
+        from toolpace.kernels import speedlaw
+
+        self.nodes, self.rest = nodes, rest
+        self.cells = speedlaw.polynomials(nodes, c)
+        """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""
+        self.times = speedlaw.node_times(nodes, self.cells, rest[0], rest[1])
+        """(n,) when the nodes are passed [s]."""
+        self.s0, self.s1 = nodes[0] - rest[0], nodes[-1] + rest[1]
+        end = speedlaw.end_speed(nodes, self.cells)
+        self.duration = float(self.times[-1] + (3.0 * rest[1] / end if rest[1] > 0.0 else 0.0))
+
+    def dips(self) -> npt.NDArray[np.bool_]:
+        """(n - 1,) cells in which z falls far below its values at both nodes: too long for the motion in them."""
+        from toolpace.kernels import speedlaw
+
+        marks: npt.NDArray[np.bool_] = speedlaw.dips(self.nodes, self.cells)
+        return marks
+
+    def at(self, t: Floats) -> Floats:
+        from toolpace.kernels import speedlaw
+
+        t = np.ascontiguousarray(t, dtype=float)
+        state: Floats = speedlaw.states(
+            t, self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration
+        )
+        return state
+
+    def probe(self) -> Probe:
+        from toolpace.kernels import speedlaw
+
+        state, right, share = speedlaw.probe(
+            self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration
+        )
+        return Probe(state, right, share)

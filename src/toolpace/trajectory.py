@@ -1,0 +1,204 @@
+"""The answer: joint motion over time."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.axispath import AxisPath, AxisRun
+from toolpace.errors import UsageError
+from toolpace.limits import KINDS, Limits
+from toolpace.setpoints import SetPoints
+from toolpace.timelaw import TimeLaw
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+BINDING = 0.995
+"""Share of a limit from which it counts as what holds the motion back."""
+CHUNK = 100_000
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Joint positions and three time derivatives, each (n, joints) [m or rad, s]."""
+
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    qddd: Floats
+
+
+@dataclass(frozen=True)
+class Usage:
+    """Peak value over limit, over continuous time: of the feed cap, and by joint of each limit."""
+
+    feed: float
+    velocity: dict[str, float]
+    acceleration: dict[str, float]
+    jerk: dict[str, float]
+
+    @property
+    def worst(self) -> float:
+        """The largest of all."""
+        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
+
+
+def joint_motion(path: Floats, state: Floats) -> Motion:
+    """The chain rule: path derivatives (4, n, joints) and a state (4, n) of s give the motion of the joints."""
+    q, q1, q2, q3 = path
+    v, a, j = (state[i][:, None] for i in (1, 2, 3))
+    return Motion(q, q1 * v, q2 * v**2 + q1 * a, q3 * v**3 + 3.0 * q2 * v * a + q1 * j)
+
+
+def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> Floats:
+    """(n, 1 + 3 m) value over limit: feed, then velocity, acceleration and jerk of each joint.
+
+    `right` (n,) is 0 where the state belongs to the left side of a break.
+    """
+    s = np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf))
+    s = np.clip(s, run.s0, run.s1)
+    motion = joint_motion(run.evaluate(s), state)
+    feed = state[1] / run.speed_cap(s)
+    return np.column_stack(
+        [
+            feed,
+            *(np.abs(v) / getattr(limits, kind) for v, kind in zip((motion.qd, motion.qdd, motion.qddd), KINDS)),
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Motion along an AxisPath: one time law a run, with the dwells between them. It can judge itself."""
+
+    axis_path: AxisPath
+    limits: Limits
+    laws: tuple[TimeLaw, ...]
+    planner: str = "optimal"
+    lower_bound: float = 0.0
+    """No motion within the limits is faster than this [s]; 0 when unknown."""
+    mesh_points: int = 0
+    solve_seconds: float = 0.0
+    starts: Floats = field(init=False)
+    """(runs,) when each run starts [s]."""
+    duration: float = field(init=False)
+    """[s], dwells included."""
+
+    def __post_init__(self) -> None:
+        lengths = np.array([law.duration + run.dwell for law, run in zip(self.laws, self.axis_path.runs, strict=True)])
+        ends = np.cumsum(lengths)
+        object.__setattr__(self, "starts", np.concatenate([[0.0], ends[:-1]]))
+        object.__setattr__(self, "duration", float(ends[-1]) if len(ends) else 0.0)
+        self.starts.flags.writeable = False
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return self.axis_path.joints
+
+    @property
+    def gap(self) -> float:
+        """How far the duration may be from the best possible: duration / lower bound - 1; inf without a bound."""
+        return self.duration / self.lower_bound - 1.0 if self.lower_bound > 0.0 else np.inf
+
+    def _state(self, t: Floats) -> tuple[Ints, Floats]:
+        """Run and state (4, n) of s at sorted times; at rest while dwelling."""
+        run = np.clip(np.searchsorted(self.starts, t, side="right") - 1, 0, len(self.laws) - 1)
+        state = np.zeros((4, len(t)))
+        for k in np.unique(run):
+            of_run = run == k
+            law = self.laws[k]
+            local = t[of_run] - self.starts[k]
+            now = law.at(np.clip(local, 0.0, law.duration))
+            now[1:, local > law.duration * (1.0 + 1e-12)] = 0.0
+            state[:, of_run] = now
+        return run, state
+
+    def parameter(self, t: npt.ArrayLike) -> Floats:
+        """(n,) path parameter s at times t (n,) [s]."""
+        s: Floats = self._state(np.atleast_1d(np.asarray(t, dtype=float)))[1][0]
+        return s
+
+    def state(self, t: float) -> tuple[float, float, float]:
+        """s, ds/dt and d2s/dt2 at a time [s]: where a replanning starts."""
+        s, v, a, _ = self._state(np.array([float(t)]))[1][:, 0]
+        return float(s), float(v), float(a)
+
+    def at(self, t: npt.ArrayLike) -> Motion:
+        """Motion of the joints at times t (n,) [s]; before the start and after the end the machine rests."""
+        t = np.atleast_1d(np.asarray(t, dtype=float))
+        motion, _ = self._motion(t)
+        return motion
+
+    def _motion(self, t: Floats) -> tuple[Motion, Ints]:
+        run, state = self._state(t)
+        m = len(self.joints)
+        parts = [np.empty((len(t), m)) for _ in range(4)]
+        block = np.zeros(len(t), dtype=np.int64)
+        for k in np.unique(run):
+            of_run = run == k
+            axis_run = self.axis_path.runs[k]
+            now = joint_motion(axis_run.evaluate(np.clip(state[0, of_run], axis_run.s0, axis_run.s1)), state[:, of_run])
+            for part, value in zip(parts, (now.q, now.qd, now.qdd, now.qddd)):
+                part[of_run] = value
+            block[of_run] = axis_run.block_at(state[0, of_run])
+        return Motion(*parts), block
+
+    def tip(self, t: npt.ArrayLike) -> tuple[Floats, Floats]:
+        """Tool tip (n, 3) [m] and tool axis (n, 3) in the workpiece frame at times t [s]."""
+        if self.axis_path.machine is None:
+            raise UsageError("trajectory: without a machine there is no tool tip; plan a Path on a Machine")
+        return self.axis_path.machine.forward(self.at(t).q)
+
+    def sample(self, dt: float = 1e-3) -> SetPoints:
+        """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest."""
+        if not dt > 0.0:
+            raise UsageError(f"set-points: the time step is {dt:g} s; it must be positive")
+        t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
+        pieces = [self._motion(t[i : i + CHUNK]) for i in range(0, len(t), CHUNK)]
+        q, qd, qdd, qddd = (
+            np.concatenate([getattr(motion, name) for motion, _ in pieces]) for name in ("q", "qd", "qdd", "qddd")
+        )
+        machine = self.axis_path.machine
+        tip, axis = machine.forward(q) if machine else (np.empty((0, 3)), np.empty((0, 3)))
+        block = np.concatenate([block for _, block in pieces])
+        return SetPoints(t, q, qd, qdd, qddd, tip, axis, block, self.joints)
+
+    @cached_property
+    def _judgement(self) -> tuple[Floats, dict[str, float]]:
+        """Peak ratios (1 + 3 m,), and the time in which each of them is what binds [s]."""
+        m = len(self.joints)
+        names = ["feed"] + [f"{kind} {joint}" for kind in KINDS for joint in self.joints]
+        peak, times = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m)
+        for run, law in zip(self.axis_path.runs, self.laws):
+            probe = law.probe()
+            for i in range(0, len(probe.share), CHUNK):
+                part = slice(i, i + CHUNK)
+                ratios = limit_ratios(run, self.limits, probe.state[:, part], probe.right[part])
+                peak = np.maximum(peak, ratios.max(axis=0))
+                first = ratios.argmax(axis=1)
+                binds = ratios[np.arange(len(first)), first] >= BINDING
+                np.add.at(times, np.where(binds, first, 1 + 3 * m), probe.share[part])
+        return peak, {**{n: float(v) for n, v in zip(names, times) if v > 0.0}, "nothing": float(times[-1])}
+
+    def usage(self) -> Usage:
+        """Peak value over limit in continuous time, between the set-points and nodes too."""
+        peak, m = self._judgement[0], len(self.joints)
+        by_kind = [dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)]
+        return Usage(float(peak[0]), *by_kind)
+
+    def limited_by(self) -> dict[str, float]:
+        """What holds the motion back: share of the duration in which each limit binds, largest first."""
+        times = dict(self._judgement[1])
+        dwell = sum(run.dwell for run in self.axis_path.runs)
+        if dwell > 0.0:
+            times["dwell"] = dwell
+        return {n: t / self.duration for n, t in sorted(times.items(), key=lambda item: -item[1]) if t > 0.0}
+
+    def save(self, path: str | os.PathLike[str], dt: float = 1e-3) -> None:
+        """Write the set-points as npz (see SetPoints), whole or not at all."""
+        self.sample(dt).save(path)
