@@ -63,7 +63,7 @@ def test_tilt_on_one_side_only() -> None:
 
 
 def test_linear_travel_decides_between_solutions() -> None:
-    """A part near the end of Y's travel: nearer home Y would pass 100 mm, with the table turned round it stays inside."""
+    """A part near the end of Y's travel: near home Y would pass 100 mm; with the table turned round it does not."""
     machine = Machine.load("linuxcnc-xyzac-trt")
     axis = cone(0.4, np.linspace(1.52, 1.62, 50))
     near = machine.choose_rotary(toolpath(np.zeros(3), axis))

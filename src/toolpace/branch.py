@@ -48,7 +48,7 @@ def _given(machine: Machine, toolpath: ToolPath) -> Floats | None:
 
 
 def _chosen(machine: Machine, toolpath: ToolPath, pole_tolerance: float) -> Floats:
-    from toolpace.kernels import branches
+    from toolpace.kernels import poles
 
     axis = np.ascontiguousarray(toolpath.axis)
     frame, travel = machine.geometry.frame, np.ascontiguousarray(machine.travel[machine.rotary])
@@ -61,7 +61,7 @@ def _chosen(machine: Machine, toolpath: ToolPath, pole_tolerance: float) -> Floa
     points = np.flatnonzero(~pole)
     if len(points):
         rotary[points] = _fixed(machine, toolpath, solutions[points], points)
-    branches.settle_poles(frame, axis, np.ascontiguousarray(toolpath.tip), pole, travel, pole_tolerance, rotary)
+    poles.settle_poles(frame, axis, np.ascontiguousarray(toolpath.tip), pole, travel, pole_tolerance, rotary)
     return rotary
 
 
