@@ -158,9 +158,7 @@ def set_points(dt=1e-3, spacing=5e-4, speed=0.05):
     q = np.concatenate(jets, axis=1)
     tip, axis = model.forward(np.ascontiguousarray(q[0]))
     block = np.concatenate(blocks).astype(np.int64)
-    return SetPoints(
-        t, *(np.ascontiguousarray(x) for x in q), tip=tip, axis=axis, block=block, joints=model.joints
-    )
+    return SetPoints(t, *(np.ascontiguousarray(x) for x in q), tip=tip, axis=axis, block=block, joints=model.joints)
 
 
 def with_limits(model, **kinds):
@@ -179,3 +177,69 @@ def peaks(points):
         "acceleration": np.abs(points.qdd).max(axis=0),
         "jerk": np.abs(points.qddd).max(axis=0),
     }
+
+
+class Run:
+    """One stretch of the path, as far as a report asks."""
+
+    def __init__(self, length):
+        self.s0, self.s1, self.dwell = 0.0, length, 0.0
+
+    def speed_cap(self, s):
+        return np.full(len(s), 0.05)
+
+
+class AxisPath:
+    """Both stretches on the machine."""
+
+    def __init__(self):
+        self.machine = machine()
+        self.runs = [Run(length) for length in LENGTHS]
+
+
+class Trajectory:
+    """The motion with the face of a planned one."""
+
+    planner, mesh_points, solve_seconds = "analytic", 42, 0.01
+
+    def __init__(self, lower_bound=2.5):
+        self.laws = [Ramp(length) for length in LENGTHS]
+        self.starts = np.array([0.0, self.laws[0].duration + DWELL])
+        self.duration = float(self.starts[1] + self.laws[1].duration)
+        self.lower_bound, self.gap = lower_bound, self.duration / lower_bound - 1.0 if lower_bound else np.inf
+        self.axis_path = AxisPath()
+        self.joints = self.axis_path.machine.joints
+        points = set_points()
+        self.limits = Limits(**peaks(points), joints=self.joints)
+
+    def at(self, t):
+        points = set_points()
+        k = np.clip(np.round(np.asarray(t) / 1e-3).astype(int), 0, len(points) - 1)
+        return SetPoints(
+            *(getattr(points, name)[k] for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")),
+            joints=self.joints,
+        )
+
+    def sample(self, dt=1e-3):
+        return set_points(dt=dt)
+
+    def usage(self):
+        ones = dict.fromkeys(self.joints, 1.0)
+        return Usage(1.0, ones, ones, ones)
+
+    def limited_by(self):
+        return {"feed": 0.7, "jerk A": 0.15, "dwell": 0.1, "nothing": 0.05}
+
+
+@dataclass(frozen=True)
+class Usage:
+    """Peak use of each limit."""
+
+    feed: float
+    velocity: dict[str, float]
+    acceleration: dict[str, float]
+    jerk: dict[str, float]
+
+    @property
+    def worst(self):
+        return 1.0

@@ -32,17 +32,19 @@ def _near(
     there.
 
     The way is the chord less u (1 - u) / 2 times `bend`, the second difference of the row that a and b come
-    from.
+    from. `weight` is that of the axis; a negative one asks for the distances at u = `least`.
     """
-    square = 0.0
-    along = 0.0
-    for i in range(6):
-        w = 1.0 if i < 3 else weight
-        d = b[i] - a[i]
-        square += w * d * d
-        along += w * d * (pose[i] - a[i])
-    u = along / square if square > 0.0 else 1.0
-    u = min(max(u, least), 1.0)
+    u = least
+    if weight >= 0.0:
+        square = 0.0
+        along = 0.0
+        for i in range(6):
+            w = 1.0 if i < 3 else weight
+            d = b[i] - a[i]
+            square += w * d * d
+            along += w * d * (pose[i] - a[i])
+        u = along / square if square > 0.0 else 1.0
+        u = min(max(u, least), 1.0)
     tip = 0.0
     axis = 0.0
     for i in range(6):
@@ -56,13 +58,34 @@ def _near(
 
 @jit()
 def _nearest(pose: Floats, a: Floats, b: Floats, bend: Floats, least: float) -> tuple[float, float, float]:
-    """Nearest by the tip where the axis is then near enough too, else by both, else by the axis."""
+    """Nearest by the tip where the axis is then near enough too; else where the larger of the two is least.
+
+    Both distances are convex along a straight way, so that their maximum has one minimum, between the place
+    nearest by the tip and the one nearest by the axis.
+    """
     u, tip, axis = _near(pose, a, b, bend, least, 0.01)
-    if tip > 1.0 or axis > 1.0:
-        for weight in (1.0, 100.0):
-            v, tip_v, axis_v = _near(pose, a, b, bend, least, weight)
-            if max(tip_v, axis_v) < max(tip, axis):
-                u, tip, axis = v, tip_v, axis_v
+    if max(tip, axis) <= 1.0:
+        return u, tip, axis
+    v, tip_v, axis_v = _near(pose, a, b, bend, least, 100.0)
+    if max(tip_v, axis_v) < max(tip, axis):
+        u, tip, axis, v = v, tip_v, axis_v, u
+    if max(tip, axis) > 8.0:
+        return u, tip, axis
+    low, high = min(u, v), max(u, v)
+    for _ in range(24):
+        third = (high - low) / 3.0
+        if third < 1e-9:
+            break
+        left, tip_l, axis_l = _near(pose, a, b, bend, low + third, -1.0)
+        right, tip_r, axis_r = _near(pose, a, b, bend, high - third, -1.0)
+        if max(tip_l, axis_l) < max(tip_r, axis_r):
+            high = right
+            if max(tip_l, axis_l) < max(tip, axis):
+                u, tip, axis = left, tip_l, axis_l
+        else:
+            low = left
+            if max(tip_r, axis_r) < max(tip, axis):
+                u, tip, axis = right, tip_r, axis_r
     return u, tip, axis
 
 

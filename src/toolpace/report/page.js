@@ -94,7 +94,7 @@
   const titles = { feed: "Speed of the tip, mm/min", strip: "What limits", velocity: "Velocity, share of the limit",
     acceleration: "Acceleration, share of the limit", jerk: "Jerk, share of the limit" };
   const limitLine = (name, y) => ({ type: "line", xref: "paper", x0: 0, x1: 1, yref: axes[name], y0: y, y1: y,
-    line: { color: "#c92a3f", width: 1, dash: "dash" }, layer: "below" });
+    line: { color: "#c92a3f", width: 1.4, dash: "5px,4px" }, opacity: 0.75, layer: "above" });
   const kinds = ["velocity", "acceleration", "jerk"].filter((k) => present.has(k));
   const layout = {
     font, margin: { l: phone ? 46 : 62, r: 12, t: phone ? 74 : 48, b: 40 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
@@ -104,7 +104,7 @@
       showspikes: true, spikemode: "across", spikethickness: 1, spikecolor: "#98a3b3", spikedash: "solid", spikesnap: "cursor" },
     yaxis: { domain: panels.feed, range: [0, 1.08 * highest], fixedrange: true, gridcolor: "#f0f2f6", zerolinecolor: line, nticks: 5,
       anchor: "x" },
-    yaxis2: { domain: panels.strip, range: [-0.5, 0.5], fixedrange: true, showticklabels: false, showgrid: false, zeroline: false, anchor: "x" },
+    yaxis2: { domain: panels.strip, range: [-0.5, 0.5], fixedrange: true, showticklabels: false, ticks: "", showgrid: false, zeroline: false, anchor: "x" },
     yaxis3: panelAxis("velocity"), yaxis4: panelAxis("acceleration"), yaxis5: panelAxis("jerk"),
     shapes: kinds.flatMap((k) => [limitLine(k, 1), limitLine(k, -1)]),
     annotations: Object.keys(panels).filter((k) => k === "strip" || present.has(k)).map((k) => ({
@@ -153,7 +153,7 @@
   Plotly.newPlot(space, [whiskers, way], {
     font, margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#fff", uirevision: "keep",
     hoverlabel: { bgcolor: "#16263f", bordercolor: "#16263f", font: { color: "#fff" } },
-    scene: { aspectmode: "data", dragmode: "orbit", camera: { eye: { x: 1.15, y: -1.35, z: 0.85 }, up: { x: 0, y: 0, z: 1 } },
+    scene: { aspectmode: "data", dragmode: "orbit", camera: { eye: { x: 1.1, y: -1.75, z: 1.05 }, up: { x: 0, y: 0, z: 1 } },
       xaxis: { ...box, title: { text: "X mm" } }, yaxis: { ...box, title: { text: "Y mm" } }, zaxis: { ...box, title: { text: "Z mm" } } },
   }, config).then(() => { window.toolpaceReady = (window.toolpaceReady || 0) + 1; });
 

@@ -17,7 +17,7 @@ from toolpace.limits import KINDS
 from toolpace.report.limiting import NOTHING, binding, names
 from toolpace.report.scene import scene, stations
 from toolpace.report.series import blocks_over_time, channels, encoded, feed_cap, packed
-from toolpace.report.words import NEUTRAL, colours, duration, joint_colour, limit_words, percent
+from toolpace.report.words import NEUTRAL, colours, duration, figure, joint_colour, limit_words, percent
 from toolpace.setpoints import SetPoints
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _data(
 ) -> str:
     """All that the script draws, as JSON that cannot end the element it stands in."""
     columns = min(STRIP, 4 * len(setpoints))
-    strip_times = (np.arange(columns) + 0.5) * (trajectory.duration / columns)
+    strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
     data: dict[str, Any] = {
         "end": float(setpoints.t[-1]),
         "duration": float(trajectory.duration),
@@ -140,7 +140,7 @@ def _cards(
         note = f"of {allowed:.4g}° allowed" if allowed else "from the program"
         cards.append(("Axis deviation", f"{off[1]:.4f}°", note, ""))
     worst = trajectory.usage().worst
-    cards.append(("Highest usage of a limit", percent(worst), "peak, between set-points too", ""))
+    cards.append(("Peak use of limits", percent(worst), "at any time, worst of all", ""))
     if facts.get("solve_s") is not None:
         spent = float(facts.get("fit_s") or 0.0) + float(facts["solve_s"])
         cards.append(("Computed in", f"{spent:.2f} s", f"{trajectory.mesh_points} mesh points", ""))
@@ -196,7 +196,7 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
         cells = []
         for kind in KINDS:
             share, limit = getattr(usage, kind)[joint], float(getattr(limits, kind)[j]) * scale
-            text = f"of {limit:.4g} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
+            text = f"of {figure(limit)} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
             cells.append(
                 f'<td><div class="use"><span class="meter"><span style="width:{100.0 * min(share, 1.0):.1f}%;'
                 f'background:{joint_colour(j)}"></span></span><b>{percent(share)}</b></div><small>{text}</small></td>'

@@ -58,3 +58,8 @@ def duration(seconds: float) -> str:
         return f"{minutes} min {tenths / 10.0:04.1f} s"
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes // 60} h {minutes % 60:02d} min {rest:02d} s"
+
+
+def figure(value: float) -> str:
+    """A positive figure with about four digits, thousands set apart by a narrow space: 50 000."""
+    return f"{value:.4g}" if value < 1000.0 else f"{round(value):,}".replace(",", "\u202f")
