@@ -59,16 +59,13 @@ def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> 
 
     `right` (n,) is 0 where the state belongs to the left side of a break.
     """
-    s = np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf))
-    s = np.clip(s, run.s0, run.s1)
-    motion = joint_motion(run.evaluate(s), state)
-    feed = state[1] / run.speed_cap(s)
-    return np.column_stack(
-        [
-            feed,
-            *(np.abs(v) / getattr(limits, kind) for v, kind in zip((motion.qd, motion.qdd, motion.qddd), KINDS)),
-        ]
+    from toolpace.kernels import usage
+
+    s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
+    ratio: Floats = usage.ratios(
+        run.evaluate(s), state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk
     )
+    return ratio
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,9 @@ from toolpace.kernels.jit import jit
 FLOOR = 1e-6
 GAUSS_X = (np.polynomial.legendre.leggauss(8)[0] + 1.0) / 2.0
 GAUSS_W = np.polynomial.legendre.leggauss(8)[1] / 2.0
-INSIDE = np.array([0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
-REST_INSIDE = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
+INSIDE = (1.0 - np.cos(np.linspace(0.0, np.pi, 9))) / 2.0
+"""Where a cell is probed; closer together next to the nodes, where peaks hide."""
+REST_INSIDE = np.linspace(0.0, 1.0, 13)
 
 
 @jit()
@@ -136,7 +137,7 @@ def states(t: Any, nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, d
 
 @jit()
 def probe(nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: Any) -> Any:
-    """Nine states in every cell, its ends taken from inside; twelve in a rest cell. Also side and time of each."""
+    """States at INSIDE in every cell, its ends taken from inside; at REST_INSIDE in a rest cell. Also side and time of each."""
     n = len(nodes)
     inner, outer = len(INSIDE), len(REST_INSIDE)
     count = (n - 1) * inner + (outer if rest0 > 0.0 else 0) + (outer if rest1 > 0.0 else 0)

@@ -20,8 +20,9 @@ GRADING = 0.1
 """Largest step in time next to rest, as a share of the time since rest."""
 CELLS_A_HINT = 2.0
 """Fewest cells between two hints of a run, such as the knots of a fitted path."""
-FEWEST_CELLS = 24
+FEWEST_CELLS = 150
 DEFAULT_CELLS = 600
+"""Fewest cells of a run, with hints and without."""
 
 
 @dataclass(frozen=True)
@@ -88,10 +89,11 @@ def to_graded(place: Floats, ends: tuple[float, float]) -> Floats:
 
 def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> tuple[Floats, Guess]:
     """Nodes (n,) from s0 to s1, with every break among them; `cells` fixes their number, else time decides it."""
-    rough = guess(run, limits, ends, cells or DEFAULT_CELLS)
+    fewest = cells or (FEWEST_CELLS if len(run.hints) else DEFAULT_CELLS)
+    rough = guess(run, limits, ends, fewest)
     s, t = rough.s, rough.t
     total = t[-1]
-    step = total / (cells or DEFAULT_CELLS)
+    step = total / fewest
     if cells is None:
         with np.errstate(divide="ignore", invalid="ignore"):
             ramp = np.nanmin(limits.acceleration / limits.jerk)
@@ -112,7 +114,7 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     else:
         count += 0.25 * count.sum() * np.diff(s) / (run.s1 - run.s0)
     measure = np.concatenate([[0.0], np.cumsum(count)])
-    wanted = cells if cells is not None else max(FEWEST_CELLS, int(np.ceil(measure[-1])))
+    wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
     outer = [step if z == 0.0 else 0.0 for z in ends]
     first, last = np.interp([outer[0], total - outer[1]], t, measure)
     inner = wanted - sum(z == 0.0 for z in ends)
@@ -121,7 +123,8 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     nodes = run.s0 + length * from_graded(np.interp(np.linspace(first, last, inner + 1), measure, graded), ends)
     nodes = np.concatenate([[run.s0] if ends[0] == 0.0 else [], nodes, [run.s1] if ends[1] == 0.0 else []])
     nodes[0], nodes[-1] = run.s0, run.s1
-    return with_breaks(nodes, run.breaks), rough
+    knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
+    return with_breaks(nodes, knots), rough
 
 
 def with_breaks(nodes: Floats, breaks: Floats) -> Floats:

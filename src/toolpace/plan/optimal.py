@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError
-from toolpace.kernels import cubic, envelope, speed
+from toolpace.kernels import cubic, envelope, speed, usage
+from toolpace.kernels.speedlaw import INSIDE, REST_INSIDE
 from toolpace.limits import KINDS, Limits
 from toolpace.plan.mesh import first_mesh, split
 from toolpace.timelaw import SplineLaw
@@ -40,8 +41,8 @@ QUARTER_ABOVE = 1.05
 MOST_ROUNDS = 16
 OVERSHOOT = 0.15
 """How much more than it was passed a limit is lowered, times the rounds so far."""
-INSIDE = 9
-"""States that a time law's probe takes in a cell."""
+CHUNK = 20_000
+"""Cells whose usage is worked out at a time, to keep memory low."""
 
 
 @dataclass(frozen=True)
@@ -258,21 +259,22 @@ def reliefs(problem: Problem, c: Floats) -> Floats:
 
 def peaks(run: AxisRun, limits: Limits, law: SplineLaw) -> tuple[Floats, float]:
     """Largest usage in each cell of the spline (cells, 3), by speed, acceleration and jerk; and in the rest cells."""
+    m, k = len(limits), len(INSIDE)
+    kinds = np.split(np.arange(1 + 3 * m), [1 + m, 1 + 2 * m])
     probe = law.probe()
-    ratios = limit_ratios(run, limits, probe.state, probe.right)
-    m = len(limits)
-    kinds = np.column_stack(
-        [
-            ratios[:, : 1 + m].max(axis=1),
-            ratios[:, 1 + m : 1 + 2 * m].max(axis=1),
-            ratios[:, 1 + 2 * m :].max(axis=1),
-        ]
-    )
+    first = len(REST_INSIDE) if law.rest[0] > 0.0 else 0
     cells = len(law.nodes) - 1
-    first = (len(kinds) - cells * INSIDE) // ((law.rest[0] > 0.0) + (law.rest[1] > 0.0) or 1) * (law.rest[0] > 0.0)
-    inside = kinds[first : first + cells * INSIDE].reshape(cells, INSIDE, 3).max(axis=1)
-    outside = np.concatenate([kinds[:first], kinds[first + cells * INSIDE :]])
-    return inside, float(outside.max()) if len(outside) else 0.0
+    out = np.empty((cells, 3))
+    for low in range(0, cells, CHUNK):
+        high = min(low + CHUNK, cells)
+        part = slice(first + low * k, first + high * k)
+        ratio = limit_ratios(run, limits, probe.state[:, part], probe.right[part])
+        of_cell = usage.peaks(INSIDE, ratio)
+        out[low:high] = np.stack([of_cell[:, kind].max(axis=1) for kind in kinds], axis=1)
+    rest = np.ones(len(probe.share), dtype=bool)
+    rest[first : first + cells * k] = False
+    outside = limit_ratios(run, limits, probe.state[:, rest], probe.right[rest]).max() if rest.any() else 0.0
+    return out, float(outside)
 
 
 def with_rest_cells(parts: Ints, rest: tuple[float, float]) -> Ints:
