@@ -45,7 +45,7 @@ def test_is_one_file_that_asks_for_nothing(html):
 
 def test_says_what_a_machinist_asks(html):
     text = html.read_text(encoding="utf-8")
-    for words in ("test", "xyzac-trunnion", "verified", "2.61 s", "Best possible", "Feed of the program", "Jerk of A"):
+    for words in ("test", "xyzac-trunnion", "verified", "2.61 s", "Best possible", "Programmed feed", "Jerk of A"):
         assert words in text, words
     assert "70.0 %" in text
 

@@ -7,7 +7,7 @@
   const phone = window.innerWidth < 620;
   const ink = "#17202e", soft = "#5b6778", line = "#e4e8ee", neutral = "#dfe3e9";
   const font = { family: getComputedStyle(document.body).fontFamily, size: phone ? 11 : 12, color: soft };
-  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"] };
+  const config = { responsive: true, displayModeBar: phone ? false : "hover", displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"] };
   const blocks = new Int32Array(bytes(data.blocks.data));
   const missing = -32768;
 
@@ -75,7 +75,7 @@
   const steps = data.limits.length + 1;
   const discrete = [];
   [neutral, ...data.colours].forEach((colour, k) => discrete.push([k / steps, colour], [(k + 1) / steps, colour]));
-  const limitName = (k) => (k < 0 ? "no limit quite reached" : data.limits[k]);
+  const limitName = (k) => (k < 0 ? "between limits" : data.limits[k]);
   const columns = Array.from(strip, (_, k) => ((k + 0.5) * data.duration) / strip.length);
   traces.push({
     type: "heatmap", xaxis: "x", yaxis: "y2", x: columns, y: [0], z: [Array.from(strip)], zmin: -1.5, zmax: steps - 1.5,
@@ -146,15 +146,18 @@
     cmin: 0, cmax: s.top, width: 4, showscale: !phone,
     colorbar: { title: { text: "mm/min", side: "right" }, thickness: 12, len: 0.6, outlinewidth: 0, x: 1 } };
   const byLimit = { color: limiting, colorscale: discrete, cmin: -1.5, cmax: steps - 1.5, width: 4, showscale: false };
+  const extent = (v) => v.reduce((m, x) => Math.max(m, x), -Infinity) - v.reduce((m, x) => Math.min(m, x), Infinity);
+  const extents = [extent(at.x), extent(at.y), extent(at.z)];
+  const ticks = (k) => Math.max(3, Math.round((8 * extents[k]) / Math.max(...extents, 1e-9)));
   const box = { showbackground: false, gridcolor: line, zerolinecolor: line, linecolor: "#c8cfd9", showspikes: false };
   const whiskers = { type: "scatter3d", mode: "lines", x: wx, y: wy, z: wz, hoverinfo: "skip", showlegend: false,
-    line: { color: "rgba(91,103,120,0.42)", width: 1.5 } };
+    line: { color: "#b4bdca", width: 2 } };
   const way = { type: "scatter3d", mode: "lines", ...at, text, hoverinfo: "text", showlegend: false, line: bySpeed };
   Plotly.newPlot(space, [whiskers, way], {
     font, margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#fff", uirevision: "keep",
     hoverlabel: { bgcolor: "#16263f", bordercolor: "#16263f", font: { color: "#fff" } },
-    scene: { aspectmode: "data", dragmode: "orbit", camera: { eye: { x: 1.1, y: -1.75, z: 1.05 }, up: { x: 0, y: 0, z: 1 } },
-      xaxis: { ...box, title: { text: "X mm" } }, yaxis: { ...box, title: { text: "Y mm" } }, zaxis: { ...box, title: { text: "Z mm" } } },
+    scene: { aspectmode: "data", dragmode: "orbit", camera: { center: { x: 0, y: 0, z: -0.12 }, eye: { x: 1.1, y: -1.75, z: 1.05 }, up: { x: 0, y: 0, z: 1 } },
+      xaxis: { ...box, title: { text: "X mm" }, nticks: ticks(0) }, yaxis: { ...box, title: { text: "Y mm" }, nticks: ticks(1) }, zaxis: { ...box, title: { text: "Z mm" }, nticks: ticks(2) } },
   }, config).then(() => { window.toolpaceReady = (window.toolpaceReady || 0) + 1; });
 
   const key = document.getElementById("key");

@@ -36,7 +36,7 @@ def _paler(colour: str, share: float) -> str:
 
 def limit_words(name: str) -> str:
     """The name of a limit as one says it: "jerk A" is "Jerk of A"."""
-    known = {"feed": "Feed of the program", "nothing": "No limit quite reached", "dwell": "Standing still (dwell)"}
+    known = {"feed": "Programmed feed", "nothing": "Between limits", "dwell": "Dwell"}
     kind, _, joint = name.partition(" ")
     return known.get(name) or f"{kind.capitalize()} of {joint}"
 
