@@ -44,12 +44,15 @@ def write_all(
     feed: str | None = None,
     tip_tolerance: float | None = None,
     axis_tolerance: float | None = None,
+    dialect: str | None = None,
+    step_s: dict[str, float] | None = None,
 ) -> PlanRecord:
     """Write plan.json, setpoints.npz, machine.toml, a copy of the program (program.<ext>) and, as asked,
     setpoints.csv and report.html; return what plan.json says.
 
     `path` is the Path (its deviations and fitting time are read), or None. `feed`, `tip_tolerance` [m] and
-    `axis_tolerance` [rad] are what the plan was made with, so that it can be judged by the files alone.
+    `axis_tolerance` [rad] are what the plan was made with, and `dialect` what the program was read as, so that it
+    can be judged by the files alone; `step_s` are the times of the steps so far.
     `progress(what, share done)` is called as files are written. Everything is written to a temporary folder
     beside `directory` first; where anything fails (UsageError), nothing is left behind.
     """
@@ -68,6 +71,8 @@ def write_all(
         feed=feed,
         tip_tolerance=tip_tolerance,
         axis_tolerance=axis_tolerance,
+        dialect=dialect,
+        step_s=step_s,
     )
     with whole_folder(directory) as folder:
         tell("set-points", 0.0)

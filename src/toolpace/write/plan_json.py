@@ -67,6 +67,10 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True):
     """The copy of the program beside this file."""
     verified: bool | None = None
     """Whether the motion passed its verification; null where none was made."""
+    dialect: str | None = None
+    """The dialect that was named for the program; null where its name and content told."""
+    step_s: dict[str, float] = {}
+    """Time of each step of the job: reading, fitting, planning, ..."""
 
     def facts(self) -> dict[str, Any]:
         """All of it as plain values."""
@@ -87,6 +91,8 @@ def plan_record(
     feed: str | None = None,
     tip_tolerance: float | None = None,
     axis_tolerance: float | None = None,
+    dialect: str | None = None,
+    step_s: dict[str, float] | None = None,
 ) -> PlanRecord:
     """The record of a plan. Deviations are the larger of what the fit (`path`) and the judge measured."""
     usage = trajectory.usage()
@@ -119,6 +125,8 @@ def plan_record(
         feed=feed,
         program_file=program_file,
         verified=verification.ok if verification is not None else None,
+        dialect=dialect,
+        step_s=step_s or {},
     )
 
 

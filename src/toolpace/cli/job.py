@@ -1,0 +1,121 @@
+"""From a program to a folder of results, step by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from toolpace.cli.steps import Steps
+from toolpace.reach import check_travel
+
+if TYPE_CHECKING:
+    from toolpace.machine import Machine
+    from toolpace.toolpath import ToolPath
+    from toolpace.verify import Verification
+    from toolpace.write import PlanRecord
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a plan depends on, checked."""
+
+    program: Path
+    machine: Machine
+    out: Path
+    tip_tolerance: float
+    axis_tolerance: float
+    planner: str = "optimal"
+    feed: str | None = None
+    dialect: str | None = None
+    dt: float = 1e-3
+    csv: bool = False
+    report: bool = True
+
+
+def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
+    """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
+    import msgspec
+
+    from toolpace import write
+    from toolpace.axispath import AxisPath
+    from toolpace.path import Path as SmoothPath
+    from toolpace.plan import plan
+    from toolpace.read import read
+    from toolpace.verify import verify
+
+    warm_up(steps)
+    with steps.step("reading") as tell:
+        toolpath = read(job.program, job.machine, job.dialect, feed=job.feed)
+        check_program(toolpath, job.machine)
+        skipped = sum(toolpath.skipped.values())
+        tell.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
+    with steps.step("fitting") as tell:
+        path = SmoothPath.fit(toolpath, job.tip_tolerance, job.axis_tolerance, job.machine, progress=tell)
+    with steps.step("planning") as tell:
+        axis_path = AxisPath.follow(path, job.machine)
+        trajectory = plan(axis_path, job.machine, planner=job.planner, progress=tell)
+        tell.note = f"{trajectory.mesh_points} mesh points"
+    with steps.step("sampling") as tell:
+        setpoints = trajectory.sample(job.dt)
+        check_travel(job.machine, setpoints.q, setpoints.block, toolpath.source)
+        trajectory.usage()
+        tell.note = f"{len(setpoints)} set-points"
+    with steps.step("verifying"):
+        verification = verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt)
+    with steps.step("writing") as tell:
+        record = write.write_all(
+            job.out,
+            trajectory,
+            path,
+            toolpath,
+            job.machine,
+            setpoints,
+            job.program,
+            csv=job.csv,
+            report=job.report,
+            progress=lambda what, share: tell(share),
+            verification=verification,
+            feed=job.feed,
+            tip_tolerance=job.tip_tolerance,
+            axis_tolerance=job.axis_tolerance,
+            dialect=job.dialect,
+            step_s=dict(steps.seconds),
+        )
+    record = msgspec.structs.replace(record, step_s=dict(steps.seconds))
+    write.write_plan(job.out / write.PLAN, record)
+    return record, verification
+
+
+def check_program(toolpath: ToolPath, machine: Machine) -> None:
+    """Raise ReachError where a point of the program itself is out of travel, before any long work."""
+    rotary = machine.choose_rotary(toolpath) if toolpath.rotary is None else toolpath.rotary
+    check_travel(machine, machine.joints_at(toolpath.tip, rotary), toolpath.block, toolpath.source)
+
+
+def warm_up(steps: Steps) -> None:
+    """On the first run of all, compile what the job will need, and say so."""
+    from toolpace.kernels import jit
+
+    if jit.is_warm():
+        return
+    with steps.step("compiling", "first run on this computer, half a minute or so; kept for later runs"):
+        from toolpace import demo
+        from toolpace.machine import Machine
+        from toolpace.path import Path as SmoothPath
+        from toolpace.plan import plan
+        from toolpace.read import read_text
+        from toolpace.verify import verify
+
+        machine = Machine.load(demo.MACHINE)
+        toolpath = read_text(demo.spiral_program(200, machine), machine)
+        trajectory = plan(SmoothPath.fit(toolpath, machine=machine), machine)
+        verify(trajectory, machine, toolpath)
+
+
+def written(job: Job) -> list[str]:
+    """Names of the files of a plan, the one to look at last."""
+    from toolpace import write
+
+    names = [write.PLAN, write.SET_POINTS, write.MACHINE, f"program{job.program.suffix}"]
+    return names + [write.TABLE] * job.csv + [write.REPORT] * job.report

@@ -1,0 +1,68 @@
+"""The steps of a job: each shown while it runs, and printed with its time when it is done."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from toolpace.units import format_time
+
+Tell = Callable[[float], None]
+WIDTH = 12
+
+
+def new_console() -> Console:
+    """Where people read: colours and bars on a terminal, plain lines elsewhere, however long they are."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=100)
+    return console
+
+
+class Step:
+    """One step under way."""
+
+    def __init__(self) -> None:
+        self.share: Tell = lambda share: None
+        self.note = ""
+
+    def __call__(self, share: float) -> None:
+        """Say how much of the step is done, from 0 to 1."""
+        self.share(share)
+
+
+class Steps:
+    """Runs steps one after the other and keeps their times."""
+
+    def __init__(self, console: Console) -> None:
+        self.console = console
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def step(self, name: str, note: str = "") -> Iterator[Step]:
+        """Show a bar while the block runs, if there is a terminal; then a line with its time and the step's `note`.
+
+        A step that is told no share shows how long it has been at it.
+        """
+        step, began = Step(), time.perf_counter()
+        bar = Progress(
+            SpinnerColumn(),
+            TextColumn(f"{name:<{WIDTH}}"),
+            BarColumn(bar_width=30),
+            TimeElapsedColumn(),
+            TextColumn(note, style="dim"),
+            console=self.console,
+            transient=True,
+            disable=not self.console.is_terminal,
+        )
+        with bar:
+            task = bar.add_task(name, total=None)
+            step.share = lambda share: bar.update(task, total=1.0, completed=min(max(share, 0.0), 1.0))
+            yield step
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - began
+        said = f"  {step.note or note}" if step.note or note else ""
+        self.console.print(f"{name:<{WIDTH}} {format_time(self.seconds[name]):>10}{said}", soft_wrap=True)

@@ -1,0 +1,139 @@
+"""What a plan came to, as a machinist reads it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.box import SIMPLE
+from rich.table import Table
+from rich.text import Text
+
+from toolpace.units import format_angle, format_length, format_time
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rich.console import Console
+
+    from toolpace.machine import Machine
+    from toolpace.verify import Verification
+    from toolpace.write import PlanRecord
+
+SHOWN = 6
+"""How many limits are named."""
+FULL = 0.999
+"""Usage from which a limit counts as used to the full."""
+
+
+def clock(seconds: float) -> str:
+    """h:mm:ss.s"""
+    tenths = round(seconds * 10.0)
+    return f"{tenths // 36000}:{tenths // 600 % 60:02d}:{tenths % 600 / 10.0:04.1f}"
+
+
+def show_plan(console: Console, record: PlanRecord, verification: Verification) -> None:
+    """Duration, what limits, how much of each axis is used, deviations and the verdict."""
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column(overflow="fold")
+    stops = f", {record.stops} stop{'s' * (record.stops != 1)} on the way" if record.stops else ""
+    grid.add_row("program", Text(f"{record.program}, {record.blocks} blocks{stops}"))
+    grid.add_row("machine", Text(f"{record.machine}, planner {record.planner}"))
+    grid.add_row("duration", Text(f"{clock(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
+    if record.lower_bound_s and record.gap is not None:
+        grid.add_row("", f"no motion takes less than {clock(record.lower_bound_s)}: at most {record.gap:.3%} to gain")
+    grid.add_row("limited by", Text(limits_in_words(record.limited_by)))
+    if record.tip_deviation_mm is not None:
+        grid.add_row("tip", Text(_within(record.tip_deviation_mm, record.tip_tolerance_mm, 1e-3, format_length)))
+    if record.axis_deviation_deg is not None:
+        degree = 3.141592653589793 / 180.0
+        grid.add_row(
+            "tool axis", Text(_within(record.axis_deviation_deg, record.axis_tolerance_deg, degree, format_angle))
+        )
+    console.print()
+    console.print(grid)
+    console.print(usage_table(record))
+    console.print(verdict(verification), soft_wrap=True)
+
+
+def limits_in_words(shares: dict[str, float]) -> str:
+    """ "feed 62 %, jerk of C 21 %, ..."; what binds for less than a percent is summed up."""
+    words, rest = [], 0.0
+    for name, share in sorted(shares.items(), key=lambda item: -item[1]):
+        if len(words) < SHOWN and share >= 0.01:
+            kind, _, joint = name.partition(" ")
+            label = "no limit quite reached" if name == "nothing" else f"{kind} of {joint}" if joint else kind
+            words.append(f"{label} {100.0 * share:.0f} %")
+        else:
+            rest += share
+    return ", ".join(words + ([f"others {100.0 * rest:.0f} %"] if rest >= 0.005 else []))
+
+
+def usage_table(record: PlanRecord) -> Table:
+    """Peak of each axis in percent of its limit."""
+    table = Table(box=SIMPLE, pad_edge=False)
+    table.add_column("peak use of limit", style="dim")
+    usage = record.usage
+    kinds = {"velocity": usage.velocity, "acceleration": usage.acceleration, "jerk": usage.jerk}
+    for joint in usage.velocity:
+        table.add_column(joint, justify="right")
+    for kind, values in kinds.items():
+        table.add_row(kind, *(_percent(value) for value in values.values()))
+    if usage.feed > 0.0:
+        table.add_row("feed", _percent(usage.feed), *[""] * (len(usage.velocity) - 1))
+    return table
+
+
+def _percent(ratio: float) -> Text:
+    text = f"{100.0 * ratio:.2f} %" if ratio >= FULL else f"{100.0 * ratio:.0f} %"
+    return Text(text, style="bold red" if ratio > 1.0001 else "bold" if ratio >= FULL else "")
+
+
+def _within(value: float, tolerance: float | None, scale: float, show: object) -> str:
+    assert callable(show)
+    allowed = f", allowed {show(tolerance * scale)}" if tolerance else ""
+    return f"off the program by at most {show(value * scale)}{allowed}"
+
+
+def verdict(verification: Verification) -> Text:
+    """One line: passed, or what is worst."""
+    if verification.ok:
+        count = len(verification.checks)
+        points = f"{verification.set_points} set-points at {format_time(verification.dt)}"
+        return Text.assemble(("VERIFIED", "bold green"), f"  {count} checks on {points}")
+    found = verification.findings
+    more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    return Text.assemble(("FAILED", "bold red"), f"  {found[0]}{more}")
+
+
+def show_verification(console: Console, verification: Verification) -> None:
+    """Every check, one a row, and the verdict."""
+    table = Table(box=SIMPLE, pad_edge=False)
+    for name in ("check", "worst", "allowed", "where", ""):
+        table.add_column(name, justify="right" if name in ("worst", "allowed") else "left", overflow="fold")
+    for check, worst, limit, where, verdict_ in verification.rows():
+        style = "" if verdict_ == "ok" else "bold red"
+        table.add_row(*(Text(cell, style=style) for cell in (check, worst, limit, where, verdict_)))
+    console.print(table)
+    console.print(verdict(verification), soft_wrap=True)
+
+
+def show_machine(console: Console, machine: Machine) -> None:
+    """The chain, and travel and limits of each joint."""
+    from toolpace.machinetable import title
+
+    name, _, rest = title(machine).partition(": ")
+    note = machine.file.note
+    console.print(Text.assemble((name, "bold"), f"  {note + '; ' if note else ''}{rest}"), soft_wrap=True)
+    table = Table(box=SIMPLE, pad_edge=False)
+    keys = ("joint", "travel", "velocity", "acceleration", "jerk")
+    for key in keys:
+        table.add_column(key, justify="left" if key == "joint" else "right", overflow="fold")
+    for row in machine.summary():
+        table.add_row(*(row[key] for key in keys))
+    console.print(table)
+
+
+def show_files(console: Console, folder: Path, names: list[str]) -> None:
+    """What was written, the report last."""
+    console.print(Text.assemble(("written", "dim"), f"   {folder}: {', '.join(names)}"), soft_wrap=True)
