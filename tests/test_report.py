@@ -120,7 +120,9 @@ def test_draws_without_errors_and_without_network(html, tmp_path, width):
         "const told=console.error;console.error=(...a)=>{problems.push(a.join(' '));told(...a)};</script>"
     )
     after = (
-        "<script>setTimeout(()=>{const d=document;d.title='probe:'+JSON.stringify({problems,ready:window.toolpaceReady,"
+        "<script>setTimeout(()=>Plotly.relayout('time',{'xaxis.range':[0.5,0.6]}),2000);"
+        "setTimeout(()=>{const d=document,x=d.getElementById('time').data[5].x;"
+        "d.title='probe:'+JSON.stringify({problems,ready:window.toolpaceReady,from:x[0],to:x.at(-1),"
         "lines:d.querySelectorAll('#time .scatterlayer .trace').length,"
         "canvas:d.querySelectorAll('#space canvas').length,"
         "wide:d.documentElement.scrollWidth})},4000)</script>"
@@ -144,4 +146,7 @@ def test_draws_without_errors_and_without_network(html, tmp_path, width):
     assert state["ready"] == 2
     assert state["lines"] == 17
     assert state["canvas"] >= 1
+    # Zooming in draws the curves anew, from the set-points in view.
+    assert 0.49 < state["from"] <= 0.5
+    assert 0.6 <= state["to"] < 0.61
     assert state["wide"] <= max(width, 500) + 1

@@ -25,9 +25,7 @@ radius 1."""
 
 
 @jit()
-def _near(
-    pose: Floats, a: Floats, b: Floats, bend: Floats, least: float, weight: float
-) -> tuple[float, float, float]:
+def _near(pose: Floats, a: Floats, b: Floats, bend: Floats, least: float, weight: float) -> tuple[float, float, float]:
     """The place u in [least, 1] on the way from a to b nearest to the pose, and the tip and axis distances
     there.
 

@@ -66,7 +66,7 @@
       type: "scatter", mode: "lines", ...drawn, hoverinfo: "text", yaxis: axes[c.panel], xaxis: "x",
       name: c.name, legendgroup: feed ? c.name : "joint " + c.name, showlegend: named, connectgaps: false,
       fill: feed && !cap ? "tozeroy" : "none", fillcolor: "rgba(20,163,127,0.13)",
-      line: cap ? { color: ink, width: 1.2, dash: "dot", shape: "hv" }
+      line: cap ? { color: "#66748a", width: 1, shape: "hv" }
         : { color: feed ? "#14a37f" : data.joint_colours[c.joint], width: feed ? 1.4 : 1.25 },
     };
   });

@@ -122,7 +122,7 @@ def _cards(
         steps = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
         length = float(steps.sum())
         mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
-        shown = f"{length:.2f} m" if length >= 10.0 else f"{length * 1e3:.1f} mm"
+        shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
         cards.append(("Way of the tip", shown, f"{mean:.0f} mm/min on average", ""))
     stops = max(len(trajectory.laws) - 1, 0)
     blocks = int(facts.get("blocks") or (toolpath.blocks or len(toolpath) if toolpath is not None else 0))

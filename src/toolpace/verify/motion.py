@@ -30,9 +30,7 @@ def unit_of(base: str, order: int) -> str:
 def step_check(points: SetPoints) -> tuple[float, list[Check]]:
     """The time step [s], and whether it is the same all through (the last one may be shorter)."""
     if len(points) < 2:
-        return math.nan, [
-            Check("set-points", float(len(points)), 2.0, "", False, at_least=True, note="too few")
-        ]
+        return math.nan, [Check("set-points", float(len(points)), 2.0, "", False, at_least=True, note="too few")]
     steps = np.diff(points.t)
     step = float(np.median(steps))
     even = steps[:-1] if 0.0 < steps[-1] < step else steps
@@ -42,13 +40,9 @@ def step_check(points: SetPoints) -> tuple[float, list[Check]]:
     ok = bool(step > 0.0 and off[worst] <= 1e-9 * abs(step) + noise)
     time, block = float(points.t[worst]), int(points.block[worst])
     if step <= 0.0:
-        return step, [
-            Check("time step", math.nan, 0.0, "s", False, time, block, note="time does not run forward")
-        ]
+        return step, [Check("time step", math.nan, 0.0, "s", False, time, block, note="time does not run forward")]
     return step, [
-        Check(
-            "unevenness of the time step", float(off[worst]), 1e-9 * step, "s", ok, time, block, noise=noise
-        )
+        Check("unevenness of the time step", float(off[worst]), 1e-9 * step, "s", ok, time, block, noise=noise)
     ]
 
 
@@ -130,18 +124,13 @@ def _column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: 
             worst = int(np.argmax(off))
             scale = float(np.abs(below[:, j]).max())
             # Derivatives are worked out, not differenced; a relative error of 1e-9 is theirs by right.
-            noise = (
-                2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max()))
-                + 1e-9 * dt * scale
-            )
+            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max())) + 1e-9 * dt * scale
             ok = bool(off[worst] <= allowed + noise)
             if not ok:
                 time, block = float(points.t[worst]), int(points.block[worst])
                 unit = unit_of(units[j], 0 if name == "velocity" else 1)
                 note = f"the {name} column is not the derivative of its neighbour"
-                checks.append(
-                    Check(f"{name} column", float(off[worst]), allowed, unit, ok, time, block, joint, note)
-                )
+                checks.append(Check(f"{name} column", float(off[worst]), allowed, unit, ok, time, block, joint, note))
     return checks
 
 
@@ -160,9 +149,7 @@ def rest_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: flo
         unit = unit_of(units[j], 1)
         value, limit = float(off[j]) / dt, float(most[j]) / dt
         note = "speed in the outermost step, at rest no more than the jerk limit allows"
-        checks.append(
-            Check(f"rest at the {name}", value, limit, unit, ok, time, block, points.joints[j], note)
-        )
+        checks.append(Check(f"rest at the {name}", value, limit, unit, ok, time, block, points.joints[j], note))
     return checks
 
 

@@ -12,6 +12,7 @@ from toolpace.machine import Machine
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
 from toolpace.verify.motion import TOLERANCE, still_step
+from toolpace.verify.rows import Matched, bends_of, program_line, running_length
 from toolpace.verify.verification import Check
 
 Floats = npt.NDArray[np.float64]
@@ -54,16 +55,16 @@ def program_checks(
     if len(kept) < 2:
         kept = np.array([0, len(points) - 1])
     moving = poses[kept]
-    line_place = _place(line)
-    there = _Matched.empty(len(moving))
+    line_place = running_length(line)
+    there = Matched.empty(len(moving))
     match(moving, line, np.zeros((len(line) - 1, 6)), line_place, *there.arrays)
     # A slow motion has hundreds of set-points within a tolerance; a few there are enough to come near.
     few = np.empty(len(moving), dtype=np.int64)
     few = few[: thinned(moving, 0.25, few)]
     chain, stations = moving[few], kept[few]
-    chain_place = _place(chain)
-    back = _Matched.empty(len(line))
-    match(line, chain, _bends(chain, points.t[stations], dt), chain_place, *back.arrays)
+    chain_place = running_length(chain)
+    back = Matched.empty(len(line))
+    match(line, chain, bends_of(chain, points.t[stations], dt), chain_place, *back.arrays)
 
     judge = _Judge(points, toolpath, stations, owner, tip_tolerance, axis_tolerance, dt)
     checks = judge.nearness(there, back, kept)
@@ -75,79 +76,6 @@ def program_checks(
     worst_tip = max(float(there.tip.max()), float(back.tip.max())) * tip_tolerance
     worst_axis = max(float(there.axis.max()), float(back.axis.max())) * axis_tolerance
     return ProgramJudgement(checks, worst_tip, _angle(worst_axis))
-
-
-def program_line(
-    toolpath: ToolPath, machine: Machine, tip_tolerance: float, axis_tolerance: float
-) -> tuple[Floats, Ints]:
-    """The program as a row of poses (m, 6) in tolerances, and for each the program point that it is or leads
-    to.
-
-    Where the axis turns on the way, points are put in between (great circle, or rotary joints in proportion)
-    until a chord is within 0.02 axis tolerances of its arc.
-    """
-    tip, axis = toolpath.tip, toolpath.axis
-    if len(tip) == 1:
-        tip, axis = np.repeat(tip, 2, axis=0), np.repeat(axis, 2, axis=0)
-        pose = np.hstack((tip / tip_tolerance, axis / axis_tolerance))
-        return pose, np.zeros(2, dtype=np.int64)
-    turn = 2.0 * np.arcsin(np.clip(np.sqrt(((axis[1:] - axis[:-1]) ** 2).sum(axis=1)) / 2.0, 0.0, 1.0))
-    rotary = toolpath.rotary
-    if rotary is not None:
-        turn = np.maximum(turn, np.abs(np.diff(rotary, axis=0)).max(axis=1))
-    pieces = np.clip(np.ceil(turn / math.sqrt(0.16 * axis_tolerance)), 1, 10_000).astype(np.int64)
-    owner = np.repeat(np.arange(1, len(tip)), pieces)
-    ends = np.cumsum(pieces)
-    share = (np.arange(ends[-1]) - np.repeat(ends - pieces, pieces) + 1.0) / np.repeat(pieces, pieces)
-    share = share[:, None]
-    between_tip = tip[owner - 1] + share * (tip[owner] - tip[owner - 1])
-    if rotary is not None:
-        q = np.zeros((len(owner), len(machine.joints)))
-        columns = [machine.joints.index(name) for name in toolpath.rotary_joints] or list(machine.rotary)
-        q[:, columns] = rotary[owner - 1] + share * (rotary[owner] - rotary[owner - 1])
-        between_axis = machine.forward(q)[1]
-    else:
-        angle = turn[owner - 1][:, None]
-        straight = angle < 1e-9
-        sine = np.where(straight, 1.0, np.sin(angle))
-        before = np.where(straight, 1.0 - share, np.sin((1.0 - share) * angle) / sine)
-        after = np.where(straight, share, np.sin(share * angle) / sine)
-        between_axis = before * axis[owner - 1] + after * axis[owner]
-    exact = np.flatnonzero(share[:, 0] == 1.0)
-    between_tip[exact] = tip[owner[exact]]
-    if rotary is None:
-        between_axis[exact] = axis[owner[exact]]
-    start_axis = axis[:1]
-    line = np.vstack(
-        (
-            np.hstack((tip[:1] / tip_tolerance, start_axis / axis_tolerance)),
-            np.hstack((between_tip / tip_tolerance, between_axis / axis_tolerance)),
-        )
-    )
-    return np.ascontiguousarray(line), np.concatenate(([0], owner))
-
-
-@dataclass(frozen=True)
-class _Matched:
-    """Where each pose of one row lies on the other, and how far off, in tolerances."""
-
-    segment: Ints
-    fraction: Floats
-    tip: Floats
-    axis: Floats
-
-    @classmethod
-    def empty(cls, n: int) -> _Matched:
-        return cls(np.zeros(n, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n))
-
-    @property
-    def arrays(self) -> tuple[Ints, Floats, Floats, Floats]:
-        return self.segment, self.fraction, self.tip, self.axis
-
-    def place(self, place: Floats) -> Floats:
-        """Running length at the matches."""
-        found: Floats = place[self.segment] + self.fraction * (place[self.segment + 1] - place[self.segment])
-        return found
 
 
 @dataclass(frozen=True)
@@ -164,7 +92,7 @@ class _Judge:
     axis_tolerance: float
     dt: float
 
-    def nearness(self, there: _Matched, back: _Matched, kept: Ints) -> list[Check]:
+    def nearness(self, there: Matched, back: Matched, kept: Ints) -> list[Check]:
         """Both directions, tip and axis, and both ends."""
         points, blocks = self.points, self.toolpath.block
         checks = []
@@ -195,7 +123,7 @@ class _Judge:
                 checks.append(Check("end of the program", left, 0.0, "", False, time, block, note=note))
         return checks
 
-    def _ends_near(self, there: _Matched) -> bool:
+    def _ends_near(self, there: Matched) -> bool:
         """Whether all that is left of the program lies within tolerance of the last set-point."""
         rest = self.toolpath.tip[self.owner[there.segment[-1] + 1] :]
         off = np.sqrt(((rest - rest[-1]) ** 2).sum(axis=1))
@@ -278,9 +206,7 @@ class _Judge:
             time, block = float(t[early[stops[k]]]), int(self.toolpath.block[stops[k]])
             note = "" if ok else "the program stops here, the motion runs on"
             found = float(longest[k])
-            checks.append(
-                Check("stillness at stops", found, self.dt, "s", ok, time, block, note=note, at_least=True)
-            )
+            checks.append(Check("stillness at stops", found, self.dt, "s", ok, time, block, note=note, at_least=True))
         if (need > 0.0).any():
             k = int(np.argmax(need - longest))
             # Sampling may hide the first and the last step of a dwell.
@@ -290,28 +216,6 @@ class _Judge:
             noise = 2.0 * self.dt
             checks.append(Check("dwell", found, least, "s", ok, time, block, at_least=True, noise=noise))
         return checks
-
-
-def _place(row: Floats) -> Floats:
-    """Running length along a row of poses."""
-    length: Floats = np.concatenate(([0.0], np.cumsum(np.sqrt(((row[1:] - row[:-1]) ** 2).sum(axis=1)))))
-    return length
-
-
-def _bends(chain: Floats, t: Floats, dt: float) -> Floats:
-    """Second differences on the steps of the chain, so that a curve sampled coarsely is not taken for its
-    chords.
-
-    Between two set-points the motion leaves the chord by u (1 - u) / 2 times the second difference, up to
-    third differences: at 50 mm/s and 5 m/s2 this is 0.6 micrometres, what remains is far less.
-    """
-    second = np.zeros_like(chain)
-    second[1:-1] = chain[2:] - 2.0 * chain[1:-1] + chain[:-2]
-    # Across a pause or a shorter last step the differences mean nothing; there the motion is slow anyway.
-    uneven = np.abs(np.diff(t) - dt) > 1e-6 * dt
-    second[1:-1][uneven[1:] | uneven[:-1]] = 0.0
-    bends: Floats = 0.5 * (second[1:] + second[:-1])
-    return bends
 
 
 def _still(points: SetPoints, machine: Machine, dt: float) -> npt.NDArray[np.bool_]:
