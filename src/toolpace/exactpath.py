@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypedDict
 
 import numpy as np
 
 from toolpace.errors import PathError
-from toolpace.pathrun import Floats, PathJet, PathRun, unit_jets
+from toolpace.pathrun import Floats, Ints, PathJet, PathRun, unit_jets
 
 Curve = Callable[[Floats, int], tuple[Floats, Floats]]
 """(s (n,), order 0 to 3) to the derivative of tip (n, 3) [m] and of the unit tool axis (n, 3)."""
@@ -24,12 +25,8 @@ class CallableRun(PathRun):
         """Position and derivatives at s (n,), as the function gives them."""
         s = np.asarray(s, dtype=np.float64)
         parts = [self.curve(s, order) for order in range(4)]
-        tip = np.stack(
-            [np.broadcast_to(np.asarray(part[0], dtype=np.float64), (len(s), 3)) for part in parts]
-        )
-        axis = np.stack(
-            [np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts]
-        )
+        tip = np.stack([np.broadcast_to(np.asarray(part[0], dtype=np.float64), (len(s), 3)) for part in parts])
+        axis = np.stack([np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts])
         return PathJet(tip, axis, None)
 
 
@@ -48,9 +45,7 @@ class TwoCurveRun(PathRun):
         return PathJet(tip, unit_jets(point - tip), None)
 
 
-def callable_run(
-    curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None
-) -> CallableRun:
+def callable_run(curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None) -> CallableRun:
     """One run of one block over [s0, s1]."""
     if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
         raise PathError(f"a path from s0 = {s0:g} to s1 = {s1:g} has no length; give s0 < s1")
@@ -58,7 +53,16 @@ def callable_run(
     return CallableRun(breaks=ends if breaks is None else breaks, curve=curve, **one_block(ends, feed))
 
 
-def one_block(ends: Floats, feed: float) -> dict[str, Floats]:
+class BlockTable(TypedDict):
+    """The block arrays of a run."""
+
+    block_start: Floats
+    block: Ints
+    feed: Floats
+    least_time: Floats
+
+
+def one_block(ends: Floats, feed: float) -> BlockTable:
     """The block table of a run of one block."""
     if not feed > 0.0:
         raise PathError(f"the feed is {feed:g} m/s; give a positive feed, or inf for none")
@@ -70,9 +74,7 @@ def one_block(ends: Floats, feed: float) -> dict[str, Floats]:
     }
 
 
-def arc_run(
-    centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float
-) -> CallableRun:
+def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float) -> CallableRun:
     """A circular arc over its length, the tool axis in its plane at a constant angle to the outward normal.
 
     n (normal, towards you)     P(s) = centre + R (e cos th + f sin th),  th = s / R

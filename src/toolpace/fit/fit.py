@@ -36,19 +36,24 @@ def fit_runs(
     tip_worst = axis_worst = start = 0.0
     lines = polylines(toolpath, tip_tolerance, axis_tolerance, machine)
     total = sum(len(line.s) for line in lines)
-    done = 0
+    done = part = 0
+
+    def report(share: float) -> None:
+        if progress is not None:
+            progress((done + share * part) / total)
+
     for line in lines:
+        part = len(line.s)
         try:
-            run, tip_off, axis_off = fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, start)
+            run, tip_off, axis_off = fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, start, report)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
         runs.append(run)
         start = run.s1
         tip_worst, axis_worst = max(tip_worst, tip_off), max(axis_worst, axis_off)
-        done += len(line.s)
-        if progress is not None:
-            progress(done / total)
+        done += part
+    report(0.0)
     return tuple(runs), tip_worst * tip_tolerance, axis_worst * axis_tolerance
 
 
@@ -59,6 +64,7 @@ def fit_run(
     axis_tolerance: float,
     machine: Machine | None,
     start: float,
+    report: Callable[[float], None],
 ) -> tuple[SplineRun, float, float]:
     """One run that starts at parameter `start` [m], and its deviations in tolerances."""
     from toolpace.kernels.spline import jets, pieces
@@ -71,13 +77,11 @@ def fit_run(
     for repair in range(REPAIRS + 1):
         breaks, data, tip, turn = inside_spline(line, breaks, weight, axis_tolerance, machine)
         if repair < REPAIRS:
-            tighten(breaks, data, tip, turn, weight, least_third, narrowed(data.s, narrow))
+            tighten(breaks, data, tip, turn, weight, least_third, narrowed(data.s, narrow), report)
         polynomials = pieces(knots_of(breaks), np.concatenate([tip, turn], axis=1))
         at = dense(data.s)
         curve = jets(breaks, polynomials, at)[0]
-        tip_off, axis_off = deviations(
-            line, at, curve[:, :3], curve[:, 3:], axis_tolerance, machine, joints_given
-        )
+        tip_off, axis_off = deviations(line, at, curve[:, :3], curve[:, 3:], axis_tolerance, machine, joints_given)
         off = np.maximum(tip_off, axis_off)
         bad = np.flatnonzero(off > 1.0)
         if len(bad) == 0:
@@ -100,18 +104,14 @@ def narrowed(s: Floats, narrow: list[tuple[Floats, Floats]]) -> Floats:
     return np.maximum(radius, 0.3)
 
 
-def turn_weight(
-    line: Polyline, tip_tolerance: float, axis_tolerance: float, machine: Machine | None
-) -> Floats:
+def turn_weight(line: Polyline, tip_tolerance: float, axis_tolerance: float, machine: Machine | None) -> Floats:
     """Relative weight of the squared roughness of each coordinate of the turn: what the joints feel of it.
 
     A rotary joint feels itself, and the linear joints feel it times the lever of the tip.
     """
     if machine is None:
         return np.ones(3)
-    lever = np.sqrt(
-        np.mean(machine.tip_lever(line.tip * tip_tolerance, line.turn * axis_tolerance) ** 2, axis=0)
-    )
+    lever = np.sqrt(np.mean(machine.tip_lever(line.tip * tip_tolerance, line.turn * axis_tolerance) ** 2, axis=0))
     jerk = np.asarray(machine.limits.jerk)
     linear = np.min(jerk[machine.linear])
     squared = 1.0 / jerk[machine.rotary] ** 2 + (lever / linear) ** 2

@@ -97,9 +97,7 @@ def sample(
         s = at
     first, rows = basis_rows(knots_of(breaks), s)
     turn = interpolate(line.s, line.turn, s)
-    return Samples(
-        s, first, rows, interpolate(line.s, line.tip, s), turn, turn_metric(turn, axis_tolerance, machine)
-    )
+    return Samples(s, first, rows, interpolate(line.s, line.tip, s), turn, turn_metric(turn, axis_tolerance, machine))
 
 
 def turn_metric(turn: Floats, axis_tolerance: float, machine: Machine | None) -> Floats:
@@ -152,8 +150,7 @@ def outside(data: Samples, tip: Floats, turn: Floats) -> Bools:
     """Which samples see the splines leave the inner part of the tube."""
     tips = np.broadcast_to(np.eye(3), (len(data.s), 3, 3)).copy()
     return np.asarray(
-        np.maximum(deviation(data, tip, data.tip, tips), deviation(data, turn, data.turn, data.metric))
-        > INSIDE
+        np.maximum(deviation(data, tip, data.tip, tips), deviation(data, turn, data.turn, data.metric)) > INSIDE
     )
 
 
@@ -179,10 +176,8 @@ def middles(vertices: Floats, breaks: Floats, split: Bools) -> Floats:
     low, high = breaks[:-1][split], breaks[1:][split]
     middle = 0.5 * (low + high)
     above = np.clip(np.searchsorted(vertices, middle), 1, len(vertices) - 1)
-    near = np.where(
-        vertices[above] - middle < middle - vertices[above - 1], vertices[above], vertices[above - 1]
-    )
-    return np.where(np.abs(near - middle) < 0.25 * (high - low), near, middle)
+    near = np.where(vertices[above] - middle < middle - vertices[above - 1], vertices[above], vertices[above - 1])
+    return np.asarray(np.where(np.abs(near - middle) < 0.25 * (high - low), near, middle))
 
 
 def deviation(data: Samples, x: Floats, target: Floats, metric: Floats) -> Floats:
@@ -192,4 +187,4 @@ def deviation(data: Samples, x: Floats, target: Floats, metric: Floats) -> Float
     r = np.empty_like(target)
     gather(data.first, data.rows, x, r)
     r -= target
-    return np.sqrt(np.maximum(0.0, np.einsum("mc,mcd,md->m", r, metric, r)))
+    return np.asarray(np.sqrt(np.maximum(0.0, np.einsum("mc,mcd,md->m", r, metric, r))))

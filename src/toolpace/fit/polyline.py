@@ -7,6 +7,7 @@ a pure rotation has length, rounding noise of either kind weighs alike, and a sp
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -69,13 +70,11 @@ def polylines(
     dense, entry = refined(toolpath, axis_tolerance, machine)
     tip = dense.tip / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
-    length = np.sqrt(
-        np.sum(np.diff(tip, axis=0) ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2
-    )
+    length = np.sqrt(np.sum(np.diff(tip, axis=0) ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2)
     stops = np.flatnonzero(dense.stop)
     stops = np.unique(np.concatenate([[0], stops, [len(dense) - 1]]))
     runs: list[Polyline] = []
-    for start, end in zip(stops[:-1], stops[1:]):
+    for start, end in pairwise(stops):
         steps = length[start:end]
         kept = np.flatnonzero(steps > LEAST_CELL)
         dwell = float(dense.dwell[end])
@@ -108,7 +107,7 @@ def turn_length(turn: Floats, axis_tolerance: float, machine: Machine | None) ->
     """
     step = np.diff(turn, axis=0)
     if machine is None:
-        return np.linalg.norm(step, axis=1)
+        return np.asarray(np.linalg.norm(step, axis=1))
     columns = axis_columns(0.5 * (turn[1:] + turn[:-1]) * axis_tolerance, machine)
     moved = np.einsum("nca,na->nc", columns, step)
     return np.asarray(np.sqrt(np.sum(moved**2, axis=1) + POLE_LEVER**2 * np.sum(step**2, axis=1)))
@@ -137,14 +136,12 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
     if np.any(chord > 1.999):
         i = int(np.argmax(chord)) + 1
         raise PathError(
-            f"{toolpath.source or 'tool path'}:{toolpath.block[i]}: the tool axis turns by half a turn in one block, in no"
-            " certain plane; put a point between"
+            f"{toolpath.source or 'tool path'}:{toolpath.block[i]}: the tool axis turns by half a turn in one block,"
+            " in no certain plane; put a point between"
         )
     angle = 2.0 * np.arcsin(0.5 * chord)
     # the chord of a great circle dips by angle^2 / 8
-    toolpath, entry = inserted(
-        toolpath, entry, np.ceil(angle / np.sqrt(0.4 * axis_tolerance)).astype(np.int64)
-    )
+    toolpath, entry = inserted(toolpath, entry, np.ceil(angle / np.sqrt(0.4 * axis_tolerance)).astype(np.int64))
     if machine is None:
         return toolpath, entry
     for _ in range(8):

@@ -7,7 +7,9 @@ seams, come as close to the optimum of the whole as one wants, in linear time, a
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,10 +32,12 @@ def tighten(
     weight: Floats,
     least_third: float,
     radius: Floats,
+    report: Callable[[float], None],
 ) -> None:
     """Minimise the roughness of tip and turn inside the tube, in place.
 
-    `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel.
+    `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel; `radius` (m,) the share
+    of the tolerance that may be used at each sample. `report` is told the share done.
     """
     from toolpace.kernels.spline import third_rows
     from toolpace.kernels.tube import smoothest
@@ -73,7 +77,6 @@ def tighten(
             ACCURACY,
             STEPS,
         )
-        LOG.append((which, low, high, steps))
         if steps >= 0 and np.all(np.isfinite(before)):
             x[low:high] = before[low - base : high - base]
 
@@ -81,11 +84,11 @@ def tighten(
     count = max(1, round(n / WINDOW))
     seams = np.linspace(0, n, count + 1).astype(int)
     seams[0], seams[-1] = 1, n - 1
-    whole = [(which, int(a), int(b)) for a, b in zip(seams[:-1], seams[1:]) for which in range(2)]
+    whole = [(which, int(a), int(b)) for a, b in pairwise(seams) for which in range(2)]
     between = [(which, int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1] for which in range(2)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(solve, whole))
-        list(pool.map(solve, between))
-
-
-LOG: list[tuple[int, int, int, int]] = []
+        done = 0
+        for stage in (whole, between):
+            for _ in pool.map(solve, stage):
+                done += 1
+                report(done / (len(whole) + len(between)))

@@ -1,6 +1,7 @@
 """The smoothest spline in a tube: a primal-dual interior-point method on banded matrices.
 
-Minimise  1/2 sum_d w_d (x_d' R x_d + sum_j p_j (B_j x_d - y_jd)^2)   subject to   (B_j x - y_j)' G_j (B_j x - y_j) <= radius_j^2
+    minimise    1/2 sum_d w_d (x_d' R x_d + sum_j p_j (B_j x_d - y_jd)^2)
+    subject to  (B_j x - y_j)' G_j (B_j x - y_j) <= radius_j^2
 
 over the coefficients x (n, g) of a quintic spline, with B_j its six basis values at sample j. Each sample couples six
 coefficients of g coordinates, so the Newton matrix is banded with 6 g entries a row, and a step costs O(n).
