@@ -1,4 +1,4 @@
-"""Five-axis programs that toolpace writes itself: an impeller for `toolpace demo`, a blade of any length for benchmarks.
+"""Five-axis programs that toolpace writes itself: an impeller for the demo, a blade of any length for benchmarks.
 
 Both are G-code under tool-centre-point control (G43.4) for a machine with a C table and a tilting A or B axis, in mm.
 """
@@ -160,8 +160,9 @@ def _blocks(machine: Machine, tip: Floats, axis: Floats, rapids: tuple[int, int]
     free, nothing = np.full(n, np.inf), np.zeros(n)
     ends = np.isin(np.arange(n), (0, n - 1))
     toolpath = ToolPath(tip, axis, free, nothing, np.arange(1, n + 1), ends, nothing.copy())
-    angles = np.degrees(machine.choose_rotary(toolpath))
-    names = [machine.joints[joint] for joint in machine.rotary]
+    order = sorted((0, 1), key=lambda k: machine.joints[machine.rotary[k]])
+    angles = np.degrees(machine.choose_rotary(toolpath))[:, order]
+    names = [machine.joints[joint] for joint in machine.rotary[order]]
     form = "G{} X{:.{d}f} Y{:.{d}f} Z{:.{d}f} " + " ".join(f"{name}{{:.{{d}}f}}" for name in names)
     rows = np.column_stack([tip * 1e3, angles]).tolist()
     lines = []

@@ -10,25 +10,34 @@ from cyclopts import App, Parameter
 from toolpace import __version__
 from toolpace.cli.steps import Steps, new_console
 
-INTRODUCTION = """The fastest motion along a five-axis tool path within every axis's velocity, acceleration and jerk limits.
+INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 
-    toolpace demo                                        see what it does, on a part of its own
-    toolpace machines                                    the built-in machines and their limits
-    toolpace plan part.ngc --machine xyzac-trunnion      plan a program and write a report
-    toolpace verify part-plan                            judge a plan again, from its files alone
+Give it a program and a machine: it finds the least-time motion within velocity,
+acceleration and jerk limits, judges it independently, and shows it in a report.
+"""
 
-Exit codes: 0 all is well, 1 a verification failed, 2 something in the input is wrong (one line says what and where).
+EXAMPLES = """
+Examples:
+
+    toolpace demo                     see it work, on a part of its own
+    toolpace machines                 the built-in machines and their limits
+    toolpace plan part.ngc -m xyzac-trunnion        plan, and write a report
+    toolpace verify part-plan         judge a plan again, from its files alone
+
+Exit codes: 0 all is well; 1 a verification failed; 2 something in the input is
+wrong, and one line says what, where and how to cure it.
 """
 
 app = App(
     name="toolpace",
     version=__version__,
     help=INTRODUCTION,
+    help_epilogue=EXAMPLES,
     help_format="rich",
     version_flags=["--version"],
 )
 
-Switch = Parameter(negative="")
+Switch = Parameter(negative="", show_default=False)
 
 
 @app.command
@@ -50,11 +59,14 @@ def plan(
 ) -> int:
     """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
 
-    The program is smoothed within the tolerances, planned to the limits of the machine and its own feeds, judged
-    independently, and written with a report that opens in any browser.
+    The program is smoothed within the tolerances, planned to the limits of the
+    machine and its own feeds, judged independently, and written with a report
+    that opens in any browser.
+
+    Examples:
 
         toolpace plan part.ngc --machine xyzac-trunnion
-        toolpace plan part.cls --machine my-mill.toml --tip-tolerance 5um --feed 120%
+        toolpace plan part.cls -m my-mill.toml --tip-tolerance 5um --feed 120%
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
 
     Parameters
@@ -113,8 +125,11 @@ def plan(
 def verify(directory: str, /) -> int:
     """Judge a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel.
 
-    Nothing of the planner is used: set-points are differentiated, put through the machine's forward kinematics and
-    compared with the program. Exit code 1 if anything fails.
+    Nothing of the planner is used: set-points are differentiated, put through the
+    machine's forward kinematics and compared with the program. Exit code 1 if
+    anything fails.
+
+    Examples:
 
         toolpace verify part-plan
 
@@ -135,8 +150,10 @@ def verify(directory: str, /) -> int:
 def machines(name: str | None = None, /, *, toml: Annotated[bool, Switch] = False) -> int:
     """List the built-in machines with their class, travel and limits.
 
+    Examples:
+
         toolpace machines
-        toolpace machines xyzac-trunnion --toml > my-mill.toml      a machine file to start from
+        toolpace machines xyzac-trunnion --toml > my-mill.toml
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,6 +44,7 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     from toolpace.plan import plan
     from toolpace.read import read
     from toolpace.verify import verify
+    from toolpace.write.plan_json import PLAN
 
     warm_up(steps)
     with steps.step("reading") as tell:
@@ -83,7 +85,7 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
             step_s=dict(steps.seconds),
         )
     record = msgspec.structs.replace(record, step_s=dict(steps.seconds))
-    write.write_plan(job.out / write.PLAN, record)
+    write.write_plan(job.out / PLAN, record)
     return record, verification
 
 
@@ -95,11 +97,13 @@ def check_program(toolpath: ToolPath, machine: Machine) -> None:
 
 def warm_up(steps: Steps) -> None:
     """On the first run of all, compile what the job will need, and say so."""
-    from toolpace.kernels import jit
+    from toolpace.kernels.jit import cache_folder
 
-    if jit.is_warm():
+    # Some code lies in the cache as soon as anything was compiled: only a whole job that went well tells all does.
+    done = cache_folder() / "warm"
+    if done.exists():
         return
-    with steps.step("compiling", "first run on this computer, half a minute or so; kept for later runs"):
+    with steps.step("compiling", "first run on this computer, may take a minute; kept for later runs"):
         from toolpace import demo
         from toolpace.machine import Machine
         from toolpace.path import Path as SmoothPath
@@ -110,12 +114,16 @@ def warm_up(steps: Steps) -> None:
         machine = Machine.load(demo.MACHINE)
         toolpath = read_text(demo.spiral_program(200, machine), machine)
         trajectory = plan(SmoothPath.fit(toolpath, machine=machine), machine)
+        trajectory.usage()
         verify(trajectory, machine, toolpath)
+        with contextlib.suppress(OSError):
+            done.touch()
 
 
 def written(job: Job) -> list[str]:
     """Names of the files of a plan, the one to look at last."""
     from toolpace import write
+    from toolpace.write.plan_json import PLAN
 
-    names = [write.PLAN, write.SET_POINTS, write.MACHINE, f"program{job.program.suffix}"]
+    names = [PLAN, write.SET_POINTS, write.MACHINE, f"program{job.program.suffix}"]
     return names + [write.TABLE] * job.csv + [write.REPORT] * job.report

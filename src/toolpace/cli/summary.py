@@ -8,9 +8,10 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.units import format_angle, format_length, format_time
+from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from rich.console import Console
@@ -44,11 +45,10 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
         grid.add_row("", f"no motion takes less than {clock(record.lower_bound_s)}: at most {record.gap:.3%} to gain")
     grid.add_row("limited by", Text(limits_in_words(record.limited_by)))
     if record.tip_deviation_mm is not None:
-        grid.add_row("tip", Text(_within(record.tip_deviation_mm, record.tip_tolerance_mm, 1e-3, format_length)))
+        grid.add_row("tip", Text(_within(record.tip_deviation_mm, record.tip_tolerance_mm, MILLIMETRE, format_length)))
     if record.axis_deviation_deg is not None:
-        degree = 3.141592653589793 / 180.0
         grid.add_row(
-            "tool axis", Text(_within(record.axis_deviation_deg, record.axis_tolerance_deg, degree, format_angle))
+            "tool axis", Text(_within(record.axis_deviation_deg, record.axis_tolerance_deg, DEGREE, format_angle))
         )
     console.print()
     console.print(grid)
@@ -58,7 +58,8 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
 
 def limits_in_words(shares: dict[str, float]) -> str:
     """ "feed 62 %, jerk of C 21 %, ..."; what binds for less than a percent is summed up."""
-    words, rest = [], 0.0
+    words: list[str] = []
+    rest = 0.0
     for name, share in sorted(shares.items(), key=lambda item: -item[1]):
         if len(words) < SHOWN and share >= 0.01:
             kind, _, joint = name.partition(" ")
@@ -89,8 +90,7 @@ def _percent(ratio: float) -> Text:
     return Text(text, style="bold red" if ratio > 1.0001 else "bold" if ratio >= FULL else "")
 
 
-def _within(value: float, tolerance: float | None, scale: float, show: object) -> str:
-    assert callable(show)
+def _within(value: float, tolerance: float | None, scale: float, show: Callable[[float], str]) -> str:
     allowed = f", allowed {show(tolerance * scale)}" if tolerance else ""
     return f"off the program by at most {show(value * scale)}{allowed}"
 
