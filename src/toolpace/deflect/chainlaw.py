@@ -1,0 +1,58 @@
+"""Time laws one after the other on the same run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.timelaw import Probe, TimeLaw
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A law between two of its times [s]."""
+
+    law: TimeLaw
+    begin: float
+    end: float
+
+
+class ChainLaw(TimeLaw):
+    """Pieces of laws, each beginning in the state in which the one before ends."""
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        self.pieces = tuple(pieces)
+        self.times = np.concatenate([[0.0], np.cumsum([piece.end - piece.begin for piece in pieces])])
+        """(pieces + 1,) when the pieces begin and end [s]."""
+        self.duration = float(self.times[-1])
+        first, last = pieces[0], pieces[-1]
+        self.s0 = float(first.law.at(np.array([first.begin]))[0, 0])
+        self.s1 = float(last.law.at(np.array([last.end]))[0, 0])
+
+    def at(self, t: Floats) -> Floats:
+        t = np.asarray(t, dtype=float)
+        which = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.pieces) - 1)
+        out = np.empty((4, len(t)))
+        for k in np.unique(which):
+            piece, here = self.pieces[k], which == k
+            out[:, here] = piece.law.at(np.clip(piece.begin + t[here] - self.times[k], piece.begin, piece.end))
+        return out
+
+    def probe(self) -> Probe:
+        states, rights, shares = [], [], []
+        for piece in self.pieces:
+            probe = piece.law.probe()
+            ends = piece.law.at(np.array([piece.begin, piece.end]))
+            inside = (probe.state[0] > ends[0, 0]) & (probe.state[0] < ends[0, 1])
+            share = probe.share[inside]
+            # what the cut leaves of the time is that of the ends
+            rest = max(piece.end - piece.begin - float(share.sum()), 0.0) / 2.0
+            states += [ends[:, :1], probe.state[:, inside], ends[:, 1:]]
+            rights += [np.ones(1), probe.right[inside], np.zeros(1)]
+            shares += [np.array([rest]), share, np.array([rest])]
+        return Probe(np.concatenate(states, axis=1), np.concatenate(rights), np.concatenate(shares))

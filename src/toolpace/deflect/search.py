@@ -1,0 +1,146 @@
+"""The detour that costs least time: where to rejoin a known motion, and how long to take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.deflect.detour import Detour, Known, tip_velocity
+from toolpace.limits import Limits
+from toolpace.machine import Machine
+
+Floats = npt.NDArray[np.float64]
+
+ALLOWED = 1.0 + 6e-5
+"""Usage of a detour; the guarantee is 1 + 1e-4, and the motion before may itself use 1 + 5e-5."""
+RATIOS = np.concatenate([np.linspace(0.5, 0.95, 10), [0.98, 0.99, 1.0, 1.002, 1.005, 1.01, 1.02, 1.04, 1.07],
+                         1.1 * 1.12 ** np.arange(16), 8.0 * 1.6 ** np.arange(8)])  # fmt: skip
+"""Period of the quintic over the time that the known motion takes for the same way."""
+HORIZONS = 28
+CARRIES = 14
+SHARPEST = 6.0
+"""Most relative change of the parameter's speed over a detour, as a exponent; see DetourRun."""
+HASTE = 0.02
+"""What a second of being off the path counts against a second of the whole."""
+TIP_SAMPLES = 49
+TRIES = 400
+BISECTIONS = 12
+
+
+class Judge:
+    """Whether a detour keeps to the limits of joints and feed, and how far it is from that."""
+
+    def __init__(
+        self, known: Known, limits: Limits, machine: Machine | None, feed: float, time: float, offset: Floats
+    ) -> None:
+        self.known, self.machine, self.feed, self.time, self.offset = known, machine, feed, time, offset
+        self.limits = np.stack([limits.velocity, limits.acceleration, limits.jerk])
+        self.excess = 0.0
+        self.nearest = np.inf
+        """Least usage seen of a detour that did not pass."""
+        if machine is not None:
+            now = known.motion(np.array([time]))
+            velocity = tip_velocity(machine, now[0] + offset, now[1])
+            self.excess = max(0.0, float(np.linalg.norm(velocity)) - feed)
+
+    def joint_usage(self, carry: float, rejoin: Floats, period: Floats) -> Floats:
+        """(n,) usage of the quintics alone, to rejoin at times (n,) in periods (n,)."""
+        from toolpace.kernels.bridge import usages
+
+        start = self.known.motion(np.array([self.time + carry]))[:3, 0]
+        start[0] += self.offset
+        order = np.argsort(rejoin, kind="stable")
+        ends = np.empty((len(rejoin), 3, len(self.offset)))
+        ends[order] = self.known.motion(rejoin[order])[:3].transpose(1, 0, 2)
+        out: Floats = usages(np.ascontiguousarray(start), ends, np.ascontiguousarray(period), self.limits)
+        return out
+
+    def path_usage(self, detour: Detour) -> float:
+        """Usage of feed and travel along a detour: above 1 where the tip is too fast or a joint leaves its travel."""
+        if self.machine is None:
+            return 0.0
+        t = np.linspace(0.0, detour.duration, TIP_SAMPLES)
+        q, qd = detour.motion(t)[:2]
+        low, high = self.machine.travel.T
+        if (q < low - 1e-9).any() or (q > high + 1e-9).any():
+            return np.inf
+        if not np.isfinite(self.feed):
+            return 0.0
+        left = 1.0 - np.maximum(t - detour.carry, 0.0) / detour.period
+        speed = np.linalg.norm(tip_velocity(self.machine, q, qd), axis=1)
+        return float((speed / (self.feed + self.excess * left**2)).max())
+
+    def passes(self, detour: Detour, joints: float | None = None) -> bool:
+        """Whether the detour is within all limits; `joints` is its usage of theirs if it is known already."""
+        if joints is None:
+            joints = float(self.joint_usage(detour.carry, np.array([detour.rejoin]), np.array([detour.period]))[0])
+        worst = joints if joints > ALLOWED else max(joints, self.path_usage(detour))
+        self.nearest = min(self.nearest, worst)
+        return worst <= ALLOWED
+
+
+def horizons(known: Known, time: float) -> Floats:
+    """(n,) times of rejoining on the clock of the known law, after `time`; the end of the run is the last."""
+    left = known.law.duration - time
+    times = time + min(left, 12.0) * np.geomspace(2e-3, 1.0, HORIZONS)
+    return np.unique(np.append(times[times < known.law.duration * (1.0 - 1e-9)], known.law.duration))
+
+
+def gentle(known: Known, rejoin: Floats, period: Floats) -> npt.NDArray[np.bool_]:
+    """(n,) whether the parameter's speed changes little enough from the rejoining backwards, or is zero there."""
+    order = np.argsort(rejoin, kind="stable")
+    state = np.empty((4, len(rejoin)))
+    state[:, order] = known.law.at(rejoin[order])
+    still = state[1] == 0.0
+    return still | (np.abs(state[2]) * period <= SHARPEST * state[1])
+
+
+def candidates(judge: Judge, carry: float, rejoin: Floats) -> Iterator[tuple[float, Detour, float]]:
+    """Loss of time, detour, usage by the joints: all that the joints allow after a carry, least loss first."""
+    start = judge.time + carry
+    rejoin = rejoin[rejoin > start] if len(rejoin) > 1 else rejoin
+    way = np.abs(rejoin - start)
+    one = np.maximum(way, 1e-3) if len(rejoin) == 1 else way
+    at, period = np.repeat(rejoin, len(RATIOS)), np.outer(one, RATIOS).ravel()
+    fine = gentle(judge.known, at, period + carry)
+    at, period = at[fine], period[fine]
+    if len(at) == 0:
+        return
+    used = judge.joint_usage(carry, at, period)
+    judge.nearest = min(judge.nearest, float(np.min(np.where(used > ALLOWED, used, np.inf))))
+    loss = carry + period - (at - judge.time) + HASTE * (carry + period)
+    good = np.flatnonzero(used <= ALLOWED)
+    for k in good[np.argsort(loss[good], kind="stable")][:TRIES]:
+        detour = Detour(judge.known, judge.time, judge.offset, carry, float(period[k]), float(at[k]))
+        yield float(loss[k]), detour, float(used[k])
+
+
+def shortest_detour(judge: Judge, rejoin: float | None = None) -> Detour | None:
+    """The detour of least loss that passes, to rejoin at a given time of the known law or wherever it is best.
+
+    First with a quintic at once; where none passes, after carrying on for a while. None where nothing passes.
+    """
+    known, time = judge.known, judge.time
+    left = known.law.duration - time
+    carries = np.concatenate([[0.0], min(left, 6.0) * np.geomspace(2e-3, 0.999, CARRIES)]) if left > 0.0 else [0.0]
+    for carry in carries:
+        times = horizons(known, time + carry) if rejoin is None else np.array([rejoin])
+        for _, detour, used in candidates(judge, float(carry), times):
+            if judge.passes(detour, used):
+                return sharpened(judge, detour)
+    return None
+
+
+def sharpened(judge: Judge, detour: Detour) -> Detour:
+    """The same detour in the shortest period that bisection below it finds to pass."""
+    low, best = 0.8 * detour.period, detour
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + best.period)
+        trial = Detour(detour.known, detour.time, detour.offset, detour.carry, middle, detour.rejoin)
+        if judge.passes(trial):
+            best = trial
+        else:
+            low = middle
+    return best
