@@ -78,7 +78,7 @@ def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
     weight = np.ones(3)
     breaks, data, tip, turn = mesh.inside_spline(line, mesh.first_breaks(line.s), weight, AXIS, None)
     best = conic_optimum(breaks, data)
-    tube.tighten(breaks, data, tip, turn, weight, 3e-11, np.ones(len(data.s)), lambda share: None)
+    tube.tighten(breaks, data, tip, turn, weight, 3e-11, np.ones(len(data.s)), None, lambda share: None)
     place, share = np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(breaks)
     s = (0.5 * (breaks[1:] + breaks[:-1])[:, None] + half[:, None] * place).ravel()

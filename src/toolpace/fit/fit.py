@@ -8,15 +8,18 @@ import numpy as np
 
 from toolpace.errors import PathError, UsageError
 from toolpace.fit.check import deviations
-from toolpace.fit.mesh import dense, first_breaks, inside_spline, knots_of, refined_at
+from toolpace.fit.mesh import PARTS, dense, first_breaks, inside_spline, knots_of, refined_at, sample
 from toolpace.fit.polyline import Machine, Polyline, polylines
 from toolpace.fit.tube import tighten
-from toolpace.pathrun import Floats, SplineRun
+from toolpace.pathrun import Floats, Ints, SplineRun
 from toolpace.toolpath import ToolPath
 
 SLOW = 0.3
 """A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
-REPAIRS = 4
+LOCAL = 3
+"""Repairs that keep the knots."""
+REPAIRS = 7
+"""Repairs before the first spline is taken as it is."""
 
 
 def fit_runs(
@@ -72,12 +75,12 @@ def fit_run(
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     joints_given = machine is not None and toolpath.rotary is not None
     least_third = SLOW * tip_tolerance**2
-    breaks = first_breaks(line.s)
     narrow: list[tuple[Floats, Floats]] = []
+    where: Floats | None = None
+    breaks, data, tip, turn = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine)
     for repair in range(REPAIRS + 1):
-        breaks, data, tip, turn = inside_spline(line, breaks, weight, axis_tolerance, machine)
         if repair < REPAIRS:
-            tighten(breaks, data, tip, turn, weight, least_third, narrowed(data.s, narrow), report)
+            tighten(breaks, data, tip, turn, weight, least_third, narrowed(data.s, narrow), where, report)
         polynomials = pieces(knots_of(breaks), np.concatenate([tip, turn], axis=1))
         at = dense(data.s)
         curve = jets(breaks, polynomials, at)[0]
@@ -87,9 +90,24 @@ def fit_run(
         if len(bad) == 0:
             run = piecewise(line, toolpath, breaks, polynomials, tip_tolerance, axis_tolerance, start)
             return run, float(np.max(tip_off)), float(np.max(axis_off))
-        narrow.append((at[bad], np.maximum(0.96 / off[bad], 0.7)))
-        breaks = refined_at(line.s, breaks, at[bad])
+        if repair < LOCAL:
+            # it strays between the samples only: compare there too, and smooth about these places once more
+            if repair > 0:
+                narrow.append((at[bad], np.maximum(0.96 / off[bad], 0.7)))
+            where = at[bad]
+            data = sample(line, breaks, axis_tolerance, machine, with_neighbours(data.s, at, bad))
+        else:
+            narrow.append((at[bad], np.maximum(0.96 / off[bad], 0.7)))
+            where = None
+            breaks = refined_at(line.s, breaks, at[bad])
+            breaks, data, tip, turn = inside_spline(line, breaks, weight, axis_tolerance, machine)
     raise PathError("the curve cannot be kept inside the tolerance")
+
+
+def with_neighbours(samples: Floats, at: Floats, bad: Ints) -> Floats:
+    """The samples and, of the denser parameters `at`, the bad ones and those around them."""
+    around = np.unique(np.clip(bad[:, None] + np.arange(-PARTS, PARTS + 1), 0, len(at) - 1))
+    return np.unique(np.concatenate([samples, at[around]]))
 
 
 def narrowed(s: Floats, narrow: list[tuple[Floats, Floats]]) -> Floats:

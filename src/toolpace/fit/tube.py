@@ -19,8 +19,13 @@ from toolpace.pathrun import Floats
 USED = 0.95
 """Share of the tolerance that the samples may use; what lies between takes some of the rest."""
 WINDOW = 2000
+"""Coefficients that are smoothed at once."""
 SEAM = 250
+"""Coefficients on either side of a seam that are smoothed again."""
+REACH = 25
+"""Cells on either side of a repair that are smoothed again."""
 ACCURACY = 0.02
+"""Duality gap over roughness, in each stretch of 32 cells."""
 STEPS = 80
 
 
@@ -32,12 +37,14 @@ def tighten(
     weight: Floats,
     least_third: float,
     radius: Floats,
+    where: Floats | None,
     report: Callable[[float], None],
 ) -> None:
     """Minimise the roughness of tip and turn inside the tube, in place.
 
     `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel; `radius` (m,) the share
-    of the tolerance that may be used at each sample. `report` is told the share done.
+    of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is
+    everywhere. `report` is told the share done.
     """
     from toolpace.kernels.spline import third_rows
     from toolpace.kernels.tube import smoothest
@@ -77,18 +84,47 @@ def tighten(
             ACCURACY,
             STEPS,
         )
-        if steps >= 0 and np.all(np.isfinite(before)):
-            x[low:high] = before[low - base : high - base]
+        kept = before[low - base : high - base]
+        if 0 <= steps < STEPS or not strays(data, before, base, (j0, j1), target, metric, USED * radius):
+            x[low:high] = kept
 
-    n = len(tip)
-    count = max(1, round(n / WINDOW))
-    seams = np.linspace(0, n, count + 1).astype(int)
-    seams[0], seams[-1] = 1, n - 1
-    whole = [(which, int(a), int(b)) for a, b in pairwise(seams) for which in range(2)]
-    between = [(which, int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1] for which in range(2)]
+    spans = windows(len(tip)) if where is None else [near(breaks, where)]
+    jobs = [[(which, low, high) for low, high in stage for which in range(2)] for stage in spans]
+    count = sum(len(stage) for stage in jobs)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         done = 0
-        for stage in (whole, between):
+        for stage in jobs:
             for _ in pool.map(solve, stage):
                 done += 1
-                report(done / (len(whole) + len(between)))
+                report(done / count)
+
+
+def strays(
+    data: Samples, x: Floats, base: int, part: tuple[int, int], target: Floats, metric: Floats, radius: Floats
+) -> bool:
+    """Whether the spline with coefficients x from `base` on leaves the tube at the samples of the part."""
+    j = slice(*part)
+    r = np.einsum("jk,jkc->jc", data.rows[j], x[data.first[j, None] - base + np.arange(6)]) - target[j]
+    square = np.einsum("jc,jcd,jd->j", r, metric[j], r)
+    return not bool(np.all(square <= (1.02 * radius[j]) ** 2))
+
+
+def windows(n: int) -> list[list[tuple[int, int]]]:
+    """Ranges of coefficients that cover all of n but the first and the last, and then those over the seams."""
+    seams = np.linspace(0, n, max(1, round(n / WINDOW)) + 1).astype(int)
+    seams[0], seams[-1] = 1, n - 1
+    whole = [(int(a), int(b)) for a, b in pairwise(seams)]
+    return [whole, [(int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1]]]
+
+
+def near(breaks: Floats, where: Floats) -> list[tuple[int, int]]:
+    """Disjoint ranges of coefficients within REACH cells of the parameters."""
+    n = len(breaks) + 4
+    out: list[tuple[int, int]] = []
+    for cell in np.unique(np.searchsorted(breaks, where)):
+        low, high = max(1, int(cell) - REACH), min(n - 1, int(cell) + REACH + 5)
+        if out and low < out[-1][1] + 6:
+            out[-1] = (out[-1][0], high)
+        else:
+            out.append((low, high))
+    return out
