@@ -182,7 +182,7 @@ def middles(vertices: Floats, breaks: Floats, split: Bools) -> Floats:
 
 def deviation(data: Samples, x: Floats, target: Floats, metric: Floats) -> Floats:
     """Deviation (m,) of the spline with coefficients x from its target, in tolerances."""
-    from toolpace.kernels.tube import gather
+    from toolpace.kernels.assemble import gather
 
     r = np.empty_like(target)
     gather(data.first, data.rows, x, r)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from toolpace.kernels.assemble import gather, rough_gradient, scatter, scatter_roughness, scatter_samples
 from toolpace.kernels.band import factor, solve
 from toolpace.kernels.jit import jit
 
@@ -19,87 +20,6 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 SEGMENT = 32
-
-
-@jit()
-def scatter_roughness(band: Floats, third: Floats, weight: Floats, low: int) -> None:
-    """Overwrite the Newton band by the roughness of the free coefficients low, low + 1, ..."""
-    g = len(weight)
-    n = band.shape[0] // g
-    band[:] = 0.0
-    last = 6 * g - 1
-    for i in range(max(0, low - 5), min(len(third), low + n)):
-        base = i - low
-        for a in range(max(0, -base), min(6, n - base)):
-            for b in range(max(0, -base), a + 1):
-                product = 0.0
-                for k in range(3):
-                    product += third[i, k, a] * third[i, k, b]
-                for c in range(g):
-                    band[(base + a) * g + c, last - (a - b) * g] += weight[c] * product
-
-
-@jit()
-def scatter_samples(band: Floats, first: Ints, rows: Floats, moment: Floats, low: int) -> None:
-    """Add B_j' M_j B_j of each sample, M_j = moment[j] (g, g), to the Newton band."""
-    g = moment.shape[1]
-    n = band.shape[0] // g
-    last = 6 * g - 1
-    for j in range(len(first)):
-        base = first[j] - low
-        for a in range(max(0, -base), min(6, n - base)):
-            for b in range(max(0, -base), a + 1):
-                product = rows[j, a] * rows[j, b]
-                for c in range(g):
-                    r = (base + a) * g + c
-                    for d in range(g if b < a else c + 1):
-                        band[r, last - r + (base + b) * g + d] += product * moment[j, c, d]
-
-
-@jit()
-def gather(first: Ints, rows: Floats, x: Floats, out: Floats) -> None:
-    """B_j x for each sample into out (m, g)."""
-    for j in range(len(first)):
-        for c in range(x.shape[1]):
-            total = 0.0
-            for k in range(6):
-                total += rows[j, k] * x[first[j] + k, c]
-            out[j, c] = total
-
-
-@jit()
-def scatter(first: Ints, rows: Floats, values: Floats, low: int, n: int, out: Floats) -> None:
-    """Add sum_j B_j' values_j to out (n * g,), for the free coefficients low ... low + n - 1."""
-    g = values.shape[1]
-    for j in range(len(first)):
-        base = first[j] - low
-        for a in range(max(0, -base), min(6, n - base)):
-            for c in range(g):
-                out[(base + a) * g + c] += rows[j, a] * values[j, c]
-
-
-@jit()
-def rough_gradient(
-    third: Floats, weight: Floats, x: Floats, low: int, n: int, out: Floats, value: Floats
-) -> None:
-    """Overwrite out (n * g,) by the gradient of the roughness, and value (cells,) by its share of each cell in reach.
-
-    By way of the third derivatives, whose squares do not cancel where the product of x with the band would.
-    """
-    g = len(weight)
-    out[:] = 0.0
-    for i in range(max(0, low - 5), min(len(third), low + n)):
-        base = i - low
-        value[i] = 0.0
-        for k in range(3):
-            for c in range(g):
-                bend = 0.0
-                for a in range(6):
-                    bend += third[i, k, a] * x[i + a, c]
-                value[i] += 0.5 * weight[c] * bend * bend
-                bend *= weight[c]
-                for a in range(max(0, -base), min(6, n - base)):
-                    out[(base + a) * g + c] += third[i, k, a] * bend
 
 
 @jit()
