@@ -1,0 +1,90 @@
+"""Run the benchmarks, print the tables, keep the results."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+from rich.progress import Progress
+
+from benchmarks import tables
+from benchmarks.measure import MESHES, Row, measure, row
+from benchmarks.paths import RANDOM_CASES, all_cases
+
+RESULTS = Path(__file__).parent / "results"
+PACKAGES = ("numpy", "numba", "scipy", "casadi", "copp-py", "toppra", "ruckig")
+
+
+def machine() -> dict[str, object]:
+    """Where this ran: processor, cores, versions."""
+    model = platform.processor()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        names = [line for line in info.read_text().splitlines() if line.startswith("model name")]
+        model = names[0].split(":", 1)[1].strip() if names else model
+    return {
+        "processor": model,
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        **{name: version(name) for name in PACKAGES},
+    }
+
+
+def main() -> None:
+    """The command."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="three published and two random paths, n = 200 and 1000")
+    parser.add_argument("--random", type=int, default=None, help=f"number of random paths (default {RANDOM_CASES})")
+    parser.add_argument("--mesh", type=int, nargs="*", default=None, help=f"mesh cells (default {MESHES})")
+    parser.add_argument("--out", type=Path, default=None, help="folder of the results (default benchmarks/results)")
+    given = parser.parse_args()
+    random = given.random if given.random is not None else 2 if given.quick else RANDOM_CASES
+    meshes = given.mesh or (MESHES[:2] if given.quick else MESHES)
+    cases = all_cases(random)
+    for _, outcome in measure(cases[0], 50, quick=True):
+        assert outcome is not None  # compiles the kernels, loads the libraries
+    rows: list[Row] = []
+    with Progress(transient=True) as progress:
+        task = progress.add_task("benchmarks", total=len(cases) * sum(meshes))
+        for case in cases:
+            for n in meshes:
+                progress.update(task, description=f"{case.name}, n = {n}")
+                for planner, outcome in measure(case, n, given.quick):
+                    rows.append(row(case, n, planner, outcome))
+                progress.advance(task, n)
+    results = tables.Results(rows)
+    shown = [
+        tables.targets(results),
+        tables.summary(results),
+        tables.peers(results),
+        tables.published(results, [case.name for case in cases[:3]]),
+        tables.failures(rows),
+    ]
+    for table in shown:
+        table.show()
+    if given.quick and given.out is None:
+        return
+    out = given.out or RESULTS
+    out.mkdir(parents=True, exist_ok=True)
+    about = {"date": datetime.date.today().isoformat(), "machine": machine()}
+    (out / "planner.json").write_text(json.dumps({**about, "rows": rows}, indent=1) + "\n")
+    words = ", ".join(f"{key} {value}" for key, value in about["machine"].items())  # type: ignore[union-attr]
+    head = (
+        "# The planner beside its peers\n\n"
+        f"Written by `make bench` on {about['date']}. Machine: {words}. One thread each; times are CPU times of the\n"
+        "process, from the bare callable to the law of motion; medians of seven runs for toolpace and toppra in turn,\n"
+        "single runs for the others. Compare ratios, not microseconds: the machine was not idle.\n\n"
+        "`time / IPOPT's` compares what both minimise, the time of the discretised problem; IPOPT has the same nodes,\n"
+        "spline, rows, caps and weights. Usage: the largest value over limit of feed, velocity, acceleration, jerk.\n\n"
+    )
+    (out / "planner.md").write_text(head + "\n".join(table.markdown() for table in shown))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,63 @@
+"""toolpace itself, on a fixed mesh of n cells; `guarded` holds the limits between the nodes too."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
+from toolpace.axispath import AxisPath
+from toolpace.errors import ToolpaceError
+from toolpace.kernels import cubic
+from toolpace.limits import Limits
+from toolpace.plan import optimal
+from toolpace.plan.mesh import first_mesh
+
+
+def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, judge: bool = True) -> Outcome:
+    """The planner in one thread: mesh, rows and solution, from the bare callable."""
+    run = axis_path.runs[0]
+    watch = Stopwatch()
+    try:
+        law, points = optimal.plan_run(run, limits, cells=n, guard=guard)
+    except ToolpaceError as error:
+        return failed(watch(), str(error))
+    seconds = watch()
+    if not judge:
+        return Outcome(law.duration, seconds, points=points)
+    at_nodes, between = usage_of_law(run, limits, law)
+    return Outcome(law.duration, seconds, at_nodes, between, points=points)
+
+
+def guarded(axis_path: AxisPath, limits: Limits, n: int) -> Outcome:
+    """The same with the guarantee between the nodes."""
+    return solve(axis_path, limits, n, guard=True)
+
+
+def mesh_problem(
+    axis_path: AxisPath,
+    limits: Limits,
+    n: int,
+    start: optimal.EndState = optimal.AT_REST,
+    end: optimal.EndState = optimal.AT_REST,
+) -> tuple[optimal.Problem, np.ndarray, np.ndarray]:
+    """The discretised problem on exactly the mesh that `solve` uses, and the guess (s, z) it starts from."""
+    run = axis_path.runs[0]
+    nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), n)
+    return optimal.discretise(run, limits, nodes, start, end), rough.s, rough.z
+
+
+def objective(problem: optimal.Problem, c: np.ndarray) -> float:
+    """Time as the problem sums it [s]."""
+    z = np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.node[:, None] + np.arange(3)])
+    return float((problem.weight / np.sqrt(z)).sum())
+
+
+def start_point(problem: optimal.Problem, s: np.ndarray, z: np.ndarray, share: float) -> np.ndarray:
+    """Coefficients below the guess (s, z), with the ends as the problem ties them."""
+    c = share * np.interp(cubic.control_points(problem.nodes), s, z**0.75) ** (4.0 / 3.0)
+    for k, (one, two) in enumerate(((0, 1), (-1, -2))):
+        if problem.end[k] == 0:
+            c[two] = c[one] * problem.ratio[k]
+        else:
+            c[one], c[two] = problem.fixed[0 if k == 0 else 3], problem.fixed[1 if k == 0 else 2]
+    return c
