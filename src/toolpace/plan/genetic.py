@@ -19,7 +19,7 @@ from toolpace.errors import InfeasibleError, UsageError
 from toolpace.kernels import genetic
 from toolpace.limits import Limits
 from toolpace.plan.intervals import Intervals, reference_points
-from toolpace.plan.optimal import AT_REST, EndState, check_state
+from toolpace.plan.endstate import AT_REST, EndState, check_state
 from toolpace.plan.preset import Preset, preset
 from toolpace.plan.quinticlaw import INSIDE, QuinticLaw
 from toolpace.trajectory import Trajectory, limit_ratios

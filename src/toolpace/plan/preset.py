@@ -11,7 +11,7 @@ from toolpace.errors import InfeasibleError
 from toolpace.kernels import interval
 from toolpace.plan.intervals import Intervals
 from toolpace.plan.mesh import guess
-from toolpace.plan.optimal import EndState
+from toolpace.plan.endstate import EndState
 
 Floats = npt.NDArray[np.float64]
 
