@@ -35,12 +35,13 @@ app = App(
     help_epilogue=EXAMPLES,
     help_format="rich",
     version_flags=["--version"],
+    suppress_keyboard_interrupt=False,
 )
 
 Switch = Parameter(negative="", show_default=False)
 
 
-@app.command
+@app.command(help_epilogue="")
 def plan(
     program: str,
     /,
@@ -63,7 +64,7 @@ def plan(
     machine and its own feeds, judged independently, and written with a report
     that opens in any browser.
 
-    Examples:
+    For example:
 
         toolpace plan part.ngc --machine xyzac-trunnion
         toolpace plan part.cls -m my-mill.toml --tip-tolerance 5um --feed 120%
@@ -121,7 +122,7 @@ def plan(
     return 0 if verification.ok else 1
 
 
-@app.command
+@app.command(help_epilogue="")
 def verify(directory: str, /) -> int:
     """Judge a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel.
 
@@ -129,7 +130,7 @@ def verify(directory: str, /) -> int:
     machine's forward kinematics and compared with the program. Exit code 1 if
     anything fails.
 
-    Examples:
+    For example:
 
         toolpace verify part-plan
 
@@ -146,11 +147,11 @@ def verify(directory: str, /) -> int:
     return 0 if verification.ok else 1
 
 
-@app.command
+@app.command(help_epilogue="")
 def machines(name: str | None = None, /, *, toml: Annotated[bool, Switch] = False) -> int:
     """List the built-in machines with their class, travel and limits.
 
-    Examples:
+    For example:
 
         toolpace machines
         toolpace machines xyzac-trunnion --toml > my-mill.toml
@@ -177,11 +178,11 @@ def machines(name: str | None = None, /, *, toml: Annotated[bool, Switch] = Fals
     return 0
 
 
-@app.command
+@app.command(help_epilogue="")
 def demo(*, out: Annotated[str, Parameter(name=["--out", "-o"])] = "toolpace-demo") -> int:
     """Plan an impeller of seven blades on a built-in machine, and name the report to open.
 
-    The program, impeller.ngc, is written beside the plan.
+    The program is written beside the plan, as program.ngc.
 
     Parameters
     ----------
@@ -193,7 +194,7 @@ def demo(*, out: Annotated[str, Parameter(name=["--out", "-o"])] = "toolpace-dem
     return folder.run_demo(arguments.folder_to_write(out), new_console())
 
 
-@app.command
+@app.command(help_epilogue="")
 def study(*, out: Annotated[str, Parameter(name=["--out", "-o"])] = "toolpace-study") -> int:
     """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours.
 

@@ -36,15 +36,7 @@ class Job:
 
 def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
-    import msgspec
-
-    from toolpace import write
-    from toolpace.axispath import AxisPath
-    from toolpace.path import Path as SmoothPath
-    from toolpace.plan import plan
     from toolpace.read import read
-    from toolpace.verify import verify
-    from toolpace.write.plan_json import PLAN
 
     warm_up(steps)
     with steps.step("reading") as tell:
@@ -52,6 +44,16 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
         check_program(toolpath, job.machine)
         skipped = sum(toolpath.skipped.values())
         tell.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
+
+    import msgspec
+
+    from toolpace import write
+    from toolpace.axispath import AxisPath
+    from toolpace.path import Path as SmoothPath
+    from toolpace.plan import plan
+    from toolpace.verify import verify
+    from toolpace.write.plan_json import PLAN
+
     with steps.step("fitting") as tell:
         path = SmoothPath.fit(toolpath, job.tip_tolerance, job.axis_tolerance, job.machine, progress=tell)
     with steps.step("planning") as tell:
