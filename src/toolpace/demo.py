@@ -54,10 +54,11 @@ def blade_flank(count: int, turn: float = 0.0) -> tuple[Floats, Floats]:
     """
     straight, round_ = 0.46, 0.08
     w = np.linspace(0.0, 1.0, count)
-    out = np.clip(w / straight, 0.0, 1.0)
-    back = np.clip((1.0 - w) / straight, 0.0, 1.0)
-    u = np.minimum(out, back)
-    half_turn = math.pi * np.clip((w - straight) / round_, 0.0, 1.0)
+    along_round = np.clip((w - straight) / round_, 0.0, 1.0)
+    # Past the rim and back, as fast at both ends as along the flanks; the tool goes round softly meanwhile.
+    beyond = round_ / (math.pi * straight) * np.sin(math.pi * along_round)
+    u = np.minimum(np.clip(np.minimum(w, 1.0 - w) / straight, 0.0, 1.0) + beyond, 1.0 + beyond)
+    half_turn = math.pi * along_round - 0.5 * np.sin(2.0 * math.pi * along_round)
     hub, along = _hub(u)
     ruling = _unit(_shroud(u) - hub)
     along = _unit(along)
@@ -126,14 +127,16 @@ def spiral_program(blocks: int, machine: Machine | None = None, spacing: float =
 
 def sampled_spiral(count: int, spacing: float) -> tuple[Floats, Floats]:
     """Tips (count, 3) [m] and unit axes of the spiral, `spacing` [m] apart along it."""
-    around = 87.4e-3
-    """Mean length of one turn [m]."""
-    curve = blade_spiral(max(spacing * count / around, 0.1))
-    last = 2.0 * math.pi * max(spacing * count / around, 0.1)
-    angle = np.linspace(0.0, last, max(8 * count, 1000))
+    shortest_turn = 88e-3
+    """A bit less than the mean length of a turn [m]."""
+    turns = max(20.0, spacing * count / shortest_turn)
+    curve = blade_spiral(turns)
+    # As much of the spiral as is needed, twelve points or more to a block: chords of them show no error of note.
+    share = min(1.0, 1.5 * spacing * count / (shortest_turn * turns))
+    angle = np.linspace(0.0, 2.0 * math.pi * turns * share, max(12 * count, 1000))
     tip, _ = curve(angle)
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tip, axis=0), axis=1))])
-    tip, axis = curve(np.interp(np.linspace(0.0, length[-1], count), length, angle))
+    tip, axis = curve(np.interp(spacing * np.arange(count), length, angle))
     return tip, _unit(axis)
 
 

@@ -119,7 +119,7 @@ def plan(
     record, verification = job.run(task, Steps(console))
     summary.show_plan(console, record, verification)
     summary.show_files(console, task.out, job.written(task))
-    return 0 if verification.ok else 1
+    return job.exit_code(record, verification)
 
 
 @app.command(help_epilogue="")

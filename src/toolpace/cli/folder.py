@@ -64,7 +64,7 @@ def run_demo(out: Path, console: Console) -> int:
     summary.show_files(console, out, job.written(task))
     report = (out / "report.html").resolve()
     console.print(f"\nOpen the report in a browser:\n{report}", soft_wrap=True)
-    return 0 if verification.ok else 1
+    return job.exit_code(record, verification)
 
 
 def run_study(out: Path, console: Console) -> int:

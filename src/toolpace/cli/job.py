@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.cli.steps import Steps
+from toolpace.cli.summary import MOST_USAGE
 from toolpace.reach import check_travel
 
 if TYPE_CHECKING:
@@ -129,3 +130,8 @@ def written(job: Job) -> list[str]:
 
     names = [PLAN, write.SET_POINTS, write.MACHINE, f"program{job.program.suffix}"]
     return names + [write.TABLE] * job.csv + [write.REPORT] * job.report
+
+
+def exit_code(record: PlanRecord, verification: Verification) -> int:
+    """0 where the motion passed, and kept every limit at any time too, not only at the set-points; else 1."""
+    return 0 if verification.ok and record.usage.worst <= MOST_USAGE else 1

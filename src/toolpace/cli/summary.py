@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 SHOWN = 6
 """How many limits are named."""
+MOST_USAGE = 1.0001
+"""The guarantee: peak value over limit, at any time."""
 FULL = 0.999
 """Usage from which a limit counts as used to the full."""
 
@@ -54,6 +56,14 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     console.print(grid)
     console.print(usage_table(record))
     console.print(verdict(verification), soft_wrap=True)
+    if verification.ok and record.usage.worst > MOST_USAGE:
+        console.print(
+            Text.assemble(
+                ("FAILED", "bold red"),
+                f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %",
+            ),
+            soft_wrap=True,
+        )
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
@@ -87,7 +97,7 @@ def usage_table(record: PlanRecord) -> Table:
 
 def _percent(ratio: float) -> Text:
     text = f"{100.0 * ratio:.2f} %" if ratio >= FULL else f"{100.0 * ratio:.0f} %"
-    return Text(text, style="bold red" if ratio > 1.0001 else "bold" if ratio >= FULL else "")
+    return Text(text, style="bold red" if ratio > MOST_USAGE else "bold" if ratio >= FULL else "")
 
 
 def _within(value: float, tolerance: float | None, scale: float, show: Callable[[float], str]) -> str:

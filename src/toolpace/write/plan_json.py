@@ -31,6 +31,11 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     acceleration: dict[str, float]
     jerk: dict[str, float]
 
+    @property
+    def worst(self) -> float:
+        """The largest of all."""
+        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
+
 
 class PlanRecord(msgspec.Struct, frozen=True, kw_only=True):
     """plan.json, key by key. What is not known is null. Keys may be added, never changed or taken away."""
