@@ -4,7 +4,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
 
-.PHONY: demo test check bench clean
+.PHONY: help demo test check bench clean
+
+help:  ## what there is to make
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 8
 
 $(VENV)/.base: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -19,8 +22,8 @@ $(VENV)/.%: $(VENV)/.base
 demo: $(VENV)/.base  ## plan the bundled part on a bundled machine and name the report to open
 	$(BIN)/toolpace demo --out $(OUT)
 
-test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for
-	$(BIN)/python -m pytest -n 2
+test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for; with CI=true the long sweeps too
+	$(BIN)/python -m pytest -n 2 $(PYTEST)
 
 check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 	$(BIN)/ruff check .
@@ -30,5 +33,5 @@ check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks
 
-clean:
-	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+clean:  ## remove what was made
+	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

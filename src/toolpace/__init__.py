@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from toolpace.machine import Machine
     from toolpace.path import Path
     from toolpace.plan import plan
-    from toolpace.plan.optimal import EndState
+    from toolpace.plan.endstate import EndState
     from toolpace.read import apply_feed, read, read_text
     from toolpace.report import report
     from toolpace.setpoints import SetPoints
@@ -58,7 +58,7 @@ __all__ = [
 
 _HOME = {
     "AxisPath": "axispath",
-    "EndState": "plan.optimal",
+    "EndState": "plan.endstate",
     "Limits": "limits",
     "Machine": "machine",
     "Path": "path",
