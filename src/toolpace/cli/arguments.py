@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 
 from toolpace import units
 from toolpace.errors import UsageError
+from toolpace.plan import PLANNERS
 
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
     from toolpace.machine import Machine
-
-PLANNERS = ("optimal", "genetic")
 
 
 def planner_named(name: str) -> str:
