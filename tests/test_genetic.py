@@ -15,7 +15,7 @@ from toolpace.limits import Limits
 from toolpace.machine import Machine
 from toolpace.path import Path
 from toolpace.plan import plan
-from toolpace.plan.optimal import EndState
+from toolpace.plan.endstate import EndState
 from toolpace.trajectory import Trajectory
 
 ALLOWED = 1.0001

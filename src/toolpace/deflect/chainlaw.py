@@ -12,6 +12,9 @@ from toolpace.timelaw import Probe, TimeLaw
 
 Floats = npt.NDArray[np.float64]
 
+SIDE = 1e-13
+"""Time before the end of a piece at which its last state is taken, relative [s]."""
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -40,14 +43,15 @@ class ChainLaw(TimeLaw):
         out = np.empty((4, len(t)))
         for k in np.unique(which):
             piece, here = self.pieces[k], which == k
-            out[:, here] = piece.law.at(np.clip(piece.begin + t[here] - self.times[k], piece.begin, piece.end))
+            out[:, here] = piece.law.at(np.clip(piece.begin + (t[here] - self.times[k]), piece.begin, piece.end))
         return out
 
     def probe(self) -> Probe:
         states, rights, shares = [], [], []
         for piece in self.pieces:
             probe = piece.law.probe()
-            ends = piece.law.at(np.array([piece.begin, piece.end]))
+            # the end of a piece belongs to its own side of a jump of the third derivative
+            ends = piece.law.at(np.array([piece.begin, piece.end - SIDE * (1.0 + piece.end)]))
             inside = (probe.state[0] > ends[0, 0]) & (probe.state[0] < ends[0, 1])
             share = probe.share[inside]
             # what the cut leaves of the time is that of the ends

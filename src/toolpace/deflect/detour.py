@@ -26,12 +26,51 @@ Ints = npt.NDArray[np.int64]
 
 STEP = 1e-6
 """Time by which joints are moved on to see the speed of the tip [s]."""
+SOON = 0.01
+"""Time within which the speed of the tip must reach the feed for its growth to count [s]."""
+STILL = 1e-9
+"""Speed of the parameter that counts as rest, relative to its mean."""
 
 
 def tip_velocity(machine: Machine, q: Floats, qd: Floats) -> Floats:
     """(n, 3) velocity of the tip in the workpiece frame [m/s] at joints and joint velocities (n, m)."""
     velocity: Floats = (machine.forward(q + STEP * qd)[0] - machine.forward(q - STEP * qd)[0]) / (2.0 * STEP)
     return velocity
+
+
+@dataclass(frozen=True)
+class Excess:
+    """How the tip, found deflected, is faster than the feed where no command can change it any more, and how it fades.
+
+    The joints keep their velocities and accelerations, so on the deflected pose the tip may be faster than the feed,
+    or about to be: allowed is F + (e + (2 g + 3 e / T) t) (1 - t / T)^3 over the period T of the way back.
+    """
+
+    feed: float
+    """F [m/s]; inf where there is none."""
+    speed: float
+    """e: speed of the tip above the feed at the start, or 0 [m/s]."""
+    growth: float
+    """g: rate of change of that speed at the start, where the feed is reached within SOON, or 0 [m/s^2]."""
+
+    @classmethod
+    def at_start(cls, machine: Machine | None, feed: float, motion: Floats) -> Excess:
+        """That of joints in motion (4, 1, m) at the deflected pose."""
+        if machine is None or not np.isfinite(feed):
+            return cls(feed, 0.0, 0.0)
+        q, qd, qdd = motion[:3]
+        step = 1e-4
+        moved = [tip_velocity(machine, q + h * qd + h * h / 2.0 * qdd, qd + h * qdd) for h in (-step, 0.0, step)]
+        before, now, after = (float(np.linalg.norm(velocity)) for velocity in moved)
+        growth = max((after - before) / (2.0 * step), 0.0)
+        return cls(feed, max(now - feed, 0.0), growth if now + SOON * growth > feed else 0.0)
+
+    def allowed(self, t: Floats, carry: float, period: float) -> Floats:
+        """(n,) most speed of the tip [m/s] at times since the deflection."""
+        later = np.maximum(t - carry, 0.0)
+        rise = self.speed + (2.0 * self.growth + 3.0 * self.speed / period) * later
+        most: Floats = self.feed + rise * np.maximum(1.0 - later / period, 0.0) ** 3
+        return most
 
 
 @dataclass(frozen=True)
@@ -47,6 +86,11 @@ class Known:
         state[0] = np.clip(state[0], self.run.s0, self.run.s1)
         moving = joint_motion(self.run.evaluate(state[0]), state)
         return np.stack([moving.q, moving.qd, moving.qdd, moving.qddd])
+
+    def still(self, speed: Floats) -> npt.NDArray[np.bool_]:
+        """(n,) whether these speeds of the parameter are those of rest, but for rounding."""
+        resting: npt.NDArray[np.bool_] = np.abs(speed) <= STILL * (self.run.s1 - self.run.s0) / self.law.duration
+        return resting
 
 
 @dataclass(frozen=True)
@@ -108,7 +152,7 @@ class DetourRun(AxisRun):
         known = detour.known
         self.detour, self.machine, self.feed, self.rest_of = detour, machine, feed, known.run
         place, self.v, self.a, _ = map(float, known.law.at(np.array([detour.rejoin]))[:, 0])
-        self.ends_here = self.v == 0.0
+        self.ends_here = bool(known.still(np.array([self.v]))[0])
         if self.ends_here:
             self.v, self.a = 1.0, 0.0
         self.join = min(max(place, known.run.s0), known.run.s1)
@@ -124,11 +168,7 @@ class DetourRun(AxisRun):
         hints = known.run.hints
         after = np.empty(0) if self.ends_here else hints[hints > self.join]
         self.hints = np.concatenate([even, after]) if len(hints) else even
-        self.excess = 0.0
-        """How much faster than `feed` the tip is found at the start, where no command can change it any more [m/s]."""
-        if machine is not None:
-            now = detour.motion(np.zeros(1))
-            self.excess = max(0.0, float(np.linalg.norm(tip_velocity(machine, now[0], now[1]))) - feed)
+        self.excess = Excess.at_start(machine, feed, detour.motion(np.zeros(1)))
 
     def parameter(self, t: Floats) -> Floats:
         """(4, n) p and three time derivatives at times (n,) since the deflection, where the detour runs as made."""
@@ -195,13 +235,8 @@ class DetourRun(AxisRun):
         jets = self.evaluate(s[on])
         speed = np.linalg.norm(tip_velocity(self.machine, jets[0], jets[1]), axis=1)
         with np.errstate(divide="ignore"):
-            out[on] = self.allowed_feed(self.time_at(s[on])) / speed
+            out[on] = self.excess.allowed(self.time_at(s[on]), self.detour.carry, self.detour.period) / speed
         return out
-
-    def allowed_feed(self, t: Floats) -> Floats:
-        """(n,) most speed of the tip [m/s] at times since the deflection: the feed, and what was found above it fades."""
-        left = 1.0 - np.maximum(t - self.detour.carry, 0.0) / self.detour.period
-        return self.feed + self.excess * left * left
 
     def block_at(self, s: Floats) -> Ints:
         return self.rest_of.block_at(np.maximum(s, self.join))

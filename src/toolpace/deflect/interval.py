@@ -8,6 +8,7 @@ import numpy as np
 
 from toolpace.deflect.chainlaw import ChainLaw, Piece
 from toolpace.deflect.detour import DetourRun
+from toolpace.errors import InfeasibleError
 from toolpace.limits import Limits
 from toolpace.plan.genetic import ALLOWED, Genetic, peaks, shortened
 from toolpace.plan.intervals import Intervals, reference_points
@@ -34,6 +35,10 @@ def genetic_law(run: DetourRun, limits: Limits, direct: TimeLaw, options: dict[s
     if len(after) > 1:
         marks.append(passing_time(direct, float(after[0])))
     state = direct.at(np.array(marks))
+    # to the last digit, since the third derivative jumps there
+    state[0, 1 + len(run.kinks)] = run.join
+    if len(marks) > 2 + len(run.kinks):
+        state[0, -1] = after[0]
     pieces: list[Piece] = []
     for k in range(len(marks) - 1):
         direct_piece = Piece(direct, marks[k], marks[k + 1])
@@ -45,7 +50,7 @@ def genetic_law(run: DetourRun, limits: Limits, direct: TimeLaw, options: dict[s
             continue
         try:
             best = shortened(parts, given, chosen)
-        except Exception:
+        except InfeasibleError:
             pieces.append(direct_piece)
             continue
         own = QuinticLaw(s.copy(), best.speed, best.acceleration, best.periods)

@@ -59,7 +59,7 @@ def potential(
 
     `target` and `deflection` (3,) [m], `velocity` those of both [m/s].
     """
-    value = alpha * float(np.linalg.norm(np.subtract(target, deflection))) ** m
+    value: float = alpha * float(np.linalg.norm(np.subtract(target, deflection))) ** m
     if velocity is not None:
         value += alpha_velocity * float(np.linalg.norm(np.subtract(*velocity))) ** n
     return value
@@ -113,7 +113,7 @@ def project(path: Path, deflection: npt.ArrayLike, *, interval: tuple[float, flo
     """
     point = np.asarray(deflection, dtype=float)
     if point.shape != (3,) or not np.isfinite(point).all():
-        raise UsageError(f"deflection: {deflection} is no point; give three finite coordinates in metres")
+        raise UsageError(f"deflection: {deflection!r} is no point; give three finite coordinates in metres")
     best: Projection | None = None
     for index, run in enumerate(path.runs):
         low, high = (run.s0, run.s1) if interval is None else interval

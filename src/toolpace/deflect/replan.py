@@ -17,7 +17,7 @@ from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.limits import Limits
 from toolpace.machine import Machine
 from toolpace.path import Path
-from toolpace.plan.optimal import EndState
+from toolpace.plan.endstate import EndState
 from toolpace.plan.quinticlaw import QuinticLaw
 from toolpace.timelaw import TimeLaw
 from toolpace.trajectory import Trajectory
@@ -118,7 +118,7 @@ def deflected_pose(
     size = len(trajectory.joints) if machine is None else 3
     if point.shape != (size,) or not np.isfinite(point).all():
         what = "joints" if machine is None else "coordinates of the tip in metres"
-        raise UsageError(f"deflection: {deflection}; give {size} finite {what}")
+        raise UsageError(f"deflection: {deflection!r}; give {size} finite {what}")
     if machine is None:
         return point
     rotary = q[:, machine.rotary]
@@ -224,7 +224,9 @@ def optimal_law(run: DetourRun, limits: Limits, direct: TimeLaw, options: dict[s
         law, _ = plan_run(run, limits, start=EndState(float(v), float(a)), **options)
     except InfeasibleError:
         return direct
-    if law.duration >= direct.duration:
+    begin = law.at(np.zeros(1))[:3, 0]
+    meets = np.allclose(begin[1:], [v, a], rtol=1e-9, atol=1e-9 * (float(v) + abs(float(a))))
+    if not meets or law.duration >= direct.duration:
         return direct
     alone = AxisPath((run,), limits.joints, run.machine)
     return law if Trajectory(alone, limits, (law,)).usage().worst <= USAGE else direct

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.deflect.detour import Detour, Known, tip_velocity
+from toolpace.deflect.detour import Detour, Excess, Known, tip_velocity
 from toolpace.limits import Limits
 from toolpace.machine import Machine
 
@@ -22,9 +22,13 @@ HORIZONS = 28
 CARRIES = 14
 SHARPEST = 6.0
 """Most relative change of the parameter's speed over a detour, as a exponent; see DetourRun."""
-HASTE = 0.02
-"""What a second of being off the path counts against a second of the whole."""
-TIP_SAMPLES = 49
+HASTE = 0.25
+"""What a second off the path counts against a second of the whole; no gain of time counts, lest it cut the path."""
+LEAST_SPEED = 1e-6
+"""Least way of the parameter in the period at its speed of rejoining, over the length of the run."""
+TIP_SAMPLES = 81
+CARRY_STEP = 2e-3
+"""[s]"""
 TRIES = 400
 BISECTIONS = 12
 
@@ -37,13 +41,11 @@ class Judge:
     ) -> None:
         self.known, self.machine, self.feed, self.time, self.offset = known, machine, feed, time, offset
         self.limits = np.stack([limits.velocity, limits.acceleration, limits.jerk])
-        self.excess = 0.0
         self.nearest = np.inf
         """Least usage seen of a detour that did not pass."""
-        if machine is not None:
-            now = known.motion(np.array([time]))
-            velocity = tip_velocity(machine, now[0] + offset, now[1])
-            self.excess = max(0.0, float(np.linalg.norm(velocity)) - feed)
+        now = known.motion(np.array([time]))
+        now[0] += offset
+        self.excess = Excess.at_start(machine, feed, now)
 
     def joint_usage(self, carry: float, rejoin: Floats, period: Floats) -> Floats:
         """(n,) usage of the quintics alone, to rejoin at times (n,) in periods (n,)."""
@@ -61,16 +63,24 @@ class Judge:
         """Usage of feed and travel along a detour: above 1 where the tip is too fast or a joint leaves its travel."""
         if self.machine is None:
             return 0.0
-        t = np.linspace(0.0, detour.duration, TIP_SAMPLES)
+        even = detour.carry + detour.period * np.linspace(0.0, 1.0, TIP_SAMPLES)
+        # closer at the start, where the tip may just touch the feed
+        close = detour.carry + (even[2] - detour.carry) * np.linspace(0.0, 1.0, 9) ** 2
+        t = np.concatenate([np.arange(0.0, detour.carry, CARRY_STEP), close[:-1], even[2:]])
         q, qd = detour.motion(t)[:2]
         low, high = self.machine.travel.T
         if (q < low - 1e-9).any() or (q > high + 1e-9).any():
             return np.inf
         if not np.isfinite(self.feed):
             return 0.0
-        left = 1.0 - np.maximum(t - detour.carry, 0.0) / detour.period
         speed = np.linalg.norm(tip_velocity(self.machine, q, qd), axis=1)
-        return float((speed / (self.feed + self.excess * left**2)).max())
+        ratio = speed / self.excess.allowed(t, detour.carry, detour.period)
+        left, middle, right = ratio[-TIP_SAMPLES + 2 : -2], ratio[-TIP_SAMPLES + 3 : -1], ratio[-TIP_SAMPLES + 4 :]
+        # the peak between samples is that of the parabola through three of them
+        bend = 2.0 * middle - left - right
+        peak = (bend > 0.0) & (middle >= left) & (middle >= right)
+        between = middle[peak] + (right[peak] - left[peak]) ** 2 / (8.0 * bend[peak])
+        return float(max(ratio.max(), between.max(initial=0.0)))
 
     def passes(self, detour: Detour, joints: float | None = None) -> bool:
         """Whether the detour is within all limits; `joints` is its usage of theirs if it is known already."""
@@ -93,8 +103,11 @@ def gentle(known: Known, rejoin: Floats, period: Floats) -> npt.NDArray[np.bool_
     order = np.argsort(rejoin, kind="stable")
     state = np.empty((4, len(rejoin)))
     state[:, order] = known.law.at(rejoin[order])
-    still = state[1] == 0.0
-    return still | (np.abs(state[2]) * period <= SHARPEST * state[1])
+    still = known.still(state[1])
+    length = known.run.s1 - known.run.s0
+    calm = np.abs(state[2]) * period <= SHARPEST * state[1]
+    fine: npt.NDArray[np.bool_] = still | (calm & (state[1] * period >= LEAST_SPEED * length))
+    return fine
 
 
 def candidates(judge: Judge, carry: float, rejoin: Floats) -> Iterator[tuple[float, Detour, float]]:
@@ -110,7 +123,7 @@ def candidates(judge: Judge, carry: float, rejoin: Floats) -> Iterator[tuple[flo
         return
     used = judge.joint_usage(carry, at, period)
     judge.nearest = min(judge.nearest, float(np.min(np.where(used > ALLOWED, used, np.inf))))
-    loss = carry + period - (at - judge.time) + HASTE * (carry + period)
+    loss = np.maximum(carry + period - (at - judge.time), 0.0) + HASTE * (carry + period)
     good = np.flatnonzero(used <= ALLOWED)
     for k in good[np.argsort(loss[good], kind="stable")][:TRIES]:
         detour = Detour(judge.known, judge.time, judge.offset, carry, float(period[k]), float(at[k]))

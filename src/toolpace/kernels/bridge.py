@@ -16,13 +16,14 @@ HALVINGS = 40
 @jit()
 def polynomial(c: Floats, tau: float, order: int) -> float:
     """The order-th derivative (0 to 3) of the quintic C0 to C5 (6,) at tau."""
+    value: float = 6.0 * c[3] + tau * (24.0 * c[4] + tau * 60.0 * c[5])
     if order == 0:
-        return c[0] + tau * (c[1] + tau * (c[2] + tau * (c[3] + tau * (c[4] + tau * c[5]))))
-    if order == 1:
-        return c[1] + tau * (2.0 * c[2] + tau * (3.0 * c[3] + tau * (4.0 * c[4] + tau * 5.0 * c[5])))
-    if order == 2:
-        return 2.0 * c[2] + tau * (6.0 * c[3] + tau * (12.0 * c[4] + tau * 20.0 * c[5]))
-    return 6.0 * c[3] + tau * (24.0 * c[4] + tau * 60.0 * c[5])
+        value = c[0] + tau * (c[1] + tau * (c[2] + tau * (c[3] + tau * (c[4] + tau * c[5]))))
+    elif order == 1:
+        value = c[1] + tau * (2.0 * c[2] + tau * (3.0 * c[3] + tau * (4.0 * c[4] + tau * 5.0 * c[5])))
+    elif order == 2:
+        value = 2.0 * c[2] + tau * (6.0 * c[3] + tau * (12.0 * c[4] + tau * 20.0 * c[5]))
+    return value
 
 
 @jit()
