@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.paths import Case
 from benchmarks.peers import Outcome, copp, ipopt, lp, ours, ruckig, toppra
 from toolpace.errors import ToolpaceError
-from toolpace.plan import optimal
+from toolpace.plan.optimal import plan_run
 
 MESHES = (200, 1000, 5000)
 REPEATS = 7
@@ -64,7 +64,7 @@ def with_objective(case: Case, n: int, outcome: Outcome) -> Outcome:
     if not outcome.ok:
         return outcome
     try:
-        law, _ = optimal.plan_run(case.run, case.limits, cells=n, guard=False)
+        law, _ = plan_run(case.run, case.limits, cells=n, guard=False)
     except ToolpaceError:
         return outcome
     problem, _, _ = ours.mesh_problem(case.axis_path, case.limits, n)

@@ -14,7 +14,8 @@ from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from benchmarks.peers.ours import mesh_problem, objective, start_point
 from toolpace.axispath import AxisPath
 from toolpace.limits import Limits
-from toolpace.plan.optimal import AT_REST, EndState, Problem
+from toolpace.plan.endstate import AT_REST, EndState
+from toolpace.plan.problem import Problem
 from toolpace.timelaw import SplineLaw
 
 TOLERANCE = 1e-9

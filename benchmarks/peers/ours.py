@@ -9,8 +9,10 @@ from toolpace.axispath import AxisPath
 from toolpace.errors import ToolpaceError
 from toolpace.kernels import cubic
 from toolpace.limits import Limits
-from toolpace.plan import optimal
+from toolpace.plan.endstate import AT_REST, EndState
 from toolpace.plan.mesh import first_mesh
+from toolpace.plan.optimal import plan_run
+from toolpace.plan.problem import Problem, discretise
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, judge: bool = True) -> Outcome:
@@ -18,7 +20,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, j
     run = axis_path.runs[0]
     watch = Stopwatch()
     try:
-        law, points = optimal.plan_run(run, limits, cells=n, guard=guard)
+        law, points = plan_run(run, limits, cells=n, guard=guard)
     except ToolpaceError as error:
         return failed(watch(), str(error))
     seconds = watch()
@@ -37,22 +39,22 @@ def mesh_problem(
     axis_path: AxisPath,
     limits: Limits,
     n: int,
-    start: optimal.EndState = optimal.AT_REST,
-    end: optimal.EndState = optimal.AT_REST,
-) -> tuple[optimal.Problem, np.ndarray, np.ndarray]:
+    start: EndState = AT_REST,
+    end: EndState = AT_REST,
+) -> tuple[Problem, np.ndarray, np.ndarray]:
     """The discretised problem on exactly the mesh that `solve` uses, and the guess (s, z) it starts from."""
     run = axis_path.runs[0]
     nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), n)
-    return optimal.discretise(run, limits, nodes, start, end), rough.s, rough.z
+    return discretise(run, limits, nodes, start, end), rough.s, rough.z
 
 
-def objective(problem: optimal.Problem, c: np.ndarray) -> float:
+def objective(problem: Problem, c: np.ndarray) -> float:
     """Time as the problem sums it [s]."""
     z = np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.node[:, None] + np.arange(3)])
     return float((problem.weight / np.sqrt(z)).sum())
 
 
-def start_point(problem: optimal.Problem, s: np.ndarray, z: np.ndarray, share: float) -> np.ndarray:
+def start_point(problem: Problem, s: np.ndarray, z: np.ndarray, share: float) -> np.ndarray:
     """Coefficients below the guess (s, z), with the ends as the problem ties them."""
     c = share * np.interp(cubic.control_points(problem.nodes), s, z**0.75) ** (4.0 / 3.0)
     for k, (one, two) in enumerate(((0, 1), (-1, -2))):
