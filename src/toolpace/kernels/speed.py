@@ -27,6 +27,8 @@ OPTIMAL, STALLED, BROKEN = 0, 1, 2
 REST, MOVING = 0, 1
 BACK_OFF = 0.99
 KEEP_CURVATURE = 0.05
+ROUNDING = 300.0
+"""The gradient is a difference of large numbers: its tolerance, as a multiple of that of the gap."""
 
 
 @jit()
@@ -70,6 +72,20 @@ def _untie(b: Any, end: Any, ratio: Any) -> Any:
         b[0] = b[1] / ratio[0]
     if end[1] == REST:
         b[n - 1] = b[n - 2] / ratio[1]
+
+
+@jit()
+def _factor_safely(matrix: Any, spare: Any) -> Any:
+    """Factor in place; where rounding spoils a pivot, with a diagonal raised by as little as makes it succeed."""
+    spare[:] = matrix
+    raised = 1e-13
+    while factor(matrix) != 0:
+        if raised > 1e-4:
+            return False
+        matrix[:] = spare
+        matrix[0] *= 1.0 + raised
+        raised *= 30.0
+    return True
 
 
 @jit()
@@ -325,7 +341,8 @@ def maximise_speed(
     u, du, affine = np.empty((points, 3)), np.zeros((points, 3)), np.zeros((points, 3))
     dual, step = np.empty((points, count, 2)), np.zeros((points, count, 2))
     dual_cap, step_cap = np.empty(points), np.zeros(points)
-    matrix, rhs, direction, gradient = np.empty((3, n)), np.empty(n), np.empty(n), np.empty(n)
+    matrix, spare = np.empty((3, n)), np.empty((3, n))
+    rhs, direction, gradient = np.empty(n), np.empty(n), np.empty(n)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     _spread(basis, node, c, u)
     _first_multipliers(weight, cap, rows, relief, u, spread, dual, dual_cap)
@@ -338,10 +355,10 @@ def maximise_speed(
         residual = 0.0
         for i in range(n):
             residual += abs(gradient[i] * c[i])
-        if gap < tolerance * time and residual < 10.0 * tolerance * time and tau < 1e-9:
+        if gap < tolerance * time and residual < ROUNDING * tolerance * time and tau < 1e-9:
             return c, OPTIMAL, steps, gap / time, tau
         _tie_matrix(matrix, end, ratio)
-        if factor(matrix) != 0:
+        if not _factor_safely(matrix, spare):
             return c, BROKEN, steps, gap / time, tau
         # predictor: straight at the optimum, to learn how far one can go
         direction[:] = rhs
