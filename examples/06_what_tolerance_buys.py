@@ -5,13 +5,13 @@ from __future__ import annotations
 import toolpace as tp
 from toolpace import demo
 
-TOLERANCES = (1e-6, 3e-6, 10e-6, 30e-6)
+TOLERANCES = (2e-6, 10e-6, 50e-6)
 """[m]"""
 
 
 def main() -> list[float]:
     machine = tp.Machine.load("xyzac-trunnion")
-    toolpath = tp.read_text(demo.impeller_program(machine, 60), machine, feed="none")
+    toolpath = tp.read_text(demo.impeller_program(machine, 30), machine, feed="none")
     durations = []
     for tolerance in TOLERANCES:
         path = tp.Path.fit(toolpath, tip_tolerance=tolerance, axis_tolerance=100.0 * tolerance, machine=machine)

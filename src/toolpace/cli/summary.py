@@ -55,15 +55,11 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     console.print()
     console.print(grid)
     console.print(usage_table(record))
-    console.print(verdict(verification), soft_wrap=True)
+    line = verdict(verification)
     if verification.ok and record.usage.worst > MOST_USAGE:
-        console.print(
-            Text.assemble(
-                ("FAILED", "bold red"),
-                f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %",
-            ),
-            soft_wrap=True,
-        )
+        more = f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %"
+        line = Text.assemble(("FAILED", "bold red"), more)
+    console.print(line, soft_wrap=True)
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
