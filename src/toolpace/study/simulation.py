@@ -1,0 +1,142 @@
+"""What the study computes: the paper's arc, its plans without and with deflection, the projections."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace import deflect
+from toolpace.axispath import AxisPath
+from toolpace.deflect.replan import passing_time
+from toolpace.machine import Machine
+from toolpace.path import Path
+from toolpace.plan import plan
+from toolpace.quinticpath import quintic_through
+from toolpace.trajectory import Trajectory
+
+Floats = npt.NDArray[np.float64]
+
+FEED = 0.03
+"""F of Eq. (11) [m/s]."""
+RADIUS = 0.1
+INTERVALS = 31
+DEFLECTION = (0.059, 0.0568, 0.0589)
+PRINTED_PROJECTION = (0.058, 0.058, 0.0571)
+DEFLECTED_INTERVAL = 20
+GENERATIONS = (1, 10, 100)
+CLOSED_FORM = 5.3112
+"""Optimum rest to rest: L / F + 2 sqrt(F / J), J = 21.2 m/s^3 the tip's jerk where B's limit binds [s]."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """All results; `with_deflection` starts at the instant of the deflection."""
+
+    machine: Machine
+    path: Path
+    genetic: dict[int, Trajectory]
+    """Without deflection, by number of generations."""
+    optimal: Trajectory
+    interval: deflect.Projection
+    """Projection on the 20th interval: the paper's."""
+    whole: deflect.Projection
+    """Projection on the whole path."""
+    instant: dict[str, float]
+    """When each planner's tool passes the beginning of the 20th interval, where it is found deflected [s]."""
+    with_deflection: dict[str, Trajectory]
+    """genetic: by way of the projection, as in the paper; optimal: the fastest way back."""
+
+    @property
+    def points(self) -> Floats:
+        """(32,) parameters of the reference points, s [m]."""
+        return self.path.runs[0].breaks
+
+    @property
+    def feed_bound(self) -> float:
+        """Length over feed [s]: no motion is faster."""
+        return 0.5 * np.pi * RADIUS / FEED
+
+    def pairs(self) -> dict[str, tuple[Trajectory, Trajectory]]:
+        """By planner the trajectories without and with deflection."""
+        without = {"genetic": self.genetic[GENERATIONS[0]], "optimal": self.optimal}
+        return {name: (without[name], self.with_deflection[name]) for name in without}
+
+    def facts(self) -> dict[str, object]:
+        """The figures of study.json."""
+        peak = {
+            name: {"without_deflection": usage(a), "with_deflection": usage(b)} for name, (a, b) in self.pairs().items()
+        }
+        return {
+            "projection_interval20_m": list(map(float, self.interval.tip)),
+            "projection_path_m": list(map(float, self.whole.tip)),
+            "distance_interval20_m": self.interval.distance,
+            "distance_path_m": self.whole.distance,
+            "duration_genetic_s": {str(n): t.duration for n, t in self.genetic.items()},
+            "duration_optimal_s": self.optimal.duration,
+            "duration_closed_form_s": CLOSED_FORM,
+            "lower_bound_feed_s": self.feed_bound,
+            "lower_bound_s": self.optimal.lower_bound or None,
+            "peak_usage": peak,
+            "periods_s": {
+                **{f"genetic_{n}": list(map(float, periods(self, t))) for n, t in self.genetic.items()},
+                "optimal": list(map(float, periods(self, self.optimal))),
+            },
+            "deflection": {
+                name: {
+                    "instant_s": self.instant[name],
+                    "remaining_s": b.duration,
+                    "remaining_without_s": a.duration - self.instant[name],
+                    "detour_s": b.axis_path.runs[0].detour.duration,  # type: ignore[attr-defined]
+                }
+                for name, (a, b) in self.pairs().items()
+            },
+        }
+
+
+def usage(trajectory: Trajectory) -> dict[str, object]:
+    """Peak value over limit, the worst first."""
+    peak = trajectory.usage()
+    return {
+        "worst": peak.worst, "feed": peak.feed, "velocity": peak.velocity,
+        "acceleration": peak.acceleration, "jerk": peak.jerk,
+    }  # fmt: skip
+
+
+def periods(study: Study, trajectory: Trajectory) -> Floats:
+    """(31,) time in each interval, T_i [s]."""
+    passed = [passing_time(trajectory.laws[0], float(s)) for s in study.points]
+    return np.diff(passed)
+
+
+def simulate(progress: Callable[[float], None]) -> Study:
+    """Compute the study; a few seconds."""
+    machine = Machine.load("paper-ab")
+    path = quintic_through(Path.paper_arc(FEED), machine, INTERVALS)
+    axis_path = AxisPath.follow(path, machine)
+    progress(0.05)
+    genetic = {}
+    for k, count in enumerate(GENERATIONS):
+        genetic[count] = plan(axis_path, machine, planner="genetic", generations=count)
+        progress(0.1 + 0.1 * k)
+    optimal = plan(axis_path, machine)
+    progress(0.7)
+    points = path.runs[0].breaks
+    where = (float(points[DEFLECTED_INTERVAL - 1]), float(points[DEFLECTED_INTERVAL]))
+    interval = deflect.project(path, DEFLECTION, interval=where)
+    whole = deflect.project(path, DEFLECTION)
+    first = genetic[GENERATIONS[0]]
+    instant = {
+        "genetic": passing_time(first.laws[0], where[0]),
+        "optimal": passing_time(optimal.laws[0], where[0]),
+    }
+    back = {
+        "genetic": deflect.replan(
+            first, instant["genetic"], DEFLECTION, machine, planner="genetic", rejoin="projection", interval=where
+        ),
+        "optimal": deflect.replan(optimal, instant["optimal"], DEFLECTION, machine),
+    }
+    progress(1.0)
+    return Study(machine, path, genetic, optimal, interval, whole, instant, back)
