@@ -182,7 +182,7 @@ def _newton_system(
 
 
 @jit()
-def _correct(
+def _predict(
     basis: Any,
     node: Any,
     cap: Any,
@@ -190,23 +190,45 @@ def _correct(
     relief: Any,
     tau: Any,
     u: Any,
+    dual: Any,
+    dual_cap: Any,
     du: Any,
     step: Any,
     step_cap: Any,
-    centre: Any,
-    rhs: Any,
+    centring: Any,
+    second: Any,
 ) -> Any:
-    """Add to rhs what centring and the second-order terms of the affine step (du, step) ask for."""
+    """Steps of the multipliers for the predictor's primal step du, and what they teach the corrector.
+
+    The corrector's right-hand side is the predictor's, less `second` (n,), the second-order terms, and less
+    `centring` (n,) times the product aimed at. Returns the largest relative losses of slack and of multiplier,
+    and the three sums that give the gap after a step.
+    """
     points, count = rows.shape[0], rows.shape[1]
     half = count // 2
+    centring[:] = 0.0
+    second[:] = 0.0
+    loss = loss_dual = 0.0
+    sum_s = sum_l = sum_sl = 0.0
     for p in range(points):
         z, z1, z2 = u[p, 0], u[p, 1], u[p, 2]
         d0, d1, d2 = du[p, 0], du[p, 1], du[p, 2]
         pace = 1.0 / np.sqrt(z)
         tangent = 0.5 * pace / z
         relax_cap, relax_acceleration, relax_jerk = tau * relief[p, 0], tau * relief[p, 1], tau * relief[p, 2]
-        g0 = (centre + step_cap[p] * (d0 + relax_cap)) / (cap[p] - z + relax_cap)
-        g1, g2 = 0.0, 0.0
+        loss = max(loss, -d0 / z)
+        slack, lam = cap[p] - z + relax_cap, dual_cap[p]
+        inverse = 1.0 / slack
+        change = -d0 - relax_cap
+        dlam = -lam * change * inverse - lam
+        loss = max(loss, -change * inverse)
+        loss_dual = max(loss_dual, -dlam / lam)
+        sum_s += slack * dlam
+        sum_l += lam * change
+        sum_sl += change * dlam
+        step_cap[p] = dlam
+        a0, a1, a2 = inverse, 0.0, 0.0
+        c0, c1, c2 = -dlam * change * inverse, 0.0, 0.0
         for i in range(count):
             b0, b1, b2 = rows[p, i, 0], rows[p, i, 1], rows[p, i, 2]
             value = b0 * z + b1 * z1 + b2 * z2
@@ -214,18 +236,37 @@ def _correct(
             limit = 1.0 if i < half else pace
             d = 0.0 if i < half else tangent
             extra = relax_acceleration if i < half else relax_jerk
-            gup = (centre + step[p, i, 0] * (d * d0 + move + extra)) / (limit - value + extra)
-            gdown = (centre + step[p, i, 1] * (d * d0 - move + extra)) / (limit + value + extra)
-            g0 += (gup - gdown) * b0 + (gup + gdown) * d
-            g1 += (gup - gdown) * b1
-            g2 += (gup - gdown) * b2
+            up, down = limit - value + extra, limit + value + extra
+            lup, ldown = dual[p, i, 0], dual[p, i, 1]
+            iup, idown = 1.0 / up, 1.0 / down
+            change_up, change_down = -d * d0 - move - extra, -d * d0 + move - extra
+            ratio_up, ratio_down = change_up * iup, change_down * idown
+            dup, ddown = -lup * ratio_up - lup, -ldown * ratio_down - ldown
+            loss = max(loss, max(-ratio_up, -ratio_down))
+            # without centring a multiplier loses 1 + the relative change of its slack
+            loss_dual = max(loss_dual, max(1.0 + ratio_up, 1.0 + ratio_down))
+            sum_s += up * dup + down * ddown
+            sum_l += lup * change_up + ldown * change_down
+            sum_sl += change_up * dup + change_down * ddown
+            step[p, i, 0], step[p, i, 1] = dup, ddown
+            both, odd = iup + idown, iup - idown
+            a0 += odd * b0 + both * d
+            a1 += odd * b1
+            a2 += odd * b2
+            gup, gdown = -dup * ratio_up, -ddown * ratio_down
+            c0 += (gup - gdown) * b0 + (gup + gdown) * d
+            c1 += (gup - gdown) * b1
+            c2 += (gup - gdown) * b2
         k = node[p]
         for i in range(3):
-            rhs[k + i] -= basis[p, 0, i] * g0 + basis[p, 1, i] * g1 + basis[p, 2, i] * g2
+            e0, e1, e2 = basis[p, 0, i], basis[p, 1, i], basis[p, 2, i]
+            centring[k + i] += e0 * a0 + e1 * a1 + e2 * a2
+            second[k + i] += e0 * c0 + e1 * c1 + e2 * c2
+    return loss, loss_dual, sum_s, sum_l, sum_sl
 
 
 @jit()
-def _dual_step(
+def _correct(
     cap: Any,
     rows: Any,
     relief: Any,
@@ -236,18 +277,17 @@ def _dual_step(
     du: Any,
     affine: Any,
     centre: Any,
-    corrected: Any,
     step: Any,
     step_cap: Any,
 ) -> Any:
-    """Steps of the multipliers for the primal step du; `affine` is the primal step of the predictor.
+    """Steps of the multipliers for the corrector's primal step du; `affine` is the predictor's.
 
-    Returns the largest relative losses of slack and of multiplier, and the three sums that give the gap after a step.
+    `step` and `step_cap` hold the predictor's steps on entry. Returns the largest relative losses of slack and of
+    multiplier.
     """
     points, count = rows.shape[0], rows.shape[1]
     half = count // 2
     loss = loss_dual = 0.0
-    sum_s = sum_l = sum_sl = 0.0
     for p in range(points):
         z, z1, z2 = u[p, 0], u[p, 1], u[p, 2]
         d0, d1, d2 = du[p, 0], du[p, 1], du[p, 2]
@@ -258,36 +298,29 @@ def _dual_step(
         loss = max(loss, -d0 / z)
         slack, lam = cap[p] - z + relax_cap, dual_cap[p]
         change = -d0 - relax_cap
-        target = centre + step_cap[p] * (a0 + relax_cap) if corrected else 0.0
-        dlam = (target - lam * change) / slack - lam
+        dlam = (centre + step_cap[p] * (a0 + relax_cap) - lam * change) / slack - lam
         loss = max(loss, -change / slack)
         loss_dual = max(loss_dual, -dlam / lam)
-        sum_s += slack * dlam
-        sum_l += lam * change
-        sum_sl += change * dlam
         step_cap[p] = dlam
         for i in range(count):
             b0, b1, b2 = rows[p, i, 0], rows[p, i, 1], rows[p, i, 2]
             value = b0 * z + b1 * z1 + b2 * z2
             move = b0 * d0 + b1 * d1 + b2 * d2
+            first = b0 * a0 + b1 * a1 + b2 * a2
             limit = 1.0 if i < half else pace
             d = 0.0 if i < half else tangent
             extra = relax_acceleration if i < half else relax_jerk
-            first = b0 * a0 + b1 * a1 + b2 * a2
             for side in range(2):
                 sign = 1.0 if side == 0 else -1.0
                 slack, lam = limit - sign * value + extra, dual[p, i, side]
-                inverse = 1.0 / slack
                 change = -d * d0 - sign * move - extra
-                target = centre + step[p, i, side] * (d * a0 + sign * first + extra) if corrected else 0.0
-                dlam = (target - lam * change) * inverse - lam
-                loss = max(loss, -change * inverse)
-                loss_dual = max(loss_dual, -dlam / lam)
-                sum_s += slack * dlam
-                sum_l += lam * change
-                sum_sl += change * dlam
+                inverse = 1.0 / (slack * lam)
+                target = centre + step[p, i, side] * (d * a0 + sign * first + extra) - lam * change
+                dlam = (target - slack * lam) * inverse * lam
+                loss = max(loss, -change * lam * inverse)
+                loss_dual = max(loss_dual, (slack * lam - target) * inverse)
                 step[p, i, side] = dlam
-    return loss, loss_dual, sum_s, sum_l, sum_sl
+    return loss, loss_dual
 
 
 @jit()
@@ -342,7 +375,7 @@ def maximise_speed(
     dual, step = np.empty((points, count, 2)), np.zeros((points, count, 2))
     dual_cap, step_cap = np.empty(points), np.zeros(points)
     matrix, spare = np.empty((3, n)), np.empty((3, n))
-    rhs, direction, gradient = np.empty(n), np.empty(n), np.empty(n)
+    rhs, direction, gradient, centring, second = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     _spread(basis, node, c, u)
     _first_multipliers(weight, cap, rows, relief, u, spread, dual, dual_cap)
@@ -366,22 +399,19 @@ def maximise_speed(
         solve(matrix, direction)
         _untie(direction, end, ratio)
         _spread(basis, node, direction, affine)
-        loss, loss_dual, sum_s, sum_l, sum_sl = _dual_step(
-            cap, rows, relief, tau, u, dual, dual_cap, affine, affine, 0.0, False, step, step_cap
+        loss, loss_dual, sum_s, sum_l, sum_sl = _predict(
+            basis, node, cap, rows, relief, tau, u, dual, dual_cap, affine, step, step_cap, centring, second
         )
         go, go_dual = min(1.0, 1.0 / loss), min(1.0, 1.0 / loss_dual)
         reached = (gap + go_dual * sum_s + go * sum_l + go * go_dual * sum_sl) / gap
         centre = gap / products * max(min(reached, 1.0) ** 3, 1e-8)
         # corrector: centred, with the second-order terms that the predictor revealed
-        _correct(basis, node, cap, rows, relief, tau, u, affine, step, step_cap, centre, rhs)
-        direction[:] = rhs
+        direction[:] = rhs - centre * centring - second
         _tie_vector(direction, end, ratio)
         solve(matrix, direction)
         _untie(direction, end, ratio)
         _spread(basis, node, direction, du)
-        loss, loss_dual, sum_s, sum_l, sum_sl = _dual_step(
-            cap, rows, relief, tau, u, dual, dual_cap, du, affine, centre, True, step, step_cap
-        )
+        loss, loss_dual = _correct(cap, rows, relief, tau, u, dual, dual_cap, du, affine, centre, step, step_cap)
         go, go_dual = min(1.0, BACK_OFF / loss), min(1.0, BACK_OFF / loss_dual)
         if not (go > 0.0 and go_dual > 0.0):
             return c, BROKEN, steps, gap / time, tau
