@@ -37,6 +37,13 @@ def tilted(a, b):
     return np.stack([np.sin(a) * np.sin(b), -np.sin(a) * np.cos(b), np.cos(a)], axis=-1)
 
 
+def spiral(n):
+    """A smooth climbing spiral of n points, rounded to the micrometre."""
+    u = np.linspace(0.0, n / 1500.0, n)
+    tip = 0.04 * np.stack([np.cos(2 * u), np.sin(2 * u), 0.1 * np.sin(5 * u) + 0.05 * u], axis=1)
+    return make(np.round(tip, 6), tilted(0.6 + 0.2 * np.sin(2 * u), u))
+
+
 def rotary_of(a, b):
     """Joint angles (n, 2) with the same meaning for `Fake`."""
     a, b = np.broadcast_arrays(np.asarray(a, dtype=float), np.asarray(b, dtype=float))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from nasty import make, random_toolpath, tilted
+from nasty import make, random_toolpath, spiral, tilted
 from toolpace.errors import PathError
+from toolpace.fit import fit as fitting
 from toolpace.machine import Machine
 from toolpace.path import Path
 
@@ -167,3 +169,44 @@ def test_progress_ends_at_one():
     Path.fit(random_toolpath(2)[0], progress=seen.append)
     assert seen[-1] == pytest.approx(1.0)
     assert all(b >= a for a, b in pairwise(seen)) or len(seen) > 1
+
+
+def test_the_same_bits_on_one_core_and_on_many(monkeypatch):
+    toolpath = spiral(6000)
+    curves = []
+    for cores in (1, 2, 7):
+        monkeypatch.setattr(os, "cpu_count", lambda cores=cores: cores)
+        curves.append(Path.fit(toolpath, TIP, AXIS).runs[0])
+    for other in curves[1:]:
+        assert np.array_equal(curves[0].breaks, other.breaks)
+        assert np.array_equal(curves[0].coefficients, other.coefficients)
+
+
+def test_a_curve_of_nan_is_never_taken(monkeypatch):
+    """Whatever smoothing does, the checks see it, and the first spline remains."""
+
+    def poison(breaks, data, tip, turn, *others):
+        tip[5] = np.nan
+
+    monkeypatch.setattr(fitting, "tighten", poison)
+    toolpath = spiral(300)
+    path = Path.fit(toolpath, TIP, AXIS)
+    assert np.all(np.isfinite(path.runs[0].coefficients))
+    assert_in_tube(path, toolpath)
+
+
+def test_smoothing_gives_up_on_nan():
+    from toolpace.kernels.spline import basis_rows, third_rows
+    from toolpace.kernels.tube import smoothest
+
+    knots = np.concatenate([np.zeros(5), np.linspace(0.0, 400.0, 21), np.full(5, 400.0)])
+    s = np.linspace(0.0, 400.0, 81)
+    target = np.stack([s, np.sin(s / 50.0), np.zeros(81)], axis=1)
+    target[40, 1] = np.nan
+    metric = np.tile(np.eye(3), (81, 1, 1))
+    x = np.zeros((25, 3))
+    steps, _, _ = smoothest(
+        third_rows(knots), np.ones(3), *basis_rows(knots, s), target, metric,
+        np.full(81, 1e-9), np.ones(81), x, 1, 24, np.full(20, 1e-9), 0.02, 80,
+    )  # fmt: skip
+    assert steps < 0

@@ -16,6 +16,8 @@ from toolpace.toolpath import ToolPath
 
 SLOW = 0.3
 """A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
+LIMIT = 1.0
+"""Share of the tolerance within which the curve must be found; the rest is for what lies between the looks."""
 LOCAL = 3
 """Repairs that keep the knots."""
 REPAIRS = 7
@@ -86,7 +88,7 @@ def fit_run(
         curve = jets(breaks, polynomials, at)[0]
         tip_off, axis_off = deviations(line, at, curve[:, :3], curve[:, 3:], axis_tolerance, machine, joints_given)
         off = np.maximum(tip_off, axis_off)
-        bad = np.flatnonzero(off > 1.0)
+        bad = np.flatnonzero(~(off <= LIMIT))
         if len(bad) == 0:
             run = piecewise(line, toolpath, breaks, polynomials, tip_tolerance, axis_tolerance, start)
             return run, float(np.max(tip_off)), float(np.max(axis_off))

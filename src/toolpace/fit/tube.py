@@ -22,6 +22,8 @@ WINDOW = 2000
 """Coefficients that are smoothed at once."""
 SEAM = 250
 """Coefficients on either side of a seam that are smoothed again."""
+GAP = 5
+"""Coefficients between ranges that are solved side by side."""
 REACH = 25
 """Cells on either side of a repair that are smoothed again."""
 ACCURACY = 0.02
@@ -110,10 +112,13 @@ def strays(
 
 
 def windows(n: int) -> list[list[tuple[int, int]]]:
-    """Ranges of coefficients that cover all of n but the first and the last, and then those over the seams."""
+    """Ranges of coefficients that cover n but for the ends and the seams, and then those over the seams.
+
+    Ranges of one stage are GAP apart: no sample touches two of them, so each can be solved while the others change.
+    """
     seams = np.linspace(0, n, max(1, round(n / WINDOW)) + 1).astype(int)
-    seams[0], seams[-1] = 1, n - 1
-    whole = [(int(a), int(b)) for a, b in pairwise(seams)]
+    seams[0], seams[-1] = 1, n - 1 + GAP
+    whole = [(int(a), int(b) - GAP) for a, b in pairwise(seams)]
     return [whole, [(int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1]]]
 
 
@@ -123,7 +128,7 @@ def near(breaks: Floats, where: Floats) -> list[tuple[int, int]]:
     out: list[tuple[int, int]] = []
     for cell in np.unique(np.searchsorted(breaks, where)):
         low, high = max(1, int(cell) - REACH), min(n - 1, int(cell) + REACH + 5)
-        if out and low < out[-1][1] + 6:
+        if out and low < out[-1][1] + GAP:
             out[-1] = (out[-1][0], high)
         else:
             out.append((low, high))

@@ -79,13 +79,14 @@ def smoothest(
     accuracy: float,
     max_steps: int,
 ) -> tuple[int, float, float]:
-    """Improve the coefficients low ... high - 1 of x (n, g) in place; the others stay. All of x must lie in the tube.
+    """Improve the coefficients low ... high - 1 of x (n, g) in place; the others stay.
 
-    Samples are those that touch a free coefficient. Mehrotra's predictor and corrector, with the curvature of the
-    balls in the corrector. Returns the number of steps (negative where a factorisation failed), the roughness and
-    the duality gap. It ends where in every stretch of SEGMENT cells the gap is below `accuracy` times the
-    roughness of the stretch and its neighbours, plus the `floor` (cells,): one sharp corner has more roughness than
-    all of the rest, and must not be the measure of it.
+    Samples are those that touch a free coefficient; those that touch others too may stay as far outside the tube as
+    they are, for it may not be in the power of the free ones to change that. Mehrotra's predictor and corrector,
+    with the curvature of the balls in the corrector. Returns the number of steps (negative where it got stuck), the
+    roughness and the duality gap. It ends where in every stretch of SEGMENT cells the gap is below `accuracy` times
+    the roughness of the stretch and its neighbours, plus the `floor` (cells,): one sharp corner has more roughness
+    than all of the rest, and must not be the measure of it.
     """
     m, g = target.shape
     n = high - low
@@ -104,6 +105,7 @@ def smoothest(
     d_slack = np.zeros(m)
     d_lam = np.zeros(m)
     share = np.empty(m)
+    widened = radius.copy()
 
     count = len(third) // SEGMENT + 1
     cell_value = np.zeros(len(third))
@@ -122,7 +124,7 @@ def smoothest(
             for c in range(g):
                 r[j, c] -= target[j, c]
                 rough_part[first[j] // SEGMENT + 1] += 0.5 * weight[c] * pull[j] * r[j, c] ** 2
-            h[j] = -0.5 * radius[j] ** 2
+            h[j] = -0.5 * widened[j] ** 2
             for c in range(g):
                 q[j, c] = 0.0
                 for d in range(g):
@@ -132,13 +134,16 @@ def smoothest(
         if iteration == 0:
             mu = value / m
             for j in range(m):
-                slack[j] = max(-h[j], 0.05 * radius[j] ** 2)
+                if (first[j] < low or first[j] + 6 > high) and h[j] > 0.0:
+                    widened[j] = np.sqrt(radius[j] ** 2 + 2.002 * h[j])
+                    h[j] -= 0.5 * (widened[j] ** 2 - radius[j] ** 2)
+                slack[j] = max(-h[j], 0.05 * widened[j] ** 2)
                 lam[j] = mu / slack[j]
         worst = 0.0
         mu = 0.0
         gap_part[:] = 0.0
         for j in range(m):
-            worst = max(worst, abs(h[j] + slack[j]) / radius[j] ** 2)
+            worst = max(worst, abs(h[j] + slack[j]) / widened[j] ** 2)
             mu += slack[j] * lam[j]
             gap_part[first[j] // SEGMENT] += slack[j] * lam[j]
         gap = mu
@@ -157,10 +162,13 @@ def smoothest(
         for i in range(count):
             allowed = rough_part[i] + rough_part[i + 1] + rough_part[i + 2]
             open_gap = max(open_gap, gap_part[i] / allowed)
+        residual += 0.0 * gap  # a nan is passed over by max, but not by a sum
         # below a hundredth of the gap asked for, what is left of the residual is rounding
         even = residual <= 0.05 * top or open_gap <= 0.01 * accuracy
         if worst <= 1e-3 and open_gap <= accuracy and even:
             return iteration, value, gap
+        if not (worst < np.inf and residual < np.inf and open_gap > 1e-9 * accuracy):
+            return -1 - iteration, value, gap  # rounding has the better of it, or there is no way into the tube
 
         for j in range(m):
             ratio = lam[j] / slack[j]
