@@ -12,12 +12,13 @@ import numpy.typing as npt
 
 from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError
+from toolpace.kernels import speed
 from toolpace.limits import Limits
 from toolpace.plan.endstate import AT_REST, EndState, check_state
 from toolpace.plan.mesh import first_mesh, split
 from toolpace.plan.peaks import cell_peaks
 from toolpace.plan.problem import ALLOWED, Problem, discretise
-from toolpace.plan.solve import MOST_MENDED, Stalled, mend, solve, start_from, stretches
+from toolpace.plan.solve import MOST_MENDED, Stalled, mend, solve_long, start_from, stretches
 from toolpace.timelaw import SplineLaw
 from toolpace.trajectory import Trajectory
 
@@ -59,7 +60,7 @@ def plan_run(
     nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), cells)
     problem = discretise(run, limits, nodes, start, end)
     try:
-        c = solve(problem, start_from(problem, rough.s, rough.z, START_SHARE), spread=1.0)
+        c = solve_long(problem, start_from(problem, rough.s, rough.z, START_SHARE), spread=1.0)
         law = SplineLaw(problem.nodes, c, problem.rest)
         peak = cell_peaks(run, limits, law)
         for round_ in range(MOST_ROUNDS if guard else 0):
@@ -72,7 +73,7 @@ def plan_run(
                 problem = discretise(run, limits, nodes, start, end)
                 probe = law.probe()
                 start_c = start_from(problem, probe.state[0], probe.state[1] ** 2, 1.0 - loss)
-                c = solve(problem, start_c, WARM_SPREAD)
+                c = solve_long(problem, start_c, WARM_SPREAD)
                 law = SplineLaw(problem.nodes, c, problem.rest)
                 peak = cell_peaks(run, limits, law)
             elif peak.max() > ALLOWED:
@@ -113,7 +114,11 @@ def resolve(problem: Problem, c: Floats, peak: Floats, loss: float) -> tuple[Flo
         else:
             moved = np.concatenate([np.arange(max(low - 1, 0), min(high + 1, len(everything))) for low, high in parts])
             return mended, np.unique(moved)
-    return solve(problem, (1.0 - loss) * c, WARM_SPREAD), everything
+    slowed = (1.0 - loss) * c
+    for end, two in zip(problem.end, ([0, 1], [-2, -1])):
+        if end == speed.MOVING:
+            slowed[two] = c[two]
+    return solve_long(problem, slowed, WARM_SPREAD), everything
 
 
 def with_rest_cells(parts: Ints, rest: tuple[float, float]) -> Ints:

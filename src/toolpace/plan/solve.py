@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import numpy.typing as npt
 
@@ -22,6 +25,12 @@ MARGIN = 0.01
 """A start closer than this share to a limit has that limit relaxed at first."""
 MARGIN_NODES = 60
 """Nodes on either side of a mended place that may move with it."""
+LONGEST = 12_000
+"""Nodes up to which a run is solved in one piece."""
+WINDOW = 8_000
+SEAM = 600
+"""Nodes of a window, and on either side of a seam between two."""
+SEAM_LOSS = 0.1
 MOST_MENDED = 0.3
 """Share of the nodes beyond which mending is no cheaper than solving anew."""
 
@@ -56,6 +65,22 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
         if not (used.max() <= 1.0 + BROKEN_BY and gap < ACCEPTABLE):
             raise Stalled(float(problem.nodes[problem.node[int(np.argmax(used))]]))
     return c
+
+
+def solve_long(problem: Problem, c: Floats, spread: float) -> Floats:
+    """As `solve`, but a long run window by window, on all cores.
+
+    What happens at one place of a run is of no matter further away than the machine needs to stop and start again.
+    So the windows are solved with their borders left as they start, slow; then a wide stretch over each border is
+    solved, between nodes that are at their best already.
+    """
+    last = len(problem.nodes) - 1
+    if last <= LONGEST:
+        return solve(problem, c, spread)
+    border = [int(b) for b in np.linspace(0, last, int(np.ceil(last / WINDOW)) + 1)]
+    inner = mend(problem, c, list(zip(border[:-1], border[1:])), 0.0, spread)
+    seams = [(b - SEAM, b + SEAM) for b in border[1:-1]]
+    return mend(problem, inner, seams, SEAM_LOSS, SEAM_LOSS)
 
 
 def usage(problem: Problem, c: Floats) -> Floats:
@@ -94,13 +119,22 @@ def mend(problem: Problem, c: Floats, parts: list[tuple[int, int]], loss: float,
     Each stretch starts from c, slowed down by the share `loss` in its middle. Raises Stalled.
     """
     out = c.copy()
-    for low, high in parts:
+
+    def one(part: tuple[int, int]) -> None:
+        low, high = part
         piece = problem.stretch(low, high)
-        mine = slice(low, high + 3)
         far = np.arange(high + 3 - low, dtype=np.float64)
         from_low = far if piece.end[0] == speed.MOVING else np.full(len(far), np.inf)
         from_high = far[::-1] if piece.end[1] == speed.MOVING else np.full(len(far), np.inf)
         inside = np.clip((np.minimum(from_low, from_high) - 1.0) / (0.5 * MARGIN_NODES), 0.0, 1.0)
         smooth = inside * inside * (3.0 - 2.0 * inside)
-        out[mine] = solve(piece, c[mine] * (1.0 - loss * smooth), spread)
+        mended = solve(piece, c[low : high + 3] * (1.0 - loss * smooth), spread)
+        out[low + 2 : high + 1] = mended[2:-2]
+        if piece.end[0] == speed.REST:
+            out[low : low + 2] = mended[:2]
+        if piece.end[1] == speed.REST:
+            out[high + 1 : high + 3] = mended[-2:]
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        list(pool.map(one, parts))
     return out
