@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
 
@@ -78,7 +79,7 @@ def solve_long(problem: Problem, c: Floats, spread: float) -> Floats:
     if last <= LONGEST:
         return solve(problem, c, spread)
     border = [int(b) for b in np.linspace(0, last, int(np.ceil(last / WINDOW)) + 1)]
-    inner = mend(problem, c, list(zip(border[:-1], border[1:])), 0.0, spread)
+    inner = mend(problem, c, list(itertools.pairwise(border)), 0.0, spread)
     seams = [(b - SEAM, b + SEAM) for b in border[1:-1]]
     return mend(problem, inner, seams, SEAM_LOSS, SEAM_LOSS)
 
