@@ -59,7 +59,7 @@ FAN = """
 
 def fan() -> tuple[Path, Machine]:
     """Y. Zhang et al., "Feedrate blending method for five-axis linear tool path", IJMS 2021, tables B.1 and 1: 25
-    points, tip [mm] and axis, at 50 mm/s, without velocity limits, joined by a spline of degree seven over the
+    points, tip [mm] and axis, at 50 mm/s, without velocity limits, joined by a natural spline of degree seven over the
     square root of the chords; on the machine of `flank`.
     """
     from scipy.interpolate import make_interp_spline
@@ -68,7 +68,8 @@ def fan() -> tuple[Path, Machine]:
     points[:, :3] *= 1e-3
     points[:, 3:] /= np.linalg.norm(points[:, 3:], axis=1)[:, None]
     chord = np.concatenate([[0.0], np.cumsum(np.sqrt(np.linalg.norm(np.diff(points[:, :3], axis=0), axis=1)))])
-    spline = make_interp_spline(chord / chord[-1], points, k=7)
+    natural = [(order, np.zeros(6)) for order in (4, 5, 6)]
+    spline = make_interp_spline(chord / chord[-1], points, k=7, bc_type=(natural, natural))
 
     def evaluate(s: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
         jets = np.stack([spline(s, k) for k in range(4)])

@@ -128,8 +128,8 @@ def system_curve(study: Study) -> Figure:
         (in_space("from the motors", tip, OPTIMAL), in_space("reference", arc[::75], MARK, "marks")), "z [mm]",
     )  # fmt: skip
     off = Panel(
-        "distance between both", "time [s]", "distance [nm]",
-        (Curve("distance", t, 1e9 * np.linalg.norm(tip - arc, axis=1), OPTIMAL),),
+        "distance between both", "time [s]", "distance [1e-15 m]",
+        (Curve("distance", t, 1e15 * np.linalg.norm(tip - arc, axis=1), OPTIMAL),),
     )  # fmt: skip
     return Figure(
         5, "Tool-workpiece system curve from the motors", ((space, off),),

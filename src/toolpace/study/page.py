@@ -57,8 +57,9 @@ def page(study: Study, figures: Sequence[Figure]) -> str:
 
 TIMES_LEAD = (
     "The case is limited by the feed: no motion takes less than the length of the curve over the feed, 5.23599 s, and"
-    " even the best planner gains little. Most of what the genetic planner loses it loses in the first and the last"
-    " interval, whose single quintic cannot both leave rest quickly and stay at the feed."
+    " even the best planner gains little. The genetic planner loses about half of its time in the first and the last"
+    " interval, whose single quintic cannot both leave rest quickly and stay at the feed; the rest is what its preset"
+    " speeds keep in reserve, and what a few generations do not find."
 )
 
 
@@ -141,14 +142,14 @@ def drawn(figure: Figure) -> Any:
     titles = [f"{p.title}<br><sup>{p.note}</sup>" if p.note else p.title for row in figure.rows for p in row]
     out = make_subplots(
         rows=rows, cols=columns, specs=specs, subplot_titles=titles, horizontal_spacing=0.08,
-        vertical_spacing=0.11 if rows > 1 else 0.1,
+        vertical_spacing=0.4 / rows if rows > 1 else 0.1,
     )  # fmt: skip
     shown: set[str] = set()
     for i, row in enumerate(figure.rows, 1):
         for j, panel in enumerate(row, 1):
             add_panel(out, panel, i, j, shown)
     out.update_layout(
-        height=460 if rows == 1 else 270 * rows + 60, template="plotly_white",
+        height=460 if rows == 1 else 290 * rows + 60, template="plotly_white",
         margin={"l": 60, "r": 20, "t": 60, "b": 50},
         legend={"orientation": "h", "y": 1.06 if rows == 1 else 1.04, "yanchor": "bottom", "x": 0}, hovermode="closest",
         font={"size": 12},
@@ -184,7 +185,7 @@ def add_panel(out: Any, panel: Panel, i: int, j: int, shown: set[str]) -> None:
         out.update_scenes(
             {
                 "xaxis_title": panel.x_label, "yaxis_title": panel.y_label, "zaxis_title": panel.z_label,
-                "aspectmode": "data", "camera": {"eye": {"x": 0.9, "y": -2.0, "z": 0.7}},
+                "aspectmode": "data", "camera": {"eye": {"x": 1.0, "y": -2.2, "z": 0.8}, "center": {"x": 0, "y": 0, "z": -0.15}},
             }, row=i, col=j,
         )  # fmt: skip
         return

@@ -35,7 +35,7 @@ def write(figures: Sequence[Figure], folder: Path) -> list[str]:
                     rows, len(row), i * len(row) + j + 1, **({"projection": "3d"} if space else {})
                 )
                 draw(axes, panel, space)
-        named = {}
+        named: dict[str, Any] = {}
         for axes in canvas.axes:
             named |= dict(zip(*reversed(axes.get_legend_handles_labels())))
         canvas.legend(
@@ -69,6 +69,7 @@ def draw(axes: Any, panel: Panel, space: bool) -> None:
     if space:
         axes.set_zlabel(panel.z_label)
         axes.tick_params(labelsize=8)
+        axes.locator_params(nbins=5)
         axes.set_aspect("equal")
         axes.view_init(elev=18, azim=-62)
     else:
