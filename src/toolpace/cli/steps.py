@@ -44,17 +44,18 @@ class Steps:
 
     @contextmanager
     def step(self, name: str, note: str = "") -> Iterator[Step]:
-        """Show a bar while the block runs, if there is a terminal; then a line with its time and the step's `note`.
+        """Say the `note`, show a bar while the block runs, if there is a terminal; then a line with the step's time.
 
         A step that is told no share shows how long it has been at it.
         """
         step, began = Step(), time.perf_counter()
+        if note:
+            self.console.print(f"{name:<{WIDTH}} {note}", style="dim", soft_wrap=True)
         bar = Progress(
             SpinnerColumn(),
             TextColumn(f"{name:<{WIDTH}}"),
-            BarColumn(bar_width=30),
+            BarColumn(bar_width=20),
             TimeElapsedColumn(),
-            TextColumn(note, style="dim"),
             console=self.console,
             transient=True,
             disable=not self.console.is_terminal,
@@ -64,5 +65,5 @@ class Steps:
             step.share = lambda share: bar.update(task, total=1.0, completed=min(max(share, 0.0), 1.0))
             yield step
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - began
-        said = f"  {step.note or note}" if step.note or note else ""
+        said = f"  {step.note}" if step.note else ""
         self.console.print(f"{name:<{WIDTH}} {format_time(self.seconds[name]):>10}{said}", soft_wrap=True)

@@ -54,7 +54,9 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
         )
     console.print()
     console.print(grid)
+    console.print()
     console.print(usage_table(record))
+    console.print()
     line = verdict(verification)
     if verification.ok and record.usage.worst > MOST_USAGE:
         more = f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %"
@@ -78,12 +80,12 @@ def limits_in_words(shares: dict[str, float]) -> str:
 
 def usage_table(record: PlanRecord) -> Table:
     """Peak of each axis in percent of its limit."""
-    table = Table(box=SIMPLE, pad_edge=False)
-    table.add_column("peak use of limit", style="dim")
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="dim")
+    table.add_column("% of limit", style="dim", no_wrap=True)
     usage = record.usage
     kinds = {"velocity": usage.velocity, "acceleration": usage.acceleration, "jerk": usage.jerk}
     for joint in usage.velocity:
-        table.add_column(joint, justify="right")
+        table.add_column(joint, justify="right", no_wrap=True, min_width=6)
     for kind, values in kinds.items():
         table.add_row(kind, *(_percent(value) for value in values.values()))
     if usage.feed > 0.0:
@@ -92,7 +94,7 @@ def usage_table(record: PlanRecord) -> Table:
 
 
 def _percent(ratio: float) -> Text:
-    text = f"{100.0 * ratio:.2f} %" if ratio >= FULL else f"{100.0 * ratio:.0f} %"
+    text = f"{100.0 * ratio:.2f}" if ratio >= FULL else f"{100.0 * ratio:.0f}"
     return Text(text, style="bold red" if ratio > MOST_USAGE else "bold" if ratio >= FULL else "")
 
 
