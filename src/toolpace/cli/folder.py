@@ -69,7 +69,7 @@ def run_demo(out: Path, console: Console) -> int:
 
 def run_study(out: Path, console: Console) -> int:
     """The paper's simulation study."""
-    from toolpace import study  # type: ignore[attr-defined,unused-ignore]
+    from toolpace import study
 
     steps = Steps(console)
     job.warm_up(steps)
