@@ -25,6 +25,8 @@ SAMPLES = 400
 """Points of a run, beside its breaks, from which the nearest ones are taken as starts."""
 STARTS = 4
 MOST_STEPS = 500
+ROUNDING = 1.0 + 1e-14
+"""Rise of the potential that is rounding: its fall cannot be seen any more where the last digits of s are won."""
 CONVERGED = 1e-14
 """Step at which the descent ends, relative to the length of the run in s."""
 
@@ -94,11 +96,11 @@ def descend(
             place = min(max(s + move, low), high)
             tip_there, along_there = curve(place)
             there = potential(tip_there, deflection)
-            if there <= height or abs(place - s) <= CONVERGED * (high - low):
+            if there <= height * ROUNDING or abs(place - s) <= CONVERGED * (high - low):
                 break
             move *= 0.5
         done = abs(place - s) <= CONVERGED * (high - low)
-        if there <= height:
+        if there <= height * ROUNDING:
             s, tip, along, height = place, tip_there, along_there, there
         if done:
             return s, step + 1

@@ -185,7 +185,8 @@ def add_panel(out: Any, panel: Panel, i: int, j: int, shown: set[str]) -> None:
         out.update_scenes(
             {
                 "xaxis_title": panel.x_label, "yaxis_title": panel.y_label, "zaxis_title": panel.z_label,
-                "aspectmode": "data", "camera": {"eye": {"x": 1.0, "y": -2.2, "z": 0.8}, "center": {"x": 0, "y": 0, "z": -0.15}},
+                "aspectmode": "data",
+                "camera": {"eye": {"x": 1.0, "y": -2.2, "z": 0.8}, "center": {"x": 0, "y": 0, "z": -0.15}},
             }, row=i, col=j,
         )  # fmt: skip
         return
