@@ -7,6 +7,7 @@ import datetime
 import json
 import os
 import platform
+import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
@@ -32,8 +33,20 @@ def machine() -> dict[str, object]:
         "cores": os.cpu_count(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
+        "commit": revision(),
         **{name: version(name) for name in PACKAGES},
     }
+
+
+def revision() -> str:
+    """The commit that was measured, with a + where the tree differs from it."""
+    try:
+        words = subprocess.run(
+            ["git", "describe", "--always", "--dirty=+"], cwd=RESULTS.parent, capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return words.stdout.strip()
 
 
 def main() -> None:
