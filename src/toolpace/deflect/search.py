@@ -18,8 +18,12 @@ ALLOWED = 1.0 + 6e-5
 RATIOS = np.concatenate([np.linspace(0.5, 0.95, 10), [0.98, 0.99, 1.0, 1.002, 1.005, 1.01, 1.02, 1.04, 1.07],
                          1.1 * 1.12 ** np.arange(16), 8.0 * 1.6 ** np.arange(8)])  # fmt: skip
 """Period of the quintic over the time that the known motion takes for the same way."""
+PERIODS = np.geomspace(5e-3, 60.0, 60)
+"""Periods tried beside these, for the last time of rejoining: the time left to it may be next to nothing [s]."""
 HORIZONS = 28
-CARRIES = 14
+CARRIES = 20
+PATIENCE = 2.0
+"""Duration of a detour, as a multiple of what its offset needs, up to which no other is looked for."""
 SHARPEST = 6.0
 """Most relative change of the parameter's speed over a detour, as a exponent; see DetourRun."""
 HASTE = 0.25
@@ -58,6 +62,12 @@ class Judge:
         ends[order] = self.known.motion(rejoin[order])[:3].transpose(1, 0, 2)
         out: Floats = usages(np.ascontiguousarray(start), ends, np.ascontiguousarray(period), self.limits)
         return out
+
+    def needed(self) -> float:
+        """Time that a quintic from rest to rest over the offset takes within the limits [s]."""
+        off = np.abs(self.offset)
+        v, a, j = self.limits
+        return float(max((1.875 * off / v).max(), np.sqrt(5.7735 * off / a).max(), np.cbrt(60.0 * off / j).max()))
 
     def path_usage(self, detour: Detour) -> float:
         """Usage of feed and travel along a detour: above 1 where the tip is too fast or a joint leaves its travel."""
@@ -114,9 +124,11 @@ def candidates(judge: Judge, carry: float, rejoin: Floats) -> Iterator[tuple[flo
     """Loss of time, detour, usage by the joints: all that the joints allow after a carry, least loss first."""
     start = judge.time + carry
     rejoin = rejoin[rejoin > start] if len(rejoin) > 1 else rejoin
-    way = np.abs(rejoin - start)
-    one = np.maximum(way, 1e-3) if len(rejoin) == 1 else way
-    at, period = np.repeat(rejoin, len(RATIOS)), np.outer(one, RATIOS).ravel()
+    if len(rejoin) == 0:
+        return
+    at = np.concatenate([np.repeat(rejoin, len(RATIOS)), np.full(len(PERIODS), rejoin[-1])])
+    way = np.maximum(np.abs(rejoin - start), 1e-6)
+    period = np.concatenate([np.outer(way, RATIOS).ravel(), PERIODS])
     fine = gentle(judge.known, at, period + carry)
     at, period = at[fine], period[fine]
     if len(at) == 0:
@@ -133,17 +145,26 @@ def candidates(judge: Judge, carry: float, rejoin: Floats) -> Iterator[tuple[flo
 def shortest_detour(judge: Judge, rejoin: float | None = None) -> Detour | None:
     """The detour of least loss that passes, to rejoin at a given time of the known law or wherever it is best.
 
-    First with a quintic at once; where none passes, after carrying on for a while. None where nothing passes.
+    First with a quintic at once. Where none passes, or only one much longer than the offset itself asks for (a motion
+    at its jerk limit leaves no room), also after carrying on for a while. None where nothing passes.
     """
     known, time = judge.known, judge.time
     left = known.law.duration - time
-    carries = np.concatenate([[0.0], min(left, 6.0) * np.geomspace(2e-3, 0.999, CARRIES)]) if left > 0.0 else [0.0]
-    for carry in carries:
+    carries = [0.0, *(min(left, 6.0) * np.geomspace(2e-3, 0.999, CARRIES))] if left > 0.0 else [0.0]
+    best, least = None, np.inf
+    for carry in map(float, carries):
+        if HASTE * carry >= least:
+            break
         times = horizons(known, time + carry) if rejoin is None else np.array([rejoin])
-        for _, detour, used in candidates(judge, float(carry), times):
+        for loss, detour, used in candidates(judge, carry, times):
+            if loss >= least:
+                break
             if judge.passes(detour, used):
-                return sharpened(judge, detour)
-    return None
+                best, least = detour, loss
+                break
+        if best is not None and best.duration <= PATIENCE * judge.needed():
+            break
+    return None if best is None else sharpened(judge, best)
 
 
 def sharpened(judge: Judge, detour: Detour) -> Detour:
