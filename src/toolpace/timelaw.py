@@ -50,7 +50,7 @@ class SplineLaw(TimeLaw):
         """Take the spline's knots (n,), its coefficients (n + 2,) and the lengths of the rest cells (0: in motion)."""
         from toolpace.kernels import speedlaw
 
-        self.nodes, self.rest = nodes, rest
+        self.nodes, self.c, self.rest = nodes, c, rest
         self.cells = speedlaw.polynomials(nodes, c)
         """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""
         self.times = speedlaw.node_times(nodes, self.cells, rest[0], rest[1])
@@ -58,6 +58,15 @@ class SplineLaw(TimeLaw):
         self.s0, self.s1 = nodes[0] - rest[0], nodes[-1] + rest[1]
         end = speedlaw.end_speed(nodes, self.cells)
         self.duration = float(self.times[-1] + (3.0 * rest[1] / end if rest[1] > 0.0 else 0.0))
+
+    def slowed(self, by: float) -> SplineLaw:
+        """The same motion with z divided by a factor everywhere; only between two rests."""
+        return SplineLaw(self.nodes, self.c / by, self.rest)
+
+    def z_at_nodes(self) -> Floats:
+        """(n,) (ds/dt)^2 at the nodes."""
+        last = self.cells[-1] @ np.power(self.nodes[-1] - self.nodes[-2], np.arange(4.0))
+        return np.append(self.cells[:, 0], last)
 
     def dips(self) -> npt.NDArray[np.bool_]:
         """(n - 1,) cells in which z falls far below its values at both nodes: too long for the motion in them."""

@@ -65,3 +65,25 @@ def control_points(x: Any) -> Any:
             total += x[min(max(k, 0), n - 1)]
         out[i] = total / 3.0
     return out
+
+
+@jit()
+def on_finer_knots(x: Any, cells: Any, finer: Any) -> Any:
+    """Coefficients (m + 2,) over the knots `finer` (m,), which hold all of x (n,), of the spline with these cells.
+
+    `cells` (n - 1, 4) are its pieces as powers of s - x[k]. A coefficient is the blossom of a piece at three
+    consecutive knots (Ramshaw, 1989).
+    """
+    n, m = len(x), len(finer)
+    out = np.empty(m + 2)
+    k = 0
+    for i in range(m + 2):
+        middle = finer[min(max(i - 1, 0), m - 1)]
+        while k < n - 2 and x[k + 1] <= middle:
+            k += 1
+        u = finer[min(max(i - 2, 0), m - 1)] - x[k]
+        v = middle - x[k]
+        w = finer[min(i, m - 1)] - x[k]
+        a = cells[k]
+        out[i] = a[0] + a[1] * (u + v + w) / 3.0 + a[2] * (u * v + v * w + w * u) / 3.0 + a[3] * u * v * w
+    return out

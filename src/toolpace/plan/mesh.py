@@ -22,7 +22,8 @@ CELLS_A_HINT = 2.0
 """Fewest cells between two hints of a run, such as the knots of a fitted path."""
 FEWEST_CELLS = 150
 DEFAULT_CELLS = 600
-"""Fewest cells of a run, with hints and without."""
+MOST_CELLS = 20_000
+"""Fewest cells of a run, with hints and without, and most, unless it has many hints."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,19 @@ def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Float
     return steady, third
 
 
+def ramp_time(limits: Limits) -> float:
+    """Time in which the acceleration of the quickest joint builds up [s]; inf where none is limited."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ramps = limits.acceleration / limits.jerk
+    usable = ramps[np.isfinite(ramps) & (ramps > 0.0)]
+    return float(usable.min()) if len(usable) else np.inf
+
+
+def nodes_a_ramp(limits: Limits, rough: Guess, nodes: Floats) -> float:
+    """About how many nodes the motion passes while an acceleration builds up."""
+    return float(min(ramp_time(limits) / rough.t[-1], 1.0) * len(nodes))
+
+
 def from_graded(x: Floats, ends: tuple[float, float]) -> Floats:
     """Place in [0, 1] of evenly spaced x in [0, 1]: next to an end at rest it goes like the cube of the distance."""
     if ends[0] == 0.0 and ends[1] == 0.0:
@@ -95,10 +109,7 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     total = t[-1]
     step = total / fewest
     if cells is None:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ramp = np.nanmin(limits.acceleration / limits.jerk)
-        if np.isfinite(ramp) and ramp > 0.0:
-            step = min(step, ramp / STEPS_A_RAMP)
+        step = min(step, max(ramp_time(limits) / STEPS_A_RAMP, total / max(MOST_CELLS, 20 * len(run.hints))))
     # nodes a unit of time: even, but no coarser than GRADING next to rest
     middle = (t[1:] + t[:-1]) / 2.0
     density = np.full(len(middle), 1.0 / step)

@@ -12,18 +12,19 @@ import numpy.typing as npt
 
 from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError
-from toolpace.kernels import speed
+from toolpace.kernels import cubic
 from toolpace.limits import Limits
 from toolpace.plan.endstate import AT_REST, EndState, check_state
-from toolpace.plan.mesh import first_mesh, split
+from toolpace.plan.mesh import first_mesh, nodes_a_ramp, split
 from toolpace.plan.peaks import cell_peaks
 from toolpace.plan.problem import ALLOWED, Problem, discretise
-from toolpace.plan.solve import MOST_MENDED, Stalled, mend, solve_long, start_from, stretches
+from toolpace.plan.solve import MOST_MENDED, Stalled, mend, slower, solve_long, start_from, stretches
 from toolpace.timelaw import SplineLaw
 from toolpace.trajectory import Trajectory
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 START_SHARE = 0.4
 """Share of the guess at which a solve starts."""
@@ -31,10 +32,13 @@ START_LOSS = 0.03
 """Share of z by which a solve that starts from a solution is slowed down first."""
 WARM_SPREAD = 0.03
 """First gap of such a solve, relative to the duration."""
-REFINE_ROUNDS = 2
+GUARANTEE = 1.0 + 9e-5
+"""Usage between nodes that is never passed, a rounding below what is promised."""
 REFINE_ABOVE = 1.003
-"""Usage between nodes from which a cell is halved rather than its limits lowered, in the first rounds."""
+"""Usage between nodes from which a cell is cut rather than its limits lowered."""
 QUARTER_ABOVE = 1.05
+FLOOR = 0.3
+"""Where z dips between two nodes: what it starts from on the finer mesh, as a share of z at the nodes."""
 MOST_ROUNDS = 20
 OVERSHOOT = 1.2
 """How far a limit is lowered, as a multiple of how far it was passed."""
@@ -59,30 +63,33 @@ def plan_run(
     check_state(run, limits, end, run.s1)
     nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), cells)
     problem = discretise(run, limits, nodes, start, end)
+    problem.ramp_nodes = nodes_a_ramp(limits, rough, nodes)
     try:
         c = solve_long(problem, start_from(problem, rough.s, rough.z, START_SHARE), spread=1.0)
         law = SplineLaw(problem.nodes, c, problem.rest)
+        if not guard:
+            return law, len(nodes)
         peak = cell_peaks(run, limits, law)
-        for round_ in range(MOST_ROUNDS if guard else 0):
-            parts = np.where(law.dips(), 4, 1)
-            if cells is None and round_ < REFINE_ROUNDS:
-                parts = np.maximum(parts, halves(peak))
-            loss = START_LOSS + 1.0 - 1.0 / min(float(peak.max()), 1.5)
+        for round_ in range(MOST_ROUNDS):
+            wrong = (peak.max(axis=1) > ALLOWED) | law.dips()
+            if not wrong.any():
+                break
+            parts = np.where(law.dips(), 4, 1 if cells is not None else halves(peak))
+            worst = float(peak.max())
             if parts.max() > 1:
                 nodes = split(nodes, with_rest_cells(parts, problem.rest))
-                problem = discretise(run, limits, nodes, start, end)
-                probe = law.probe()
-                start_c = start_from(problem, probe.state[0], probe.state[1] ** 2, 1.0 - loss)
-                c = solve_long(problem, start_c, WARM_SPREAD)
-                law = SplineLaw(problem.nodes, c, problem.rest)
-                peak = cell_peaks(run, limits, law)
-            elif peak.max() > ALLOWED:
-                problem.tighten(peak, OVERSHOOT, reach=1 + round_ // 3)
-                c, moved = resolve(problem, c, peak, loss)
-                law = SplineLaw(problem.nodes, c, problem.rest)
-                peak[moved] = cell_peaks(run, limits, law, moved)
-            else:
-                break
+                finer = discretise(run, limits, nodes, start, end)
+                c = cubic.on_finer_knots(problem.nodes, law.cells, finer.nodes)
+                c = np.maximum(c, FLOOR * np.interp(cubic.control_points(finer.nodes), problem.nodes, law.z_at_nodes()))
+                finer.ramp_nodes = problem.ramp_nodes
+                finer.lower(np.repeat(problem.lowered, np.append(parts, 1), axis=0))
+                problem, wrong = finer, np.repeat(wrong, parts)
+                peak = np.repeat(np.where(parts[:, None] > 1, 1.0, peak), parts, axis=0)
+            problem.tighten(peak, OVERSHOOT, reach=1 + round_ // 3)
+            c, moved = resolve(problem, c, wrong, START_LOSS + 1.0 - 1.0 / min(worst, 1.5))
+            law = SplineLaw(problem.nodes, c, problem.rest)
+            peak[moved] = cell_peaks(run, limits, law, moved)
+        law = kept(law, cell_peaks(run, limits, law))
     except Stalled as stall:
         block = int(run.block_at(np.array([stall.place]))[0])
         raise InfeasibleError(
@@ -93,32 +100,38 @@ def plan_run(
     return law, len(nodes)
 
 
+def kept(law: SplineLaw, peak: Floats) -> SplineLaw:
+    """The law, slowed down as a whole where all rounds have left a trifle above the guarantee (cells, 3)."""
+    speed, acceleration, jerk = peak.max(axis=0)
+    if max(speed, acceleration, jerk) <= GUARANTEE:
+        return law
+    if not (law.rest[0] > 0.0 and law.rest[1] > 0.0):
+        raise Stalled(float(law.nodes[int(peak.max(axis=1).argmax())]))
+    return law.slowed(max(1.0, speed**2, acceleration, jerk ** (2.0 / 3.0)))
+
+
 def halves(peak: Floats) -> Ints:
     """Parts into which the cells of these peaks (cells, 3) are cut."""
     worst = peak.max(axis=1)
     return np.where(worst > QUARTER_ABOVE, 4, np.where(worst > REFINE_ABOVE, 2, 1))
 
 
-def resolve(problem: Problem, c: Floats, peak: Floats, loss: float) -> tuple[Floats, Ints]:
-    """New coefficients after the rows at the cells that pass a limit were tightened, and the cells that moved.
+def resolve(problem: Problem, c: Floats, wrong: Bools, loss: float) -> tuple[Floats, Ints]:
+    """New coefficients after the rows or the mesh at the marked cells changed, and the cells that moved.
 
     Only stretches around those cells are solved again, unless they are most of the run.
     """
     everything = np.arange(len(problem.nodes) - 1)
-    parts = stretches(peak.max(axis=1) > ALLOWED)
-    if sum(high - low for low, high in parts) < MOST_MENDED * len(everything):
+    parts = stretches(problem, wrong)
+    if sum(part.high - part.low for part in parts) < MOST_MENDED * len(everything):
         try:
-            mended = mend(problem, c, parts, loss, WARM_SPREAD)
+            mended, solved = mend(problem, c, parts, loss, WARM_SPREAD)
         except Stalled:
             pass
         else:
-            moved = np.concatenate([np.arange(max(low - 1, 0), min(high + 1, len(everything))) for low, high in parts])
-            return mended, np.unique(moved)
-    slowed = (1.0 - loss) * c
-    for end, two in zip(problem.end, ([0, 1], [-2, -1])):
-        if end == speed.MOVING:
-            slowed[two] = c[two]
-    return solve_long(problem, slowed, WARM_SPREAD), everything
+            moved = [np.arange(max(low - 1, 0), min(high + 1, len(everything))) for low, high, _, _ in solved]
+            return mended, np.unique(np.concatenate(moved))
+    return solve_long(problem, slower(problem, c, loss), WARM_SPREAD), everything
 
 
 def with_rest_cells(parts: Ints, rest: tuple[float, float]) -> Ints:

@@ -16,6 +16,8 @@ Ints = npt.NDArray[np.int64]
 
 ALLOWED = 1.0 + 5e-5
 """Usage between nodes that is left alone; the guarantee is 1 + 1e-4."""
+LEAST_REACH = 40
+"""Fewest nodes on either side of a place that is mended."""
 
 
 class Problem:
@@ -45,6 +47,14 @@ class Problem:
         self.weight = (weight / np.bincount(node))[node]
         self.cap = np.empty(0)
         self.rows = np.empty((0, 0, 3))
+        self.lowered = np.ones((len(nodes), 3))
+        self.ramp_nodes = 8.0
+        """Nodes passed while an acceleration builds up."""
+
+    def reach(self, ramps: float) -> int:
+        """Nodes that the motion passes in about so many times in which an acceleration builds up."""
+        span = max(LEAST_REACH, int(ramps * self.ramp_nodes))
+        return min(span, len(self.nodes) - 1)
 
     def tighten(self, peak: Floats, overshoot: float, reach: int) -> None:
         """Lower the limits around the cells whose peaks (cells, 3) by kind pass what is allowed.
@@ -57,8 +67,13 @@ class Problem:
         for shift in range(1 - reach, reach + 1):
             low, high = max(shift, 0), min(len(over) + shift, len(excess))
             excess[low:high] = np.maximum(excess[low:high], over[low - shift : high - shift])
+        self.lower(excess)
+
+    def lower(self, by: Floats) -> None:
+        """Divide the limits at the nodes by the factors (nodes, 3) of speed, acceleration and jerk."""
+        self.lowered = self.lowered * by
         half = self.rows.shape[1] // 2
-        at_point = excess[self.node]
+        at_point = by[self.node]
         self.cap /= at_point[:, 0] ** 2
         self.rows[:, :half] *= at_point[:, 1, None, None]
         self.rows[:, half:] *= at_point[:, 2, None, None]
@@ -69,6 +84,7 @@ class Problem:
         There the two outermost coefficients are given, so that everything outside stays as it is.
         """
         part = object.__new__(Problem)
+        part.lowered, part.ramp_nodes = self.lowered[low : high + 1], self.ramp_nodes
         mine = slice(*np.searchsorted(self.node, [low, high + 1]))
         part.nodes, part.rest = self.nodes[low : high + 1], self.rest
         part.node, part.basis, part.weight = self.node[mine] - low, self.basis[mine], self.weight[mine]
@@ -123,7 +139,7 @@ def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bo
     rest = node - sign * length
     state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
     side = np.where((share == 1.0) == forth, 0.0, 1.0)
-    ratios = limit_ratios(run, limits, state, side)
+    ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-300)
     m = len(limits)
     return float(
         min(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,20 +18,21 @@ Bools = npt.NDArray[np.bool_]
 
 TOLERANCE = 1e-6
 """Gap and gradient at which a solve ends, relative to the duration."""
+GOOD_ENOUGH = 1e-4
+"""Gap up to which a solve that ended by rounding is not tried again."""
 ACCEPTABLE = 1e-2
-"""Gap up to which a solve that stalled inside the limits is taken all the same."""
+"""Gap up to which the best of several such solves is taken."""
 BROKEN_BY = 1e-6
 """Usage beyond 1 of such a solve; what is more is seen between the nodes and mended there."""
 MOST_STEPS = 250
 MARGIN = 0.01
 """A start closer than this share to a limit has that limit relaxed at first."""
-MARGIN_NODES = 60
-"""Nodes on either side of a mended place that may move with it."""
-LONGEST = 12_000
-"""Nodes up to which a run is solved in one piece."""
+MEND_RAMPS = 7.0
+"""How far a mended place may move its surroundings, in times in which an acceleration builds up."""
 WINDOW = 8_000
-SEAM = 600
-"""Nodes of a window, and on either side of a seam between two."""
+"""Nodes that are solved in one piece, or more where the mesh is finer than usual."""
+SEAM_RAMPS = 60.0
+"""Half the width of the stretch over the seam between two windows."""
 SEAM_LOSS = 0.1
 MOST_MENDED = 0.3
 """Share of the nodes beyond which mending is no cheaper than solving anew."""
@@ -46,7 +48,11 @@ class Stalled(Exception):
 
 def start_from(problem: Problem, s: Floats, z: Floats, share: float) -> Floats:
     """Coefficients of about `share` of the speeds z (k,) at s (k,), with the ends as they must be."""
-    c: Floats = share * np.interp(cubic.control_points(problem.nodes), s, z**0.75) ** (4.0 / 3.0)
+    return pinned(problem, share * np.interp(cubic.control_points(problem.nodes), s, z**0.75) ** (4.0 / 3.0))
+
+
+def pinned(problem: Problem, c: Floats) -> Floats:
+    """The coefficients with those at the ends of the run as rest, or the state given there, asks for."""
     for k, (one, two) in enumerate(((0, 1), (-1, -2))):
         if problem.end[k] == speed.REST:
             c[two] = c[one] * problem.ratio[k]
@@ -55,17 +61,43 @@ def start_from(problem: Problem, s: Floats, z: Floats, share: float) -> Floats:
     return c
 
 
+def slower(problem: Problem, c: Floats, loss: float, taper: tuple[int, int] | None = None) -> Floats:
+    """c with the share `loss` of z taken away, but less and less towards an end in motion, which stays as it is.
+
+    `taper` gives the number of coefficients in which the loss comes and goes; half of the stretch without it.
+    """
+    far = np.arange(len(c), dtype=np.float64)
+    length = taper or (len(c) // 2, len(c) // 2)
+    share = np.ones(len(c))
+    for k, distance in enumerate((far, far[::-1])):
+        if problem.end[k] == speed.MOVING:
+            share = np.minimum(share, np.clip((distance - 1.0) / max(length[k], 1), 0.0, 1.0))
+    return c * (1.0 - loss * share * share * (3.0 - 2.0 * share))
+
+
 def solve(problem: Problem, c: Floats, spread: float) -> Floats:
-    """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled."""
-    c, status, _, gap, _ = speed.maximise_speed(
-        problem.basis, problem.node, problem.weight, problem.cap, problem.rows, c.copy(), reliefs(problem, c),
-        problem.end, problem.ratio, spread, TOLERANCE, MOST_STEPS,
-    )  # fmt: skip
-    if status != speed.OPTIMAL:
-        used = usage(problem, c).max(axis=1)
-        if not (used.max() <= 1.0 + BROKEN_BY and gap < ACCEPTABLE):
-            raise Stalled(float(problem.nodes[problem.node[int(np.argmax(used))]]))
-    return c
+    """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
+
+    A start from which the core does not come to its end is followed by slower ones.
+    """
+    best, least, place = None, np.inf, 0.0
+    for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0)):
+        begin = slower(problem, c, loss)
+        found, status, _, gap, _ = speed.maximise_speed(
+            problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
+            reliefs(problem, begin), problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
+        )  # fmt: skip
+        if status == speed.OPTIMAL:
+            return np.asarray(found)
+        used = usage(problem, found).max(axis=1)
+        place = float(problem.nodes[problem.node[int(np.argmax(used))]])
+        if used.max() <= 1.0 + BROKEN_BY and gap < least:
+            best, least = found, gap
+        if least < GOOD_ENOUGH:
+            break
+    if best is None or least > ACCEPTABLE:
+        raise Stalled(place)
+    return best
 
 
 def solve_long(problem: Problem, c: Floats, spread: float) -> Floats:
@@ -76,17 +108,21 @@ def solve_long(problem: Problem, c: Floats, spread: float) -> Floats:
     solved, between nodes that are at their best already.
     """
     last = len(problem.nodes) - 1
-    if last <= LONGEST:
+    seam = problem.reach(SEAM_RAMPS)
+    window = max(WINDOW, 6 * seam)
+    if last <= 1.5 * window:
         return solve(problem, c, spread)
-    border = [int(b) for b in np.linspace(0, last, int(np.ceil(last / WINDOW)) + 1)]
-    inner = mend(problem, c, list(itertools.pairwise(border)), 0.0, spread)
-    seams = [(b - SEAM, b + SEAM) for b in border[1:-1]]
-    return mend(problem, inner, seams, SEAM_LOSS, SEAM_LOSS)
+    border = [int(b) for b in np.linspace(0, last, int(np.ceil(last / window)) + 1)]
+    inner, _ = mend(problem, c, [Stretch(a, b, a, b) for a, b in itertools.pairwise(border)], 0.0, spread)
+    seams = [Stretch(b - seam, b + seam, b, b) for b in border[1:-1]]
+    return mend(problem, inner, seams, SEAM_LOSS, SEAM_LOSS)[0]
 
 
 def usage(problem: Problem, c: Floats) -> Floats:
     """(points, 3) largest value over limit of cap, acceleration and jerk rows; c (n,) with z > 0 at the points."""
     u = np.einsum("pij,pj->pi", problem.basis, c[problem.node[:, None] + np.arange(3)])
+    if not (u[:, 0] > 0.0).all():
+        return np.full((len(u), 3), np.inf)
     half = problem.rows.shape[1] // 2
     value = np.abs(np.einsum("pri,pi->pr", problem.rows, u))
     jerk = value[:, half:].max(axis=1) * np.sqrt(u[:, 0])
@@ -102,40 +138,60 @@ def reliefs(problem: Problem, c: Floats) -> Floats:
     return relief
 
 
-def stretches(cells: Bools) -> list[tuple[int, int]]:
-    """First and last node of the stretches around the marked cells, MARGIN_NODES wider on either side, merged."""
+class Stretch(NamedTuple):
+    """Nodes `low` to `high` that may move for the sake of the nodes `first` to `last` among them."""
+
+    low: int
+    high: int
+    first: int
+    last: int
+
+
+def stretches(problem: Problem, cells: Bools, ramps: float = MEND_RAMPS) -> list[Stretch]:
+    """The stretches around the marked cells, so much wider on either side as the motion takes `ramps` ramps for."""
     marked = np.flatnonzero(cells)
     if len(marked) == 0:
         return []
-    low, high = marked - MARGIN_NODES, marked + 1 + MARGIN_NODES
-    gap = np.flatnonzero(low[1:] > high[:-1] + 1)
-    first = np.concatenate([[0], gap + 1])
-    last = np.concatenate([gap, [len(marked) - 1]])
-    return [(max(int(low[i]), 0), min(int(high[j]), len(cells))) for i, j in zip(first, last)]
+    margin = problem.reach(ramps)
+    gap = np.flatnonzero(np.diff(marked) > 2 * margin + 1)
+    first = marked[np.concatenate([[0], gap + 1])]
+    last = marked[np.concatenate([gap, [len(marked) - 1]])] + 1
+    return [
+        Stretch(max(int(a) - margin, 0), min(int(b) + margin, len(cells)), int(a), int(b)) for a, b in zip(first, last)
+    ]
 
 
-def mend(problem: Problem, c: Floats, parts: list[tuple[int, int]], loss: float, spread: float) -> Floats:
+def mend(problem: Problem, c: Floats, parts: list[Stretch], loss: float, spread: float) -> tuple[Floats, list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
 
-    Each stretch starts from c, slowed down by the share `loss` in its middle. Raises Stalled.
+    Each stretch starts from c, slowed down by the share `loss` in its middle. The stretches are solved on all cores;
+    one that finds no way is solved once more, wider, when the others are done. Returns the coefficients and the
+    stretches solved. Raises Stalled.
     """
     out = c.copy()
+    stuck: list[Stretch] = []
 
-    def one(part: tuple[int, int]) -> None:
-        low, high = part
-        piece = problem.stretch(low, high)
-        far = np.arange(high + 3 - low, dtype=np.float64)
-        from_low = far if piece.end[0] == speed.MOVING else np.full(len(far), np.inf)
-        from_high = far[::-1] if piece.end[1] == speed.MOVING else np.full(len(far), np.inf)
-        inside = np.clip((np.minimum(from_low, from_high) - 1.0) / (0.5 * MARGIN_NODES), 0.0, 1.0)
-        smooth = inside * inside * (3.0 - 2.0 * inside)
-        mended = solve(piece, c[low : high + 3] * (1.0 - loss * smooth), spread)
-        out[low + 2 : high + 1] = mended[2:-2]
-        if piece.end[0] == speed.REST:
-            out[low : low + 2] = mended[:2]
-        if piece.end[1] == speed.REST:
-            out[high + 1 : high + 3] = mended[-2:]
+    def one(part: Stretch) -> None:
+        try:
+            mend_one(problem, out, part, loss, spread)
+        except Stalled:
+            stuck.append(part)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         list(pool.map(one, parts))
-    return out
+    more, end = 3 * problem.reach(MEND_RAMPS), len(problem.nodes) - 1
+    wider = [Stretch(max(p.low - more, 0), min(p.high + more, end), p.first, p.last) for p in sorted(stuck)]
+    for part in wider:
+        mend_one(problem, out, part, max(loss, SEAM_LOSS), spread)
+    return out, parts + wider
+
+
+def mend_one(problem: Problem, c: Floats, part: Stretch, loss: float, spread: float) -> None:
+    """Overwrite the coefficients that lie inside one stretch of nodes. Raises Stalled."""
+    piece = problem.stretch(part.low, part.high)
+    mine = c[part.low : part.high + 3]
+    taper = part.first - part.low, part.high - part.last
+    mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
+    first = 0 if piece.end[0] == speed.REST else 2
+    last = len(mended) - (0 if piece.end[1] == speed.REST else 2)
+    c[part.low + first : part.low + last] = mended[first:last]
