@@ -9,6 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
+PROBES = 20_000
+FEWEST_PROBES, MOST_PROBES = 9, 65
+"""Probes of a whole law, and of one of its cells: more where a coarse mesh leaves much room between nodes."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,9 @@ class SplineLaw(TimeLaw):
         from toolpace.kernels import speedlaw
 
         self.nodes, self.c, self.rest = nodes, c, rest
+        count = int(np.clip(PROBES // len(nodes), FEWEST_PROBES, MOST_PROBES))
+        self.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, count))) / 2.0
+        """(k,) shares of a cell at which it is probed: closer together next to the nodes, where peaks hide."""
         self.cells = speedlaw.polynomials(nodes, c)
         """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""
         self.times = speedlaw.node_times(nodes, self.cells, rest[0], rest[1])
@@ -72,7 +78,7 @@ class SplineLaw(TimeLaw):
         """(n - 1,) cells in which z falls far below its values at both nodes: too long for the motion in them."""
         from toolpace.kernels import speedlaw
 
-        marks: npt.NDArray[np.bool_] = speedlaw.dips(self.nodes, self.cells)
+        marks: npt.NDArray[np.bool_] = speedlaw.dips(self.nodes, self.cells, self.inside)
         return marks
 
     def at(self, t: Floats) -> Floats:
@@ -88,6 +94,6 @@ class SplineLaw(TimeLaw):
         from toolpace.kernels import speedlaw
 
         state, right, share = speedlaw.probe(
-            self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration
+            self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration, self.inside
         )
         return Probe(state, right, share)

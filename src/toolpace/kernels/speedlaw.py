@@ -16,8 +16,6 @@ from toolpace.kernels.jit import jit
 FLOOR = 1e-6
 GAUSS_X = (np.polynomial.legendre.leggauss(8)[0] + 1.0) / 2.0
 GAUSS_W = np.polynomial.legendre.leggauss(8)[1] / 2.0
-INSIDE = (1.0 - np.cos(np.linspace(0.0, np.pi, 9))) / 2.0
-"""Where a cell is probed; closer together next to the nodes, where peaks hide."""
 REST_INSIDE = np.linspace(0.0, 1.0, 13)
 
 
@@ -43,14 +41,14 @@ def _z(cell: Any, x: Any) -> Any:
 
 
 @jit()
-def dips(nodes: Any, cells: Any) -> Any:
+def dips(nodes: Any, cells: Any, inside: Any) -> Any:
     """(n - 1,) whether z falls, inside a cell, below half of what it is at either node: the cell is too long."""
     n = len(nodes)
     out = np.zeros(n - 1, dtype=np.bool_)
     for k in range(n - 1):
         h = nodes[k + 1] - nodes[k]
         low = min(cells[k, 0], _z(cells[k], h))
-        for f in INSIDE:
+        for f in inside:
             if _z(cells[k], f * h) < 0.5 * low:
                 out[k] = True
     return out
@@ -136,10 +134,13 @@ def states(t: Any, nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, d
 
 
 @jit()
-def probe(nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: Any) -> Any:
-    """States at INSIDE in every cell, its ends taken from inside; at REST_INSIDE in a rest cell. Also side and time of each."""
+def probe(nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: Any, inside: Any) -> Any:
+    """States at `inside` (k,), shares of a cell, in every cell, its ends taken from inside; REST_INSIDE in a rest cell.
+
+    Returns the states (4, n), whether each belongs to the right side of a break, and the time each stands for.
+    """
     n = len(nodes)
-    inner, outer = len(INSIDE), len(REST_INSIDE)
+    inner, outer = len(inside), len(REST_INSIDE)
     count = (n - 1) * inner + (outer if rest0 > 0.0 else 0) + (outer if rest1 > 0.0 else 0)
     out = np.empty((4, count))
     right = np.ones(count)
@@ -153,7 +154,7 @@ def probe(nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: 
         right[i - 1] = 0.0
     for k in range(n - 1):
         h = nodes[k + 1] - nodes[k]
-        for f in INSIDE:
+        for f in inside:
             _inside(nodes[k], cells[k], f * h, out, i)
             share[i] = (times[k + 1] - times[k]) / inner
             i += 1

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from toolpace.axispath import AxisRun
 from toolpace.kernels import usage
-from toolpace.kernels.speedlaw import INSIDE, REST_INSIDE
+from toolpace.kernels.speedlaw import REST_INSIDE
 from toolpace.limits import Limits
 from toolpace.timelaw import SplineLaw
 from toolpace.trajectory import limit_ratios
@@ -21,7 +21,7 @@ CHUNK = 20_000
 
 def cell_peaks(run: AxisRun, limits: Limits, law: SplineLaw, cells: Ints | None = None) -> Floats:
     """(n, 3) largest usage in the given cells of the spline (default: in all), by speed, acceleration and jerk."""
-    m, k = len(limits), len(INSIDE)
+    m, k = len(limits), len(law.inside)
     kinds = np.split(np.arange(1 + 3 * m), [1 + m, 1 + 2 * m])
     probe = law.probe()
     first = len(REST_INSIDE) if law.rest[0] > 0.0 else 0
@@ -30,6 +30,6 @@ def cell_peaks(run: AxisRun, limits: Limits, law: SplineLaw, cells: Ints | None 
     for low in range(0, len(wanted), CHUNK):
         part = wanted[low : low + CHUNK]
         sample = (first + part[:, None] * k + np.arange(k)).ravel()
-        of_cell = usage.peaks(INSIDE, limit_ratios(run, limits, probe.state[:, sample], probe.right[sample]))
+        of_cell = usage.peaks(law.inside, limit_ratios(run, limits, probe.state[:, sample], probe.right[sample]))
         out[low : low + CHUNK] = np.stack([of_cell[:, kind].max(axis=1) for kind in kinds], axis=1)
     return out

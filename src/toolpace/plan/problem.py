@@ -139,7 +139,7 @@ def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bo
     rest = node - sign * length
     state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
     side = np.where((share == 1.0) == forth, 0.0, 1.0)
-    ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-300)
+    ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
     m = len(limits)
     return float(
         min(
