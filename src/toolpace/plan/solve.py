@@ -80,7 +80,8 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
 
     A start from which the core does not come to its end is followed by slower ones.
     """
-    best, least, place = None, np.inf, 0.0
+    best: Floats | None = None
+    least, place = np.inf, 0.0
     for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0)):
         begin = slower(problem, c, loss)
         found, status, _, gap, _ = speed.maximise_speed(
@@ -88,7 +89,8 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
             reliefs(problem, begin), problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
         )  # fmt: skip
         if status == speed.OPTIMAL:
-            return np.asarray(found)
+            optimum: Floats = found
+            return optimum
         used = usage(problem, found).max(axis=1)
         place = float(problem.nodes[problem.node[int(np.argmax(used))]])
         if used.max() <= 1.0 + BROKEN_BY and gap < least:
