@@ -185,8 +185,8 @@ def test_the_same_bits_on_one_core_and_on_many(monkeypatch):
 def test_a_curve_of_nan_is_never_taken(monkeypatch):
     """Whatever smoothing does, the checks see it, and the first spline remains."""
 
-    def poison(breaks, data, tip, turn, *others):
-        tip[5] = np.nan
+    def poison(spline, *others):
+        spline.tip[5] = np.nan
 
     monkeypatch.setattr(fitting, "tighten", poison)
     toolpath = spiral(300)

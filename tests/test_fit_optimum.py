@@ -9,7 +9,10 @@ import pytest
 
 from nasty import make, tilted
 from toolpace.fit import mesh, tube
+from toolpace.fit.check import Check
+from toolpace.fit.inside import inside_spline
 from toolpace.fit.polyline import polylines
+from toolpace.fit.spline import knots_of
 from toolpace.path import Path
 
 TIP, AXIS = 10e-6, 1e-3
@@ -27,7 +30,7 @@ def conic_optimum(breaks, data):
     from scipy import sparse
     from scipy.interpolate import BSpline
 
-    knots = mesh.knots_of(breaks)
+    knots = knots_of(breaks)
     n = len(knots) - 6
     third = np.zeros((0, n))
     place, weight = np.polynomial.legendre.leggauss(3)
@@ -76,13 +79,15 @@ def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
 
     line = polylines(wave(n, span, 5), TIP, AXIS, None)[0]
     weight = np.ones(3)
-    breaks, data, tip, turn = mesh.inside_spline(line, mesh.first_breaks(line.s), weight, AXIS, None)
+    look = Check(line, AXIS, None, False).between
+    spline, data = inside_spline(line, mesh.first_breaks(line.s), weight, AXIS, None, look)
+    breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
-    tube.tighten(breaks, data, tip, turn, weight, 3e-11, np.ones(len(data.s)), None, lambda share: None)
+    tube.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, lambda share: None)
     place, share = np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(breaks)
     s = (0.5 * (breaks[1:] + breaks[:-1])[:, None] + half[:, None] * place).ravel()
-    third = jets(breaks, pieces(mesh.knots_of(breaks), tip), s)[3]
+    third = jets(breaks, pieces(knots_of(breaks), tip), s)[3]
     value = 0.5 * np.sum((half[:, None] * share).ravel()[:, None] * third**2)
     assert value == pytest.approx(best, rel=0.01)
 

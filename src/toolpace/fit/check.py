@@ -7,33 +7,78 @@ to the curve, and the tip and the axis belong to the same moment.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from toolpace.fit.mesh import interpolate
-from toolpace.fit.polyline import Machine, Polyline, great_circle
+from toolpace.fit.polyline import Machine, Polyline
+from toolpace.fit.spline import Spline
 from toolpace.pathrun import Floats
 
+PARTS = 4
+"""Into how many parts the stretches between samples are cut to look between them."""
+CLOSE = 0.9
+"""Maxima above this share of the tolerance are looked at more closely."""
+CLOSER = 6
+"""Into how many parts the stretches on both sides of such a maximum are cut."""
 
-def deviations(
-    line: Polyline,
-    at: Floats,
-    tip: Floats,
-    turn: Floats,
-    axis_tolerance: float,
-    machine: Machine | None,
-    joints_given: bool,
-) -> tuple[Floats, Floats]:
-    """Deviation of tip and tool axis (n,) in tolerances, at parameters `at` where the curve is at tip and turn."""
-    tip_off = np.linalg.norm(tip - interpolate(line.s, line.tip, at), axis=1)
-    if machine is None:
-        curve = turn / np.linalg.norm(turn, axis=1)[:, None]
-    else:
-        curve = machine.axis_at(turn * axis_tolerance)
-    if machine is not None and joints_given:
-        program = machine.axis_at(interpolate(line.s, line.turn, at) * axis_tolerance)
-    else:
-        cell = np.clip(np.searchsorted(line.s, at, side="right") - 1, 0, len(line.s) - 2)
-        u = (at - line.s[cell]) / (line.s[cell + 1] - line.s[cell])
-        program = great_circle(line.axis[cell], line.axis[cell + 1], u[:, None])
-    angle = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * np.linalg.norm(curve - program, axis=1)))
-    return tip_off, angle / axis_tolerance
+
+@dataclass(frozen=True)
+class Check:
+    """What a curve is compared with."""
+
+    line: Polyline
+    axis_tolerance: float
+    machine: Machine | None
+    in_joints: bool
+    """Whether the program itself is straight in the rotary joints; else its axes turn on great circles."""
+
+    def between(self, spline: Spline, samples: Floats) -> tuple[Floats, Floats]:
+        """Ascending parameters between the samples, and the larger deviation of the spline there."""
+        at, tip, axis = self.closely(spline.pieces(), spline.breaks, samples)
+        return at, np.maximum(tip, axis)
+
+    def closely(self, polynomials: Floats, breaks: Floats, samples: Floats) -> tuple[Floats, Floats, Floats]:
+        """Ascending parameters, and the deviations of tip and tool axis there, more of them about maxima."""
+        at = dense(samples)
+        tip, axis = self.deviations(breaks, polynomials, at)
+        off = np.maximum(tip, axis)
+        peak = np.flatnonzero((off[1:-1] > CLOSE) & (off[1:-1] >= off[:-2]) & (off[1:-1] >= off[2:])) + 1
+        if len(peak) == 0:
+            return at, tip, axis
+        left = np.unique(np.concatenate([peak - 1, peak]))
+        share = np.arange(1, CLOSER) / CLOSER
+        more = (at[left, None] + (at[left + 1] - at[left])[:, None] * share).ravel()
+        tip_more, axis_more = self.deviations(breaks, polynomials, more)
+        order = np.argsort(np.concatenate([at, more]), kind="stable")
+        return (
+            np.concatenate([at, more])[order],
+            np.concatenate([tip, tip_more])[order],
+            np.concatenate([axis, axis_more])[order],
+        )
+
+    def deviations(self, breaks: Floats, polynomials: Floats, at: Floats) -> tuple[Floats, Floats]:
+        """Deviation of tip and tool axis (n,) of the curve in tolerances, at the ascending parameters `at` (n,)."""
+        from toolpace.kernels.follow import circular, distance, straight
+        from toolpace.kernels.spline import values
+
+        line, machine = self.line, self.machine
+        curve = values(breaks, polynomials, at)
+        turn = np.ascontiguousarray(curve[:, 3:])
+        tip_off = distance(np.ascontiguousarray(curve[:, :3]), straight(line.s, line.tip, at))
+        if machine is None:
+            axis = turn / np.linalg.norm(turn, axis=1)[:, None]
+        else:
+            axis = machine.axis_at(turn * self.axis_tolerance)
+        if machine is not None and self.in_joints:
+            program = machine.axis_at(straight(line.s, line.turn, at) * self.axis_tolerance)
+        else:
+            program = circular(line.s, line.axis, at)
+        angle = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * distance(axis, program)))
+        return tip_off, angle / self.axis_tolerance
+
+
+def dense(samples: Floats) -> Floats:
+    """Parameters that cut each stretch between samples into PARTS."""
+    inner = (samples[:-1, None] + np.diff(samples)[:, None] * (np.arange(PARTS) / PARTS)).ravel()
+    return np.concatenate([inner, samples[-1:]])

@@ -7,20 +7,22 @@ from collections.abc import Callable
 import numpy as np
 
 from toolpace.errors import PathError, UsageError
-from toolpace.fit.check import deviations
-from toolpace.fit.mesh import PARTS, dense, first_breaks, inside_spline, knots_of, refined_at, sample
+from toolpace.fit.check import PARTS, Check
+from toolpace.fit.inside import inside_spline
+from toolpace.fit.mesh import first_breaks, refined_at
 from toolpace.fit.polyline import Machine, Polyline, polylines
+from toolpace.fit.samples import sample
 from toolpace.fit.tube import tighten
 from toolpace.pathrun import Floats, Ints, SplineRun
 from toolpace.toolpath import ToolPath
 
 SLOW = 0.3
 """A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
-LIMIT = 1.0
+LIMIT = 0.995
 """Share of the tolerance within which the curve must be found; the rest is for what lies between the looks."""
 LOCAL = 3
 """Repairs that keep the knots."""
-REPAIRS = 7
+REPAIRS = 10
 """Repairs before the first spline is taken as it is."""
 
 
@@ -72,37 +74,35 @@ def fit_run(
     report: Callable[[float], None],
 ) -> tuple[SplineRun, float, float]:
     """One run that starts at parameter `start` [m], and its deviations in tolerances."""
-    from toolpace.kernels.spline import jets, pieces
-
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
-    joints_given = machine is not None and toolpath.rotary is not None
     least_third = SLOW * tip_tolerance**2
+    check = Check(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
+    begin = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine, check.between)
+    spline, data = begin[0].copy(), begin[1]
     narrow: list[tuple[Floats, Floats]] = []
     where: Floats | None = None
-    breaks, data, tip, turn = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine)
     for repair in range(REPAIRS + 1):
         if repair < REPAIRS:
-            tighten(breaks, data, tip, turn, weight, least_third, narrowed(data.s, narrow), where, report)
-        polynomials = pieces(knots_of(breaks), np.concatenate([tip, turn], axis=1))
-        at = dense(data.s)
-        curve = jets(breaks, polynomials, at)[0]
-        tip_off, axis_off = deviations(line, at, curve[:, :3], curve[:, 3:], axis_tolerance, machine, joints_given)
+            radius = narrowed(data.s, narrow)
+            tighten(spline, data, weight, least_third, radius, where, report)
+        else:
+            spline, data = begin
+        polynomials = spline.pieces()
+        at, tip_off, axis_off = check.closely(polynomials, spline.breaks, data.s)
         off = np.maximum(tip_off, axis_off)
         bad = np.flatnonzero(~(off <= LIMIT))
         if len(bad) == 0:
-            run = piecewise(line, toolpath, breaks, polynomials, tip_tolerance, axis_tolerance, start)
+            run = piecewise(line, toolpath, spline.breaks, polynomials, tip_tolerance, axis_tolerance, start)
             return run, float(np.max(tip_off)), float(np.max(axis_off))
-        if repair < LOCAL:
-            # it strays between the samples only: compare there too, and smooth about these places once more
-            if repair > 0:
-                narrow.append((at[bad], np.maximum(0.96 / off[bad], 0.7)))
-            where = at[bad]
-            data = sample(line, breaks, axis_tolerance, machine, with_neighbours(data.s, at, bad))
-        else:
-            narrow.append((at[bad], np.maximum(0.96 / off[bad], 0.7)))
-            where = None
-            breaks = refined_at(line.s, breaks, at[bad])
-            breaks, data, tip, turn = inside_spline(line, breaks, weight, axis_tolerance, machine)
+        # it strays between the samples: compare there too, and smooth about these places once more
+        where = at[bad]
+        s = with_neighbours(data.s, at, bad)
+        if repair > 0:
+            narrow.append((where, np.clip(0.95 / off[bad], 0.7, 1.0)))
+        if repair >= LOCAL:
+            spline = spline.over(refined_at(line.s, spline.breaks, where))
+            s = np.union1d(s, spline.breaks)
+        data = sample(line, spline.breaks, axis_tolerance, machine, s, data)
     raise PathError("the curve cannot be kept inside the tolerance")
 
 
@@ -119,7 +119,7 @@ def narrowed(s: Floats, narrow: list[tuple[Floats, Floats]]) -> Floats:
         k = np.searchsorted(s, at)
         least = np.ones(len(s))
         for shift in (-2, -1, 0, 1):
-            np.minimum.at(least, np.clip(k + shift, 0, len(s) - 1), share)
+            np.fmin.at(least, np.clip(k + shift, 0, len(s) - 1), share)
         radius *= least
     return np.maximum(radius, 0.3)
 

@@ -142,6 +142,59 @@ def jets(breaks: Floats, coefficients: Floats, s: Floats) -> Floats:
 
 
 @jit()
+def values(breaks: Floats, coefficients: Floats, s: Floats) -> Floats:
+    """Values (n, d) of a piecewise quintic at the ascending s (n,)."""
+    d = coefficients.shape[2]
+    last = len(breaks) - 2
+    out = np.empty((len(s), d))
+    i = 0
+    for j in range(len(s)):
+        while i < last and s[j] >= breaks[i + 1]:
+            i += 1
+        u = s[j] - breaks[i]
+        for c in range(d):
+            total = coefficients[i, 5, c]
+            for order in range(4, -1, -1):
+                total = coefficients[i, order, c] + u * total
+            out[j, c] = total
+    return out
+
+
+@jit()
+def recast(breaks: Floats, coefficients: Floats, t: Floats) -> Floats:
+    """Coefficients (n, d) over the finer knots t of a spline given by its pieces: knots put in change no value.
+
+    The coefficient is the blossom of a piece in its support at the five inner knots (Ramshaw 1987).
+    """
+    n, d = len(t) - 6, coefficients.shape[2]
+    last = len(breaks) - 2
+    out = np.empty((n, d))
+    symmetric = np.empty(6)
+    share = np.array([1.0, 5.0, 10.0, 10.0, 5.0, 1.0])
+    i = 0
+    for k in range(n):
+        cell = k + 2
+        for other in (3, 1, 4, 0, 5):
+            if not t[cell + 1] > t[cell]:
+                cell = k + other
+        x = 0.5 * (t[cell] + t[cell + 1])
+        while i > 0 and x < breaks[i]:
+            i -= 1
+        while i < last and x >= breaks[i + 1]:
+            i += 1
+        symmetric[:] = 0.0
+        symmetric[0] = 1.0
+        for a in range(5):
+            for m in range(a + 1, 0, -1):
+                symmetric[m] += (t[k + 1 + a] - breaks[i]) * symmetric[m - 1]
+        for c in range(d):
+            out[k, c] = 0.0
+            for m in range(6):
+                out[k, c] += coefficients[i, m, c] * symmetric[m] / share[m]
+    return out
+
+
+@jit()
 def thin(s: Floats, spacing: float) -> Floats:
     """Some of the ascending s, the first and the last among them, each at least `spacing` from the one before."""
     out = np.empty(len(s))

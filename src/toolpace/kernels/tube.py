@@ -24,42 +24,42 @@ SEGMENT = 32
 
 @jit()
 def least_squares(
-    third: Floats, weight: Floats, first: Ints, rows: Floats, target: Floats, metric: Floats, x: Floats
+    third: Floats,
+    weight: Floats,
+    first: Ints,
+    rows: Floats,
+    target: Floats,
+    metric: Floats,
+    x: Floats,
+    low: int,
+    high: int,
 ) -> bool:
-    """The smoothing spline: minimise the roughness plus the squared deviations, in x; both end coefficients stay."""
-    n, g = x.shape
-    free = n - 2
+    """The smoothing spline: minimise the roughness plus the squared deviations in x[low:high]; the others stay."""
+    g = x.shape[1]
+    free = high - low
     band = np.empty((free * g, 6 * g))
-    scatter_roughness(band, third, weight, 1)
-    scatter_samples(band, first, rows, metric, 1)
+    scatter_roughness(band, third, weight, low)
+    scatter_samples(band, first, rows, metric, low)
     if not factor(band):
         return False
     ignored = np.empty(len(third))
+    step = np.empty(free * g)
+    value = np.empty((len(first), g))
+    off = np.empty(g)
     for _ in range(2):
-        step = np.empty(free * g)
-        rough_gradient(third, weight, x, 1, free, step, ignored)
-        value = np.empty((len(first), g))
+        rough_gradient(third, weight, x, low, free, step, ignored)
         gather(first, rows, x, value)
         for j in range(len(first)):
-            apply_metric(metric[j], value[j], target[j])
-        scatter(first, rows, value, 1, free, step)
+            for c in range(g):
+                off[c] = value[j, c] - target[j, c]
+            for c in range(g):
+                value[j, c] = 0.0
+                for d in range(g):
+                    value[j, c] += metric[j, c, d] * off[d]
+        scatter(first, rows, value, low, free, step)
         solve(band, step)
-        x[1 : n - 1] -= step.reshape((free, g))
+        x[low:high] -= step.reshape((free, g))
     return True
-
-
-@jit()
-def apply_metric(metric: Floats, value: Floats, target: Floats) -> None:
-    """value <- metric (value - target), for up to three coordinates."""
-    g = len(value)
-    r0 = value[0] - target[0]
-    r1 = value[1] - target[1]
-    r2 = value[2] - target[2] if g > 2 else 0.0
-    for c in range(g):
-        total = metric[c, 0] * r0 + metric[c, 1] * r1
-        if g > 2:
-            total += metric[c, 2] * r2
-        value[c] = total
 
 
 @jit()
@@ -223,7 +223,8 @@ def smoothest(
                 after = 0.0
                 for j in range(m):
                     after += (slack[j] + length * d_slack[j]) * (lam[j] + length * d_lam[j])
-                sigma = max((after / (m * mu)) ** 3, 1e-4)
+                # a gap that is small enough waits for the way into the tube
+                sigma = max((after / (m * mu)) ** 3, 1e-4) if open_gap > 0.1 * accuracy else 1.0
         length = min(1.0, 0.99 * length)
         for i in range(low, high):
             for c in range(g):
