@@ -19,6 +19,8 @@ Ints = npt.NDArray[np.int64]
 
 BACKWARDS = 1e6
 """Usage of a law that runs backwards, plus how far."""
+STRIDES = 20
+"""Equal times at which a law must run forwards, beside the nodes."""
 SEARCH = 40
 """Periods tried for the most comfortable law of an interval."""
 
@@ -40,6 +42,16 @@ def usage(x: Floats, share: Floats, pace: Floats, ends: Floats, period: float) -
     n, m = len(x), share.shape[2]
     h = x[n - 1]
     c1, c2, c3, c4, c5 = law(h, ends[0], ends[1], ends[2], ends[3], period)
+    # from rest and to rest the third derivative decides which way the first and last step go
+    if ends[0] == 0.0 and ends[1] == 0.0 and c3 <= 0.0:
+        return BACKWARDS + abs(c3) / h, -1
+    if ends[2] == 0.0 and ends[3] == 0.0 and 6.0 * c3 + 24.0 * c4 + 60.0 * c5 <= 0.0:
+        return BACKWARDS + abs(6.0 * c3 + 24.0 * c4 + 60.0 * c5) / h, -1
+    for j in range(1, STRIDES):
+        tau = j / STRIDES
+        v = c1 + tau * (2.0 * c2 + tau * (3.0 * c3 + tau * (4.0 * c4 + tau * 5.0 * c5)))
+        if v <= 0.0:
+            return BACKWARDS + abs(v) / h, -1
     worst, which = 0.0, 0
     tau = 0.0
     for j in range(n):
@@ -199,8 +211,9 @@ def raise_speeds(
     h = x[:, -1].copy()
     ends, trial_speed, trial_acceleration = np.empty(4), speed.copy(), acceleration.copy()
     trial_period = period.copy()
+    rounds = max(2, min(12, 1200 // n))
     for step in (0.12, 0.06, 0.03, 0.015):
-        for _ in range(12):
+        for _ in range(rounds):
             raised = 0
             for width in (8, 4, 2, 1):
                 for k in range(1, n):

@@ -18,8 +18,8 @@ from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.kernels import genetic
 from toolpace.limits import Limits
-from toolpace.plan.intervals import Intervals, reference_points
 from toolpace.plan.endstate import AT_REST, EndState, check_state
+from toolpace.plan.intervals import Intervals, reference_points
 from toolpace.plan.preset import Preset, preset
 from toolpace.plan.quinticlaw import INSIDE, QuinticLaw
 from toolpace.trajectory import Trajectory, limit_ratios
@@ -30,6 +30,9 @@ Ints = npt.NDArray[np.int64]
 ALLOWED = 1.0 + 2e-5
 """Usage that the check between the nodes lets pass; the guarantee is 1 + 1e-4."""
 CHECKS = 12
+ATTEMPTS = 5
+LOWER = 0.9
+"""Share of the reserve that is left for the next attempt."""
 EVOLVE_SLACK = 2e-4
 """Share of the limits that stays unused while the preset speeds evolve, seen at the nodes."""
 SLOWEST = 1.6
@@ -132,8 +135,16 @@ def plan_run(
     check_state(run, limits, start, run.s0)
     check_state(run, limits, end, run.s1)
     parts = Intervals(run, limits, reference_points(run, intervals), (start.at_rest, end.at_rest))
-    first = preset(parts, start, end, options.reserve)
-    now = shortened(parts, first, options)
+    reserve = options.reserve
+    for attempt in range(ATTEMPTS):
+        try:
+            now = shortened(parts, preset(parts, start, end, reserve), options)
+            break
+        except InfeasibleError:
+            # the limits were passed between the nodes at which the presets were set: set them lower
+            if attempt == ATTEMPTS - 1:
+                raise
+            reserve *= LOWER
     slack = EVOLVE_SLACK
     for sweep in range(options.evolve):
         while True:
@@ -154,6 +165,10 @@ def peaks(parts: Intervals, preset: Preset) -> Floats:
     """(n,) largest value over limit in each interval, seen on both sides of the points and densely between."""
     probe = law_of(parts, preset).probe()
     ratios = limit_ratios(parts.run, parts.limits, probe.state, probe.right).max(axis=1)
+    # a law that turns back is no law; at the reference points themselves rest is rounding
+    speed = probe.state[1].reshape(len(preset.periods), INSIDE)
+    back = (speed[:, 1:-1] <= 0.0).any(axis=1)
+    ratios = np.where(np.repeat(back, INSIDE), np.inf, ratios)
     largest: Floats = ratios.reshape(len(preset.periods), INSIDE).max(axis=1)
     return largest
 
@@ -170,7 +185,7 @@ def shortened(parts: Intervals, first: Preset, options: Genetic) -> Preset:
         which = np.flatnonzero(peak > ALLOWED)
         if len(which) == 0:
             return now
-        allowed[which] -= 1.2 * (peak[which] - 1.0)
+        allowed[which] -= 1.2 * np.minimum(peak[which] - 1.0, 0.1)
     raise InfeasibleError(
         f"genetic: between its nodes {parts.interval_name(int(which[0]))} takes {peak[which[0]]:.6g} of a limit;"
         " give more intervals"

@@ -12,16 +12,22 @@ from toolpace.limits import KINDS, Limits
 Floats = npt.NDArray[np.float64]
 
 NODES = 33
-"""Points of an interval at which the genetic algorithm looks at the limits; the result is checked at more."""
+"""Least points of an interval at which the genetic algorithm looks at the limits; the result is checked at more."""
+NODES_A_HINT = 8
+"""Points for each stretch between two hints of the run, inside which it is smooth."""
+MOST_NODES = 257
+HINTS_AN_INTERVAL = 3
+"""Stretches between hints that an interval spans at most, where the number of intervals is not given."""
 
 
 def reference_points(run: AxisRun, intervals: int | npt.ArrayLike | None) -> Floats:
     """The points between which the law is one quintic: the breaks of the run, and equal steps between them.
 
-    `intervals`: the least number of intervals (default 31, the paper's), or the points themselves.
+    `intervals`: the least number of intervals, or the points themselves; by default 31, the paper's, or as many as the
+    detail of the path asks for.
     """
     if intervals is None or isinstance(intervals, int | np.integer):
-        count = 31 if intervals is None else int(intervals)
+        count = max(31, len(run.hints) // HINTS_AN_INTERVAL) if intervals is None else int(intervals)
         if count < 2:
             raise UsageError(f"genetic: {count} intervals; there must be at least 2")
         ends = np.concatenate([[run.s0], run.breaks, [run.s1]])
@@ -43,8 +49,10 @@ class Intervals:
     def __init__(self, run: AxisRun, limits: Limits, points: Floats, rest: tuple[bool, bool]) -> None:
         self.run, self.limits, self.points = run, limits, points
         n, m = len(points) - 1, len(limits)
-        tau = np.linspace(0.0, 1.0, NODES)
-        place = np.broadcast_to(tau, (n, NODES)).copy()
+        inside = np.diff(np.searchsorted(run.hints, points)) + 1
+        nodes = int(np.clip(NODES_A_HINT * inside.max(initial=1) + 1, NODES, MOST_NODES))
+        tau = np.linspace(0.0, 1.0, nodes)
+        place = np.broadcast_to(tau, (n, nodes)).copy()
         # from rest the way grows with the cube of time
         place[0] = tau**3 * (4.0 - 3.0 * tau) if rest[0] else tau
         place[-1] = 1.0 - (1.0 - tau) ** 3 * (1.0 + 3.0 * tau) if rest[1] else tau
@@ -55,8 +63,8 @@ class Intervals:
         q = run.evaluate(s.ravel())
         v, a, j = (getattr(limits, kind) for kind in KINDS)
         table = np.stack([q[1] / v, q[2] / a, q[1] / a, q[3] / j, 3.0 * q[2] / j, q[1] / j], axis=1)
-        self.share = np.ascontiguousarray(table.reshape(n, NODES, 6, m))
-        self.pace = 1.0 / run.speed_cap(s.ravel()).reshape(n, NODES)
+        self.share = np.ascontiguousarray(table.reshape(n, nodes, 6, m))
+        self.pace = 1.0 / run.speed_cap(s.ravel()).reshape(n, nodes)
 
     def interval_name(self, k: int) -> str:
         """Where interval k lies, for messages."""

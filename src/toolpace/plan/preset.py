@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from toolpace.errors import InfeasibleError
 from toolpace.kernels import interval
+from toolpace.plan.endstate import EndState
 from toolpace.plan.intervals import Intervals
 from toolpace.plan.mesh import guess
-from toolpace.plan.endstate import EndState
 
 Floats = npt.NDArray[np.float64]
 
