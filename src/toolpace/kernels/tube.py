@@ -20,6 +20,8 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 SEGMENT = 32
+INFEASIBLE = 5e-3
+"""Share of the squared radius by which a sample may be outside at the end: half as much of the radius."""
 
 
 @jit()
@@ -143,9 +145,9 @@ def smoothest(
         mu = 0.0
         gap_part[:] = 0.0
         for j in range(m):
-            worst = max(worst, abs(h[j] + slack[j]) / widened[j] ** 2)
+            worst = max(worst, h[j] / widened[j] ** 2)
             mu += slack[j] * lam[j]
-            gap_part[first[j] // SEGMENT] += slack[j] * lam[j]
+            gap_part[first[j] // SEGMENT] += max(slack[j], -h[j]) * lam[j]
         gap = mu
         mu /= m
         top = 0.0
@@ -165,7 +167,7 @@ def smoothest(
         residual += 0.0 * gap  # a nan is passed over by max, but not by a sum
         # below a hundredth of the gap asked for, what is left of the residual is rounding
         even = residual <= 0.05 * top or open_gap <= 0.01 * accuracy
-        if worst <= 1e-3 and open_gap <= accuracy and even:
+        if worst <= INFEASIBLE and open_gap <= accuracy and even:
             return iteration, value, gap
         if not (worst < np.inf and residual < np.inf and open_gap > 1e-9 * accuracy):
             return -1 - iteration, value, gap  # rounding has the better of it, or there is no way into the tube
@@ -184,11 +186,12 @@ def smoothest(
         sigma = 0.0
         length = 1.0
         for phase in range(2):
+            bent = phase == 1 and sigma < 1.0
             for j in range(m):
                 excess = h[j] + slack[j]
                 centre = sigma * mu - slack[j] * lam[j]
                 bend = 0.0
-                if phase == 1:
+                if bent:
                     for c in range(g):
                         work[j, c] = 0.0
                         for d in range(g):
@@ -198,7 +201,7 @@ def smoothest(
                     centre -= d_slack[j] * d_lam[j] * length * length
                 share[j] = (centre + lam[j] * excess) / slack[j]
                 for c in range(g):
-                    twist = d_lam[j] * work[j, c] * length * length if phase == 1 else 0.0
+                    twist = d_lam[j] * work[j, c] * length * length if bent else 0.0
                     work[j, c] = share[j] * q[j, c] + twist
                 d_slack[j] = -excess
             right[:] = gradient
