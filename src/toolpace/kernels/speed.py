@@ -26,6 +26,8 @@ from toolpace.kernels.pentadiagonal import factor, solve
 OPTIMAL, STALLED, BROKEN = 0, 1, 2
 REST, MOVING = 0, 1
 BACK_OFF = 0.99
+MOST_FALL = 0.6
+"""Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""
 KEEP_CURVATURE = 0.05
 ROUNDING = 300.0
 """The gradient is a difference of large numbers: its tolerance, as a multiple of that of the gap."""
@@ -295,7 +297,7 @@ def _correct(
         pace = 1.0 / np.sqrt(z)
         tangent = 0.5 * pace / z
         relax_cap, relax_acceleration, relax_jerk = tau * relief[p, 0], tau * relief[p, 1], tau * relief[p, 2]
-        loss = max(loss, -d0 / z)
+        loss = max(loss, -d0 / (MOST_FALL * z))
         slack, lam = cap[p] - z + relax_cap, dual_cap[p]
         change = -d0 - relax_cap
         dlam = (centre + step_cap[p] * (a0 + relax_cap) - lam * change) / slack - lam
@@ -367,7 +369,7 @@ def maximise_speed(
     their limits; c (n,) start with z > 0 at all points; relief (points, 3) of cap, acceleration and jerk rows,
     positive where the start breaks one; end (2,) REST or MOVING; ratio (2,) = c_1 / c_0 and c_n-2 / c_n-1 at ends
     at rest; spread, the first gap, and tolerance of gap and gradient, relative to the time.
-    Returns c, status, steps, gap relative to the time, remaining share of the relief.
+    Returns c, status, steps, and gap and scaled gradient relative to the time.
     """
     points, count, n = rows.shape[0], rows.shape[1], len(c)
     products = points * (2 * count + 1)
@@ -379,7 +381,7 @@ def maximise_speed(
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     _spread(basis, node, c, u)
     _first_multipliers(weight, cap, rows, relief, u, spread, dual, dual_cap)
-    gap, time = np.inf, 1.0
+    gap, time, residual = np.inf, 1.0, np.inf
     for steps in range(most_steps):
         gap, time = _newton_system(
             basis, node, weight, cap, rows, relief, tau, u, dual, dual_cap, matrix, rhs, gradient
@@ -389,10 +391,10 @@ def maximise_speed(
         for i in range(n):
             residual += abs(gradient[i] * c[i])
         if gap < tolerance * time and residual < ROUNDING * tolerance * time and tau < 1e-9:
-            return c, OPTIMAL, steps, gap / time, tau
+            return c, OPTIMAL, steps, gap / time, residual / time
         _tie_matrix(matrix, end, ratio)
         if not _factor_safely(matrix, spare):
-            return c, BROKEN, steps, gap / time, tau
+            return c, BROKEN, steps, gap / time, residual / time
         # predictor: straight at the optimum, to learn how far one can go
         direction[:] = rhs
         _tie_vector(direction, end, ratio)
@@ -414,10 +416,10 @@ def maximise_speed(
         loss, loss_dual = _correct(cap, rows, relief, tau, u, dual, dual_cap, du, affine, centre, step, step_cap)
         go, go_dual = min(1.0, BACK_OFF / loss), min(1.0, BACK_OFF / loss_dual)
         if not (go > 0.0 and go_dual > 0.0):
-            return c, BROKEN, steps, gap / time, tau
+            return c, BROKEN, steps, gap / time, residual / time
         c += go * direction
         _spread(basis, node, c, u)
         dual += go_dual * step
         dual_cap += go_dual * step_cap
         tau *= 1.0 - go
-    return c, STALLED, most_steps, gap / time, tau
+    return c, STALLED, most_steps, gap / time, residual / time

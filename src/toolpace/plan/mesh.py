@@ -69,16 +69,11 @@ def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Float
 
 
 def ramp_time(limits: Limits) -> float:
-    """Time in which the acceleration of the quickest joint builds up [s]; inf where none is limited."""
+    """Time in which an acceleration builds up [s]: of the quickest joint; inf where none is limited."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ramps = limits.acceleration / limits.jerk
     usable = ramps[np.isfinite(ramps) & (ramps > 0.0)]
     return float(usable.min()) if len(usable) else np.inf
-
-
-def nodes_a_ramp(limits: Limits, rough: Guess, nodes: Floats) -> float:
-    """About how many nodes the motion passes while an acceleration builds up."""
-    return float(min(ramp_time(limits) / rough.t[-1], 1.0) * len(nodes))
 
 
 def from_graded(x: Floats, ends: tuple[float, float]) -> Floats:

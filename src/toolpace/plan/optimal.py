@@ -15,7 +15,7 @@ from toolpace.errors import InfeasibleError
 from toolpace.kernels import cubic
 from toolpace.limits import Limits
 from toolpace.plan.endstate import AT_REST, EndState, check_state
-from toolpace.plan.mesh import first_mesh, nodes_a_ramp, split
+from toolpace.plan.mesh import first_mesh, ramp_time, split
 from toolpace.plan.peaks import cell_peaks
 from toolpace.plan.problem import ALLOWED, Problem, discretise
 from toolpace.plan.solve import MOST_MENDED, Stalled, mend, slower, solve_long, start_from, stretches
@@ -32,6 +32,9 @@ START_LOSS = 0.03
 """Share of z by which a solve that starts from a solution is slowed down first."""
 WARM_SPREAD = 0.03
 """First gap of such a solve, relative to the duration."""
+REFINE_ROUNDS = 6
+LEAST_CELL = 1e-3
+"""Time of a cell, as a share of that in which an acceleration builds up, below which it is cut no further."""
 GUARANTEE = 1.0 + 9e-5
 """Usage between nodes that is never passed, a rounding below what is promised."""
 REFINE_ABOVE = 1.003
@@ -63,33 +66,13 @@ def plan_run(
     check_state(run, limits, end, run.s1)
     nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), cells)
     problem = discretise(run, limits, nodes, start, end)
-    problem.ramp_nodes = nodes_a_ramp(limits, rough, nodes)
+    problem.clock = np.interp(problem.nodes, rough.s, rough.t)
+    problem.ramp = min(ramp_time(limits), rough.t[-1])
     try:
         c = solve_long(problem, start_from(problem, rough.s, rough.z, START_SHARE), spread=1.0)
         law = SplineLaw(problem.nodes, c, problem.rest)
-        if not guard:
-            return law, len(nodes)
-        peak = cell_peaks(run, limits, law)
-        for round_ in range(MOST_ROUNDS):
-            wrong = (peak.max(axis=1) > ALLOWED) | law.dips()
-            if not wrong.any():
-                break
-            parts = np.where(law.dips(), 4, 1 if cells is not None else halves(peak))
-            worst = float(peak.max())
-            if parts.max() > 1:
-                nodes = split(nodes, with_rest_cells(parts, problem.rest))
-                finer = discretise(run, limits, nodes, start, end)
-                c = cubic.on_finer_knots(problem.nodes, law.cells, finer.nodes)
-                c = np.maximum(c, FLOOR * np.interp(cubic.control_points(finer.nodes), problem.nodes, law.z_at_nodes()))
-                finer.ramp_nodes = problem.ramp_nodes
-                finer.lower(np.repeat(problem.lowered, np.append(parts, 1), axis=0))
-                problem, wrong = finer, np.repeat(wrong, parts)
-                peak = np.repeat(np.where(parts[:, None] > 1, 1.0, peak), parts, axis=0)
-            problem.tighten(peak, OVERSHOOT, reach=1 + round_ // 3)
-            c, moved = resolve(problem, c, wrong, START_LOSS + 1.0 - 1.0 / min(worst, 1.5))
-            law = SplineLaw(problem.nodes, c, problem.rest)
-            peak[moved] = cell_peaks(run, limits, law, moved)
-        law = kept(law, cell_peaks(run, limits, law))
+        if guard:
+            law = guarded(run, limits, problem, law, (start, end), fixed=cells is not None)
     except Stalled as stall:
         block = int(run.block_at(np.array([stall.place]))[0])
         raise InfeasibleError(
@@ -97,15 +80,64 @@ def plan_run(
             + (f" (block {block})" if block else "")
             + "; if the run starts or ends in motion, let it do so more slowly"
         ) from None
-    return law, len(nodes)
+    return law, len(law.nodes) + sum(rest > 0.0 for rest in law.rest)
+
+
+def guarded(
+    run: AxisRun, limits: Limits, problem: Problem, law: SplineLaw, ends: tuple[EndState, EndState], fixed: bool
+) -> SplineLaw:
+    """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
+
+    Where a limit is passed, the mesh is refined (unless it is fixed) or the rows there are tightened, and the
+    surroundings are solved again. What that leaves, slowing the whole motion down takes away.
+    """
+    c = law.c
+    peak = cell_peaks(run, limits, law)
+    for round_ in range(MOST_ROUNDS):
+        dips = law.dips()
+        wrong = (peak.max(axis=1) > ALLOWED) | dips
+        if not wrong.any():
+            break
+        worst = float(peak.max())
+        parts = np.where(dips, 4, 1 if fixed or round_ >= REFINE_ROUNDS else halves(peak))
+        parts[np.diff(law.times) < problem.ramp * LEAST_CELL] = 1
+        if parts.max() > 1:
+            problem, c = refined(run, limits, problem, law, parts, ends)
+            wrong = np.repeat(wrong, parts)
+            peak = np.repeat(np.where(parts[:, None] > 1, 1.0, peak), parts, axis=0)
+        else:
+            problem.clock = law.times
+        problem.tighten(peak, OVERSHOOT, reach=1 + round_ // 3)
+        try:
+            c, moved = resolve(problem, c, wrong, START_LOSS + 1.0 - 1.0 / min(worst, 1.5))
+        except Stalled:
+            break
+        law = SplineLaw(problem.nodes, c, problem.rest)
+        peak[moved] = cell_peaks(run, limits, law, moved)
+    return kept(law, cell_peaks(run, limits, law))
+
+
+def refined(
+    run: AxisRun, limits: Limits, problem: Problem, law: SplineLaw, parts: Ints, ends: tuple[EndState, EndState]
+) -> tuple[Problem, Floats]:
+    """The problem with its cells cut into so many parts, and the same spline on the finer mesh."""
+    inner = split(problem.nodes, parts)
+    outer = [run.s0] if problem.rest[0] else [], [run.s1] if problem.rest[1] else []
+    finer = discretise(run, limits, np.concatenate([outer[0], inner, outer[1]]), *ends)
+    finer.clock, finer.ramp = np.interp(finer.nodes, law.nodes, law.times), problem.ramp
+    finer.lower(np.repeat(problem.lowered, np.append(parts, 1), axis=0))
+    c = cubic.on_finer_knots(problem.nodes, law.cells, finer.nodes)
+    least = FLOOR * np.interp(cubic.control_points(finer.nodes), problem.nodes, law.z_at_nodes())
+    return finer, np.maximum(c, least)
 
 
 def kept(law: SplineLaw, peak: Floats) -> SplineLaw:
     """The law, slowed down as a whole where all rounds have left a trifle above the guarantee (cells, 3)."""
     speed, acceleration, jerk = peak.max(axis=0)
-    if max(speed, acceleration, jerk) <= GUARANTEE:
+    worst = max(speed, acceleration, jerk)
+    if worst <= GUARANTEE:
         return law
-    if not (law.rest[0] > 0.0 and law.rest[1] > 0.0):
+    if not (law.rest[0] > 0.0 and law.rest[1] > 0.0 and np.isfinite(worst)) or law.dips().any():
         raise Stalled(float(law.nodes[int(peak.max(axis=1).argmax())]))
     return law.slowed(max(1.0, speed**2, acceleration, jerk ** (2.0 / 3.0)))
 
@@ -132,12 +164,6 @@ def resolve(problem: Problem, c: Floats, wrong: Bools, loss: float) -> tuple[Flo
             moved = [np.arange(max(low - 1, 0), min(high + 1, len(everything))) for low, high, _, _ in solved]
             return mended, np.unique(np.concatenate(moved))
     return solve_long(problem, slower(problem, c, loss), WARM_SPREAD), everything
-
-
-def with_rest_cells(parts: Ints, rest: tuple[float, float]) -> Ints:
-    """Parts of the spline's cells, with those of the rest cells at the ends, which stay whole."""
-    whole = np.ones(1, dtype=np.int64)
-    return np.concatenate([whole[: rest[0] > 0.0], parts, whole[: rest[1] > 0.0]])
 
 
 def plan_optimal(

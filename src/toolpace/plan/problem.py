@@ -48,13 +48,16 @@ class Problem:
         self.cap = np.empty(0)
         self.rows = np.empty((0, 0, 3))
         self.lowered = np.ones((len(nodes), 3))
-        self.ramp_nodes = 8.0
-        """Nodes passed while an acceleration builds up."""
+        self.clock = np.arange(len(nodes), dtype=np.float64)
+        """(n,) about when the nodes are passed [s]."""
+        self.ramp = 8.0
+        """Time in which an acceleration builds up [s]."""
 
-    def reach(self, ramps: float) -> int:
-        """Nodes that the motion passes in about so many times in which an acceleration builds up."""
-        span = max(LEAST_REACH, int(ramps * self.ramp_nodes))
-        return min(span, len(self.nodes) - 1)
+    def around(self, first: int, last: int, ramps: float) -> tuple[int, int]:
+        """Nodes from so many ramp times before the node `first` to as many after the node `last`."""
+        low = int(np.searchsorted(self.clock, self.clock[first] - ramps * self.ramp))
+        high = int(np.searchsorted(self.clock, self.clock[last] + ramps * self.ramp))
+        return max(min(low, first - LEAST_REACH), 0), min(max(high, last + LEAST_REACH), len(self.nodes) - 1)
 
     def tighten(self, peak: Floats, overshoot: float, reach: int) -> None:
         """Lower the limits around the cells whose peaks (cells, 3) by kind pass what is allowed.
@@ -84,7 +87,7 @@ class Problem:
         There the two outermost coefficients are given, so that everything outside stays as it is.
         """
         part = object.__new__(Problem)
-        part.lowered, part.ramp_nodes = self.lowered[low : high + 1], self.ramp_nodes
+        part.lowered, part.clock, part.ramp = self.lowered[low : high + 1], self.clock[low : high + 1], self.ramp
         mine = slice(*np.searchsorted(self.node, [low, high + 1]))
         part.nodes, part.rest = self.nodes[low : high + 1], self.rest
         part.node, part.basis, part.weight = self.node[mine] - low, self.basis[mine], self.weight[mine]

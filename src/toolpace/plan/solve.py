@@ -20,8 +20,10 @@ TOLERANCE = 1e-6
 """Gap and gradient at which a solve ends, relative to the duration."""
 GOOD_ENOUGH = 1e-4
 """Gap up to which a solve that ended by rounding is not tried again."""
-ACCEPTABLE = 1e-2
+ACCEPTABLE = 3e-3
 """Gap up to which the best of several such solves is taken."""
+STEEP = 0.1
+"""Weight of the scaled gradient beside the gap, where either tells how far a point is from the optimum."""
 BROKEN_BY = 1e-6
 """Usage beyond 1 of such a solve; what is more is seen between the nodes and mended there."""
 MOST_STEPS = 250
@@ -29,8 +31,12 @@ MARGIN = 0.01
 """A start closer than this share to a limit has that limit relaxed at first."""
 MEND_RAMPS = 7.0
 """How far a mended place may move its surroundings, in times in which an acceleration builds up."""
+MOST_DROP = 0.7
+"""Least share of a coefficient that mending leaves: limits move by little, and so must the motion."""
+WIDER = 4.0
+"""How much wider a stretch is made that finds no way."""
 WINDOW = 8_000
-"""Nodes that are solved in one piece, or more where the mesh is finer than usual."""
+"""Nodes that are solved in one piece, unless what joins two pieces would be wider."""
 SEAM_RAMPS = 60.0
 """Half the width of the stretch over the seam between two windows."""
 SEAM_LOSS = 0.1
@@ -84,7 +90,7 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
     least, place = np.inf, 0.0
     for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0)):
         begin = slower(problem, c, loss)
-        found, status, _, gap, _ = speed.maximise_speed(
+        found, status, _, gap, gradient = speed.maximise_speed(
             problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
             reliefs(problem, begin), problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
         )  # fmt: skip
@@ -93,8 +99,8 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
             return optimum
         used = usage(problem, found).max(axis=1)
         place = float(problem.nodes[problem.node[int(np.argmax(used))]])
-        if used.max() <= 1.0 + BROKEN_BY and gap < least:
-            best, least = found, gap
+        if used.max() <= 1.0 + BROKEN_BY and max(gap, STEEP * gradient) < least:
+            best, least = found, max(gap, STEEP * gradient)
         if least < GOOD_ENOUGH:
             break
     if best is None or least > ACCEPTABLE:
@@ -110,13 +116,13 @@ def solve_long(problem: Problem, c: Floats, spread: float) -> Floats:
     solved, between nodes that are at their best already.
     """
     last = len(problem.nodes) - 1
-    seam = problem.reach(SEAM_RAMPS)
-    window = max(WINDOW, 6 * seam)
-    if last <= 1.5 * window:
+    if last <= 1.5 * WINDOW:
         return solve(problem, c, spread)
-    border = [int(b) for b in np.linspace(0, last, int(np.ceil(last / window)) + 1)]
+    border = [int(b) for b in np.linspace(0, last, int(np.ceil(last / WINDOW)) + 1)]
+    seams = [Stretch(*problem.around(b, b, SEAM_RAMPS), b, b) for b in border[1:-1]]
+    if any(left.high >= right.low for left, right in itertools.pairwise(seams)):
+        return solve(problem, c, spread)
     inner, _ = mend(problem, c, [Stretch(a, b, a, b) for a, b in itertools.pairwise(border)], 0.0, spread)
-    seams = [Stretch(b - seam, b + seam, b, b) for b in border[1:-1]]
     return mend(problem, inner, seams, SEAM_LOSS, SEAM_LOSS)[0]
 
 
@@ -154,13 +160,14 @@ def stretches(problem: Problem, cells: Bools, ramps: float = MEND_RAMPS) -> list
     marked = np.flatnonzero(cells)
     if len(marked) == 0:
         return []
-    margin = problem.reach(ramps)
-    gap = np.flatnonzero(np.diff(marked) > 2 * margin + 1)
-    first = marked[np.concatenate([[0], gap + 1])]
-    last = marked[np.concatenate([gap, [len(marked) - 1]])] + 1
-    return [
-        Stretch(max(int(a) - margin, 0), min(int(b) + margin, len(cells)), int(a), int(b)) for a, b in zip(first, last)
-    ]
+    merged: list[Stretch] = []
+    for cell in marked:
+        low, high = problem.around(int(cell), int(cell) + 1, ramps)
+        if merged and low <= merged[-1].high + 1:
+            merged[-1] = merged[-1]._replace(high=max(high, merged[-1].high), last=int(cell) + 1)
+        else:
+            merged.append(Stretch(low, high, int(cell), int(cell) + 1))
+    return merged
 
 
 def mend(problem: Problem, c: Floats, parts: list[Stretch], loss: float, spread: float) -> tuple[Floats, list[Stretch]]:
@@ -181,8 +188,7 @@ def mend(problem: Problem, c: Floats, parts: list[Stretch], loss: float, spread:
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         list(pool.map(one, parts))
-    more, end = 3 * problem.reach(MEND_RAMPS), len(problem.nodes) - 1
-    wider = [Stretch(max(p.low - more, 0), min(p.high + more, end), p.first, p.last) for p in sorted(stuck)]
+    wider = [Stretch(*problem.around(p.first, p.last, WIDER * MEND_RAMPS), p.first, p.last) for p in sorted(stuck)]
     for part in wider:
         mend_one(problem, out, part, max(loss, SEAM_LOSS), spread)
     return out, parts + wider
@@ -194,6 +200,9 @@ def mend_one(problem: Problem, c: Floats, part: Stretch, loss: float, spread: fl
     mine = c[part.low : part.high + 3]
     taper = part.first - part.low, part.high - part.last
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
+    if (mended < MOST_DROP * mine).any():
+        # the ends cannot be met within the limits: what the nodes show of it is a fall between them
+        raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]))
     first = 0 if piece.end[0] == speed.REST else 2
     last = len(mended) - (0 if piece.end[1] == speed.REST else 2)
     c[part.low + first : part.low + last] = mended[first:last]
