@@ -26,8 +26,8 @@ Ints = npt.NDArray[np.int64]
 
 STEP = 1e-6
 """Time by which joints are moved on to see the speed of the tip [s]."""
-SOON = 0.01
-"""Time within which the speed of the tip must reach the feed for its growth to count [s]."""
+SOON = 0.05
+"""Time within which the tip must reach the feed for its excess to count [s]."""
 STILL = 1e-9
 """Speed of the parameter that counts as rest, relative to its mean."""
 
@@ -40,35 +40,43 @@ def tip_velocity(machine: Machine, q: Floats, qd: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Excess:
-    """How the tip, found deflected, is faster than the feed where no command can change it any more, and how it fades.
+    """How much faster the tip is on the deflected pose than on the path, where that passes the feed, and how it fades.
 
-    The joints keep their velocities and accelerations, so on the deflected pose the tip may be faster than the feed,
-    or about to be: allowed is F + (e + (2 g + 3 e / T) t) (1 - t / T)^3 over the period T of the way back.
+    The joints keep their velocities and accelerations, and the tip, found elsewhere, may thereby be faster than the
+    feed, or come to be: no command can change that at once. Allowed is F + (e + 2 g t + 3 e t / T) (1 - t / T)^3 over
+    the period T of the way back (before it, while the joints carry on, F + e + 2 g t).
     """
 
     feed: float
     """F [m/s]; inf where there is none."""
     speed: float
-    """e: speed of the tip above the feed at the start, or 0 [m/s]."""
+    """e: what the deflection adds to the speed of the tip at the start, or 0 where the feed is far [m/s]."""
     growth: float
-    """g: rate of change of that speed at the start, where the feed is reached within SOON, or 0 [m/s^2]."""
+    """g: what it adds to the rate of change of that speed, or 0 [m/s^2]."""
 
     @classmethod
-    def at_start(cls, machine: Machine | None, feed: float, motion: Floats) -> Excess:
-        """That of joints in motion (4, 1, m) at the deflected pose."""
+    def at_start(cls, machine: Machine | None, feed: float, motion: Floats, offset: Floats) -> Excess:
+        """That of joints in commanded motion (4, 1, m), found at an offset (m,)."""
         if machine is None or not np.isfinite(feed):
             return cls(feed, 0.0, 0.0)
         q, qd, qdd = motion[:3]
         step = 1e-4
-        moved = [tip_velocity(machine, q + h * qd + h * h / 2.0 * qdd, qd + h * qdd) for h in (-step, 0.0, step)]
-        before, now, after = (float(np.linalg.norm(velocity)) for velocity in moved)
-        growth = max((after - before) / (2.0 * step), 0.0)
-        return cls(feed, max(now - feed, 0.0), growth if now + SOON * growth > feed else 0.0)
+        speeds = []
+        for where in (q, q + offset):
+            moved = [
+                tip_velocity(machine, where + h * qd + h * h / 2.0 * qdd, qd + h * qdd) for h in (-step, 0.0, step)
+            ]
+            speeds.append([float(np.linalg.norm(velocity)) for velocity in moved])
+        (_, on_path, _), (_, off_path, _) = speeds
+        rates = [(ahead - behind) / (2.0 * step) for behind, _, ahead in speeds]
+        speed, growth = max(off_path - on_path, 0.0), max(rates[1] - rates[0], 0.0)
+        near = on_path + speed + SOON * (max(rates[0], 0.0) + growth) > feed
+        return cls(feed, speed, growth) if near else cls(feed, 0.0, 0.0)
 
     def allowed(self, t: Floats, carry: float, period: float) -> Floats:
         """(n,) most speed of the tip [m/s] at times since the deflection."""
         later = np.maximum(t - carry, 0.0)
-        rise = self.speed + (2.0 * self.growth + 3.0 * self.speed / period) * later
+        rise = self.speed + 2.0 * self.growth * t + 3.0 * self.speed / period * later
         most: Floats = self.feed + rise * np.maximum(1.0 - later / period, 0.0) ** 3
         return most
 
@@ -168,7 +176,8 @@ class DetourRun(AxisRun):
         hints = known.run.hints
         after = np.empty(0) if self.ends_here else hints[hints > self.join]
         self.hints = np.concatenate([even, after]) if len(hints) else even
-        self.excess = Excess.at_start(machine, feed, detour.motion(np.zeros(1)))
+        now = known.motion(np.array([detour.time]))
+        self.excess = Excess.at_start(machine, feed, now, detour.offset)
 
     def parameter(self, t: Floats) -> Floats:
         """(4, n) p and three time derivatives at times (n,) since the deflection, where the detour runs as made."""

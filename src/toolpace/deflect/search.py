@@ -47,9 +47,7 @@ class Judge:
         self.limits = np.stack([limits.velocity, limits.acceleration, limits.jerk])
         self.nearest = np.inf
         """Least usage seen of a detour that did not pass."""
-        now = known.motion(np.array([time]))
-        now[0] += offset
-        self.excess = Excess.at_start(machine, feed, now)
+        self.excess = Excess.at_start(machine, feed, known.motion(np.array([time])), offset)
 
     def joint_usage(self, carry: float, rejoin: Floats, period: Floats) -> Floats:
         """(n,) usage of the quintics alone, to rejoin at times (n,) in periods (n,)."""
