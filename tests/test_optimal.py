@@ -19,14 +19,6 @@ from toolpace.plan.endstate import EndState
 GUARANTEE = 1.0 + 1e-4
 
 
-def known(reason):
-    """A defect of the planner that is known and open: the test says what must hold, and passes once it does."""
-    return pytest.mark.xfail(reason=reason, strict=False)
-
-
-NINE_PROBES = known("nine probes a cell miss peaks where the path bends within a coarse cell")
-
-
 def polynomials(*coefficients):
     """A path whose joints are polynomials of s, given from the constant up."""
     joints = [np.polynomial.Polynomial(c) for c in coefficients]
@@ -78,10 +70,7 @@ def test_straight_line_is_the_s_curve(limit):
     assert found == pytest.approx(exact, rel=1e-4)
 
 
-GIVEN_AWAY = known("the guard gives away 5.6e-4 at 2000 cells, as much as at 500")
-
-
-@pytest.mark.parametrize("limit", [pytest.param(SHAPES[0], marks=GIVEN_AWAY), *SHAPES[1:]])
+@pytest.mark.parametrize("limit", SHAPES)
 def test_straight_line_on_a_coarser_mesh(limit):
     found = plan(line(), Limits(*([x] for x in limit)), mesh=2000).duration
     assert found == pytest.approx(s_curve(1.0, *limit), rel=3e-4)
@@ -139,7 +128,7 @@ def test_error_falls_with_the_mesh():
     ("seed", "cells"),
     [
         *((30, n) for n in (50, 100, 300, 1000, 2000)),
-        pytest.param(31, 50, marks=known("tightened into infeasibility, though the path can be followed")),
+        (31, 50),
         *((31, n) for n in (100, 300, 1000, 2000)),
     ],
 )
@@ -149,14 +138,8 @@ def test_limits_hold_between_the_nodes(seed, cells):
     assert trajectory.usage().worst == pytest.approx(dense_usage(trajectory), abs=2e-3)
 
 
-OPEN = known("see the tests of one joint and of nine probes above: tightening breaks down, or peaks are missed")
-OPEN_SEEDS = {203, 205, 217, 231, 258, 259, 270, 273}
-
-
 @pytest.mark.sweep
-@pytest.mark.parametrize(
-    "seed", [pytest.param(seed, marks=OPEN if seed in OPEN_SEEDS else ()) for seed in range(200, 300)]
-)
+@pytest.mark.parametrize("seed", range(200, 300))
 def test_limits_hold_between_the_nodes_on_many(seed):
     cells = [50, 80, 150, 300, 700, None][seed % 6]
     joints = 1 + seed % 7
@@ -204,7 +187,7 @@ def piece_in_motion(shares, guard=True):
 PIECES = [(0.2, 0.7), (0.45, 0.55), (0.1, 0.95)]
 
 
-@pytest.mark.parametrize("guard", [False, pytest.param(True, marks=known("resolve() slows the given ends down too"))])
+@pytest.mark.parametrize("guard", [False, True])
 @pytest.mark.parametrize("shares", PIECES)
 def test_moving_ends_are_met(shares, guard):
     piece, (s0, start), (s1, end), _ = piece_in_motion(shares, guard)
@@ -262,12 +245,7 @@ NASTY = {
 }  # fmt: skip
 
 
-COARSE = [
-    pytest.param(
-        name, marks=known("rounds run out, limits passed without a word") if name == "limits six orders apart" else ()
-    )
-    for name in NASTY
-]
+COARSE = list(NASTY)
 
 
 @pytest.mark.parametrize("name", COARSE)
@@ -284,7 +262,7 @@ def test_nasty_paths_keep_their_limits(name, cells):
     assert dense_usage(trajectory) <= GUARANTEE
 
 
-@pytest.mark.parametrize("cells", [pytest.param(100, marks=NINE_PROBES), 500, None])
+@pytest.mark.parametrize("cells", [100, 500, None])
 def test_feed_caps_that_jump(cells):
     path = AxisPath.from_callable(
         harmonics(44), speed_cap=lambda s: np.where((s >= 0.3) & (s < 0.6), 0.01, 10.0), breaks=[0.3, 0.6]
@@ -306,7 +284,6 @@ def test_a_cusp_rounded_to_a_micrometre():
     assert trajectory.duration > 2.0 * s_curve(0.5, 1.0, 3.0, 20.0) * 0.9
 
 
-@known("one joint that turns: usage up to 1.4 or 'no motion within the limits'")
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(
     seed=st.integers(0, 10_000),
@@ -323,16 +300,13 @@ def test_any_path_is_planned_within_its_limits(seed, joints, cells, velocity, ac
     assert np.isfinite(trajectory.duration)
 
 
-@known("usage 1.00015, and up to 5 percent given away over a short way to rest")
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 10_000), share=st.floats(0.05, 0.95), slower=st.floats(0.3, 0.99))
 def test_replanning_from_any_state_of_a_motion_works(seed, share, slower):
     f, limits = harmonics(seed), random_limits(seed)
     whole = plan(AxisPath.from_callable(f), limits, mesh=150)
     s, v, a = whole.state(share * whole.duration)
-    rest = plan(
-        AxisPath.from_callable(f, s, 1.0), limits, start=EndState(slower * v, slower**2 * a), mesh=150
-    )
+    rest = plan(AxisPath.from_callable(f, s, 1.0), limits, start=EndState(slower * v, slower**2 * a), mesh=150)
     assert dense_usage(rest, 4000, seed) <= GUARANTEE
     assert rest.duration <= (1.0 - share) * whole.duration / slower * 1.02
 
@@ -350,7 +324,6 @@ def test_smooth_paths_of_several_joints_keep_their_limits(seed, joints, tight):
     assert dense_usage(trajectory, 4000, seed) <= GUARANTEE
 
 
-@known("nodes grow with time over the quickest joint's ramp: 10^13 of them, MemoryError")
 def test_a_long_straight_line_has_few_nodes():
     """Guarded by a limit on memory: a path of hours must not ask for nodes by the microsecond."""
     import resource
@@ -364,9 +337,7 @@ def test_a_long_straight_line_has_few_nodes():
     assert trajectory.mesh_points < 100_000
 
 
-@pytest.mark.parametrize(
-    "cells", [pytest.param(300, marks=known("the rounds that tighten end in a breakdown")), 1000, None]
-)
+@pytest.mark.parametrize("cells", [300, 1000, None])
 def test_feed_caps_that_jump_ten_times(cells):
     path = AxisPath.from_callable(
         harmonics(44),
@@ -376,7 +347,6 @@ def test_feed_caps_that_jump_ten_times(cells):
     assert dense_usage(plan(path, random_limits(44), mesh=cells)) <= GUARANTEE
 
 
-@known("one joint to and fro 32 times: the second solve breaks down at its first step")
 @pytest.mark.parametrize("cells", [1000, None])
 def test_a_joint_that_goes_to_and_fro(cells):
     path = AxisPath.from_callable(

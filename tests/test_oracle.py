@@ -51,13 +51,8 @@ def test_rest_to_rest_is_ipopts_optimum(seed):
     assert abs(ratio - 1.0) < 1e-4
 
 
-SLOWER = pytest.mark.xfail(reason="2 percent slower than IPOPT on 150 cells: known, open", strict=False)
-
-
 @pytest.mark.sweep
-@pytest.mark.parametrize(
-    "seed", [pytest.param(seed, marks=SLOWER if seed == 138 else ()) for seed in range(100, 140)]
-)
+@pytest.mark.parametrize("seed", range(100, 140))
 def test_rest_to_rest_is_ipopts_optimum_on_many(seed):
     joints = 1 + seed % 7
     path = AxisPath.from_callable(harmonics(seed, joints))

@@ -28,10 +28,12 @@ def plan(
 ) -> Trajectory:
     """The fastest motion along a path within the limits of a machine.
 
-    A Path needs a Machine; an AxisPath takes a Machine or bare Limits. `mesh` fixes the number of mesh cells of each
-    run (default: as many as the motion asks for). `progress` is called with the share done. Options of the planner
-    `optimal`: `start` and `end` (EndState, of the first and last run), `guard` (hold the limits between nodes,
-    default true); of `genetic`: see `toolpace.plan.genetic`. Raises InfeasibleError where no such motion exists.
+    A Path needs a Machine; an AxisPath takes a Machine or bare Limits. `mesh` fixes the number of mesh cells of
+    each run (default: as many as the motion asks for). `progress` is called with the share done.
+
+    Options of the planner `optimal`: `start` and `end` (EndState, of the first and last run), `guard` (hold the
+    limits between nodes, default true), `bound` (report a lower bound of the duration, default true); of
+    `genetic`: see `toolpace.plan.genetic`. Raises InfeasibleError where no such motion exists.
     """
     from toolpace.axispath import AxisPath
     from toolpace.limits import Limits

@@ -14,6 +14,7 @@ from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.kernels import cubic
 from toolpace.limits import Limits
+from toolpace.plan.bound import bound_run
 from toolpace.plan.endstate import AT_REST, EndState, check_state
 from toolpace.plan.mesh import first_mesh, ramp_time, split
 from toolpace.plan.peaks import cell_peaks
@@ -44,7 +45,9 @@ FLOOR = 0.3
 """Where z dips between two nodes: what it starts from on the finer mesh, as a share of z at the nodes."""
 MOST_ROUNDS = 20
 OVERSHOOT = 1.2
-"""How far a limit is lowered, as a multiple of how far it was passed."""
+URGE = 1.3
+MOST_OVERSHOOT = 6.0
+"""How far a limit is lowered, as a multiple of how far it was passed; by how much more after each round; at most."""
 
 
 def plan_run(
@@ -107,7 +110,7 @@ def guarded(
             peak = np.repeat(np.where(parts[:, None] > 1, 1.0, peak), parts, axis=0)
         else:
             problem.clock = law.times
-        problem.tighten(peak, OVERSHOOT, reach=1 + round_ // 3)
+        problem.tighten(peak, min(OVERSHOOT * URGE ** max(round_ - 2, 0), MOST_OVERSHOOT), reach=1 + round_ // 3)
         try:
             c, moved = resolve(problem, c, wrong, START_LOSS + 1.0 - 1.0 / min(worst, 1.5))
         except Stalled:
@@ -174,24 +177,38 @@ def plan_optimal(
     start: EndState = AT_REST,
     end: EndState = AT_REST,
     guard: bool = True,
+    bound: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
-    """The fastest trajectory along all runs; `start` is the state at the start of the first, `end` of the last."""
+    """The fastest trajectory along all runs; `start` is the state at the start of the first, `end` of the last.
+
+    `bound` asks for the lower bound of the duration too.
+    """
     began = time.perf_counter()
     runs = axis_path.runs
     last = len(runs) - 1
     whole = runs[-1].s1 - runs[0].s0
 
-    def one(k: int) -> tuple[SplineLaw, int]:
+    def one(k: int) -> tuple[SplineLaw, int, float]:
         states = start if k == 0 else AT_REST, end if k == last else AT_REST
-        return plan_run(runs[k], limits, cells=cells, start=states[0], end=states[1], guard=guard)
+        law, count = plan_run(runs[k], limits, cells=cells, start=states[0], end=states[1], guard=guard)
+        least = bound_run(runs[k], limits, law, *states).seconds if bound else 0.0
+        return law, count, least if np.isfinite(least) else 0.0
 
-    laws, points, done = [], 0, 0.0
+    laws, points, least, done = [], 0, 0.0, 0.0
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-        for run, (law, count) in zip(runs, pool.map(one, range(len(runs)))):
+        for run, (law, count, seconds) in zip(runs, pool.map(one, range(len(runs)))):
             laws.append(law)
             points += count
+            least += seconds + run.dwell
             done += (run.s1 - run.s0) / whole
             if progress is not None:
                 progress(min(done, 1.0))
-    return Trajectory(axis_path, limits, tuple(laws), mesh_points=points, solve_seconds=time.perf_counter() - began)
+    return Trajectory(
+        axis_path,
+        limits,
+        tuple(laws),
+        lower_bound=least if bound else 0.0,
+        mesh_points=points,
+        solve_seconds=time.perf_counter() - began,
+    )
