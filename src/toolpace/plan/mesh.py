@@ -21,7 +21,7 @@ GRADING = 0.1
 CELLS_A_HINT = 2.0
 """Fewest cells between two hints of a run, such as the knots of a fitted path."""
 FEWEST_CELLS = 150
-DEFAULT_CELLS = 900
+DEFAULT_CELLS = 1500
 MOST_CELLS = 20_000
 """Fewest cells of a run, with hints and without, and most, unless it has many hints."""
 
