@@ -7,7 +7,6 @@ positions, the tool comes from the machine's forward kinematics, and the way alo
 
 from __future__ import annotations
 
-import math
 from typing import Protocol
 
 import numpy as np
@@ -36,7 +35,7 @@ def verify(
     machine: Machine | Limits,
     toolpath: ToolPath | None = None,
     tip_tolerance: float = 10e-6,
-    axis_tolerance: float = math.radians(0.05),
+    axis_tolerance: float = 1e-3,
     dt: float = 1e-3,
 ) -> Verification:
     """Judge set-points, or a trajectory sampled every `dt` [s], against the machine and, if given, the
