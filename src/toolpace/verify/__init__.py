@@ -7,6 +7,7 @@ positions, the tool comes from the machine's forward kinematics, and the way alo
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
