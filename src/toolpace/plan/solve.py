@@ -31,7 +31,7 @@ MARGIN = 0.01
 """A start closer than this share to a limit has that limit relaxed at first."""
 MEND_RAMPS = 7.0
 """How far a mended place may move its surroundings, in times in which an acceleration builds up."""
-MOST_DROP = 0.7
+LEAST_LEFT = 0.7
 """Least share of a coefficient that mending leaves: limits move by little, and so must the motion."""
 WIDER = 4.0
 """How much wider a stretch is made that finds no way."""
@@ -122,8 +122,8 @@ def solve_long(problem: Problem, c: Floats, spread: float) -> Floats:
     seams = [Stretch(*problem.around(b, b, SEAM_RAMPS), b, b) for b in border[1:-1]]
     if any(left.high >= right.low for left, right in itertools.pairwise(seams)):
         return solve(problem, c, spread)
-    inner, _ = mend(problem, c, [Stretch(a, b, a, b) for a, b in itertools.pairwise(border)], 0.0, spread)
-    return mend(problem, inner, seams, SEAM_LOSS, SEAM_LOSS)[0]
+    inner, _ = mend(problem, c, [Stretch(a, b, a, b) for a, b in itertools.pairwise(border)], 0.0, spread, least=0.0)
+    return mend(problem, inner, seams, SEAM_LOSS, SEAM_LOSS, least=0.0)[0]
 
 
 def usage(problem: Problem, c: Floats) -> Floats:
@@ -170,11 +170,14 @@ def stretches(problem: Problem, cells: Bools, ramps: float = MEND_RAMPS) -> list
     return merged
 
 
-def mend(problem: Problem, c: Floats, parts: list[Stretch], loss: float, spread: float) -> tuple[Floats, list[Stretch]]:
+def mend(
+    problem: Problem, c: Floats, parts: list[Stretch], loss: float, spread: float, least: float = LEAST_LEFT
+) -> tuple[Floats, list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
 
     Each stretch starts from c, slowed down by the share `loss` in its middle. The stretches are solved on all cores;
-    one that finds no way is solved once more, wider, when the others are done. Returns the coefficients and the
+    one that finds no way, or leaves less than the share `least` of a coefficient, is solved once more, wider, when
+    the others are done. Returns the coefficients and the
     stretches solved. Raises Stalled.
     """
     out = c.copy()
@@ -182,7 +185,7 @@ def mend(problem: Problem, c: Floats, parts: list[Stretch], loss: float, spread:
 
     def one(part: Stretch) -> None:
         try:
-            mend_one(problem, out, part, loss, spread)
+            mend_one(problem, out, part, loss, spread, least)
         except Stalled:
             stuck.append(part)
 
@@ -190,17 +193,17 @@ def mend(problem: Problem, c: Floats, parts: list[Stretch], loss: float, spread:
         list(pool.map(one, parts))
     wider = [Stretch(*problem.around(p.first, p.last, WIDER * MEND_RAMPS), p.first, p.last) for p in sorted(stuck)]
     for part in wider:
-        mend_one(problem, out, part, max(loss, SEAM_LOSS), spread)
+        mend_one(problem, out, part, max(loss, SEAM_LOSS), spread, least)
     return out, parts + wider
 
 
-def mend_one(problem: Problem, c: Floats, part: Stretch, loss: float, spread: float) -> None:
+def mend_one(problem: Problem, c: Floats, part: Stretch, loss: float, spread: float, least: float) -> None:
     """Overwrite the coefficients that lie inside one stretch of nodes. Raises Stalled."""
     piece = problem.stretch(part.low, part.high)
     mine = c[part.low : part.high + 3]
     taper = part.first - part.low, part.high - part.last
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
-    if (mended < MOST_DROP * mine).any():
+    if (mended < least * mine).any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
         raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]))
     first = 0 if piece.end[0] == speed.REST else 2
