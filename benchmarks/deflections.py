@@ -93,12 +93,12 @@ def faults(old: Trajectory, new: Trajectory, given: Draw) -> list[str]:
 
 def overspeed(run: DetourRun, new: Trajectory) -> float:
     """Most by which the tip passes the feed on the way back, relative to the feed."""
-    if not np.isfinite(run.feed):
+    if not np.isfinite(run.excess.feed):
         return 0.0
     motion = new.at(np.linspace(0.0, run.detour.duration, 500))
     assert run.machine is not None
     speed = np.linalg.norm(tip_velocity(run.machine, motion.q, motion.qd), axis=1)
-    return max(float(speed.max()) / run.feed - 1.0, 0.0)
+    return max(float(speed.max()) / run.excess.feed - 1.0, 0.0)
 
 
 def main(count: int = 1000, seed: int = 2009) -> None:

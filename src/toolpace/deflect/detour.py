@@ -155,10 +155,10 @@ class DetourRun(AxisRun):
     joints come to rest as they rejoin (v = 0, an end of the run), p is time and the run ends there.
     """
 
-    def __init__(self, detour: Detour, machine: Machine | None, feed: float, kinks: Floats) -> None:
-        """`feed` [m/s] holds for the tip on the detour; `kinks` are times at which the jerk of the carry jumps."""
+    def __init__(self, detour: Detour, machine: Machine | None, excess: Excess, kinks: Floats) -> None:
+        """`excess` tells the feed of the tip on the detour; `kinks` are times at which the jerk of the carry jumps."""
         known = detour.known
-        self.detour, self.machine, self.feed, self.rest_of = detour, machine, feed, known.run
+        self.detour, self.machine, self.excess, self.rest_of = detour, machine, excess, known.run
         place, self.v, self.a, _ = map(float, known.law.at(np.array([detour.rejoin]))[:, 0])
         self.ends_here = bool(known.still(np.array([self.v]))[0])
         if self.ends_here:
@@ -176,8 +176,6 @@ class DetourRun(AxisRun):
         hints = known.run.hints
         after = np.empty(0) if self.ends_here else hints[hints > self.join]
         self.hints = np.concatenate([even, after]) if len(hints) else even
-        now = known.motion(np.array([detour.time]))
-        self.excess = Excess.at_start(machine, feed, now, detour.offset)
 
     def parameter(self, t: Floats) -> Floats:
         """(4, n) p and three time derivatives at times (n,) since the deflection, where the detour runs as made."""
@@ -238,7 +236,7 @@ class DetourRun(AxisRun):
         if self.machine is None:
             out[on] = np.inf if self.ends_here else self.rest_of.speed_cap(np.array([self.join]))[0]
             return out
-        if not np.isfinite(self.feed):
+        if not np.isfinite(self.excess.feed):
             out[on] = np.inf
             return out
         jets = self.evaluate(s[on])

@@ -66,12 +66,14 @@ def replan(
     judge = Judge(known, trajectory.limits, machine, feed, local, offset)
     target = rejoin_time(known, trajectory.axis_path, index, deflection, rejoin, interval)
     detour = shortest_detour(judge, target)
+    if detour is None and judge.relax():
+        detour = shortest_detour(judge, target)
     if detour is None:
         raise InfeasibleError(
             f"deflection at {time:.6g} s: no way back to the path within limits and travel; the joints are off by"
-            f" {described(trajectory, offset, machine)}, and the best detour takes {judge.nearest:.4g} of a limit"
+            f" {described(trajectory, offset, machine)}, and the nearest detour takes {judge.nearest:.6g} of {judge.of}"
         )
-    run = DetourRun(detour, machine, feed, kinks(detour))
+    run = DetourRun(detour, machine, judge.excess, kinks(detour))
     runs: list[AxisRun] = [run]
     laws: list[TimeLaw] = [direct_law(run)]
     following = index + 1

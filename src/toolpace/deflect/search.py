@@ -22,6 +22,8 @@ PERIODS = np.geomspace(5e-3, 60.0, 60)
 """Periods tried beside these, for the last time of rejoining: the time left to it may be next to nothing [s]."""
 HORIZONS = 28
 CARRIES = 20
+CARRIED = 0.2
+"""How far ahead the carrying on is looked at where nothing passes else [s]."""
 PATIENCE = 2.0
 """Duration of a detour, as a multiple of what its offset needs, up to which no other is looked for."""
 SHARPEST = 6.0
@@ -45,9 +47,21 @@ class Judge:
     ) -> None:
         self.known, self.machine, self.feed, self.time, self.offset = known, machine, feed, time, offset
         self.limits = np.stack([limits.velocity, limits.acceleration, limits.jerk])
-        self.nearest = np.inf
-        """Least usage seen of a detour that did not pass."""
+        self.nearest, self.of = np.inf, "a limit"
+        """Least usage seen of a detour that did not pass, and of what."""
         self.excess = Excess.at_start(machine, feed, known.motion(np.array([time])), offset)
+
+    def relax(self) -> bool:
+        """Allow what the tip passes the feed by if the joints just carry on for a while; whether that is more."""
+        if self.machine is None or not np.isfinite(self.feed):
+            return False
+        motion = self.known.motion(self.time + np.linspace(0.0, CARRIED, TIP_SAMPLES))
+        speed = np.linalg.norm(tip_velocity(self.machine, motion[0] + self.offset, motion[1]), axis=1)
+        more = 1.1 * float(speed.max() - self.feed)
+        if more <= self.excess.speed:
+            return False
+        self.excess = Excess(self.feed, more, self.excess.growth)
+        return True
 
     def joint_usage(self, carry: float, rejoin: Floats, period: Floats) -> Floats:
         """(n,) usage of the quintics alone, to rejoin at times (n,) in periods (n,)."""
@@ -95,8 +109,15 @@ class Judge:
         if joints is None:
             joints = float(self.joint_usage(detour.carry, np.array([detour.rejoin]), np.array([detour.period]))[0])
         worst = joints if joints > ALLOWED else max(joints, self.path_usage(detour))
-        self.nearest = min(self.nearest, worst)
-        return worst <= ALLOWED
+        passed = worst <= ALLOWED
+        if not passed:
+            self.note(worst, "the joints' limits" if joints > ALLOWED else "feed or travel")
+        return passed
+
+    def note(self, usage: float, of: str) -> None:
+        """Remember the nearest of what did not pass."""
+        if usage < self.nearest:
+            self.nearest, self.of = usage, of
 
 
 def horizons(known: Known, time: float) -> Floats:
@@ -132,7 +153,7 @@ def candidates(judge: Judge, carry: float, rejoin: Floats) -> Iterator[tuple[flo
     if len(at) == 0:
         return
     used = judge.joint_usage(carry, at, period)
-    judge.nearest = min(judge.nearest, float(np.min(np.where(used > ALLOWED, used, np.inf))))
+    judge.note(float(np.min(np.where(used > ALLOWED, used, np.inf))), "the joints' limits")
     loss = np.maximum(carry + period - (at - judge.time), 0.0) + HASTE * (carry + period)
     good = np.flatnonzero(used <= ALLOWED)
     for k in good[np.argsort(loss[good], kind="stable")][:TRIES]:
