@@ -153,6 +153,13 @@ def test_stops_dwells_blocks_and_repeated_points():
         assert np.all(np.diff(run.breaks) > 0)
 
 
+def test_dwells_before_anything_moves_are_kept():
+    tip = np.array([[0, 0, 0], [0, 0, 0], [0.01, 0, 0], [0.02, 0, 0]])
+    path = Path.fit(make(tip, up(4), stops=(1, 2), dwells={0: 0.25, 1: 0.5, 3: 2.0}))
+    assert path.first_dwell == 0.75
+    assert [run.dwell for run in path.runs] == [0.0, 2.0]
+
+
 def test_nothing_moves():
     with pytest.raises(PathError, match="nothing moves"):
         Path.fit(make(np.zeros((3, 3)), up(3)))

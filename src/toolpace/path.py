@@ -27,6 +27,8 @@ class Path:
     axis_deviation: float = 0.0
     """Largest angle of the tool axis from that of the program [rad]."""
     fit_seconds: float = 0.0
+    first_dwell: float = 0.0
+    """Time to wait before the first run [s]."""
 
     @classmethod
     def fit(
@@ -45,8 +47,8 @@ class Path:
         from toolpace.fit.fit import fit_runs
 
         begin = time.perf_counter()
-        runs, tip, axis = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress)
-        return cls(runs, tip, axis, time.perf_counter() - begin)
+        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress)
+        return cls(runs, tip, axis, time.perf_counter() - begin, wait)
 
     @classmethod
     def from_callable(

@@ -32,8 +32,8 @@ def fit_runs(
     axis_tolerance: float,
     machine: Machine | None,
     progress: Callable[[float], None] | None,
-) -> tuple[tuple[SplineRun, ...], float, float]:
-    """Runs, and the largest deviation of tip [m] and tool axis [rad]."""
+) -> tuple[tuple[SplineRun, ...], float, float, float]:
+    """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s]."""
     for name, value in (("tip_tolerance", tip_tolerance), ("axis_tolerance", axis_tolerance)):
         if not (np.isfinite(value) and value > 0.0):
             raise UsageError(f"{name} is {value:g}: give a positive tolerance")
@@ -61,7 +61,7 @@ def fit_runs(
         tip_worst, axis_worst = max(tip_worst, tip_off), max(axis_worst, axis_off)
         done += part
     report(0.0)
-    return tuple(runs), tip_worst * tip_tolerance, axis_worst * axis_tolerance
+    return tuple(runs), tip_worst * tip_tolerance, axis_worst * axis_tolerance, lines[0].wait
 
 
 def fit_run(

@@ -61,12 +61,14 @@ class Polyline:
     """(k,) entry of the ToolPath that each cell leads to."""
     dwell: float
     """Time to wait at the end [s]."""
+    wait: float = 0.0
+    """Time to wait at the start [s]; the first run only."""
 
 
 def polylines(
     toolpath: ToolPath, tip_tolerance: float, axis_tolerance: float, machine: Machine | None
 ) -> list[Polyline]:
-    """The runs of a ToolPath. Repeated points vanish, and so do runs of no length; their dwells move on."""
+    """The runs of a ToolPath. Repeated points vanish, and so do runs of no length; their dwells go to the run before."""
     dense, entry = refined(toolpath, axis_tolerance, machine)
     tip = dense.tip / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
@@ -74,6 +76,7 @@ def polylines(
     stops = np.flatnonzero(dense.stop)
     stops = np.unique(np.concatenate([[0], stops, [len(dense) - 1]]))
     runs: list[Polyline] = []
+    wait = float(dense.dwell[0])
     for start, end in pairwise(stops):
         steps = length[start:end]
         kept = np.flatnonzero(steps > LEAST_CELL)
@@ -81,6 +84,8 @@ def polylines(
         if len(kept) == 0:
             if runs:
                 runs[-1] = replace(runs[-1], dwell=runs[-1].dwell + dwell)
+            else:
+                wait += dwell
             continue
         nodes = start + np.concatenate([[0], kept + 1])
         nodes[-1] = end
@@ -92,6 +97,7 @@ def polylines(
                 axis=dense.axis[nodes],
                 entry=entry[start + 1 + kept],
                 dwell=dwell,
+                wait=0.0 if runs else wait,
             )
         )
     if not runs:
