@@ -68,7 +68,7 @@ class Polyline:
 def polylines(
     toolpath: ToolPath, tip_tolerance: float, axis_tolerance: float, machine: Machine | None
 ) -> list[Polyline]:
-    """The runs of a ToolPath. Repeated points vanish, and so do runs of no length; their dwells go to the run before."""
+    """The runs of a ToolPath. Repeated points and runs of no length vanish; their dwells go to the run before."""
     dense, entry = refined(toolpath, axis_tolerance, machine)
     tip = dense.tip / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
