@@ -203,7 +203,7 @@ def mend_one(problem: Problem, c: Floats, part: Stretch, loss: float, spread: fl
     mine = c[part.low : part.high + 3]
     taper = part.first - part.low, part.high - part.last
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
-    if (mended < least * mine).any():
+    if least > 0.0 and (mended < least * mine).any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
         raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]))
     first = 0 if piece.end[0] == speed.REST else 2
