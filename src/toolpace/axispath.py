@@ -56,6 +56,8 @@ class AxisPath:
     runs: tuple[AxisRun, ...]
     joints: tuple[str, ...]
     machine: Machine | None = None
+    first_dwell: float = 0.0
+    """Time to wait before anything moves [s]."""
 
     @classmethod
     def from_callable(
@@ -86,7 +88,7 @@ class AxisPath:
         """The joints of a machine that carries tool tip and tool axis along a path."""
         branches = _branches(path, machine)
         runs = tuple(FollowRun(run, machine, branch) for run, branch in zip(path.runs, branches))
-        return cls(runs, machine.joints, machine)
+        return cls(runs, machine.joints, machine, path.first_dwell)
 
 
 class CallableRun(AxisRun):

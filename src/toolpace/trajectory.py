@@ -87,9 +87,9 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         lengths = np.array([law.duration + run.dwell for law, run in zip(self.laws, self.axis_path.runs, strict=True)])
-        ends = np.cumsum(lengths)
-        object.__setattr__(self, "starts", np.concatenate([[0.0], ends[:-1]]))
-        object.__setattr__(self, "duration", float(ends[-1]) if len(ends) else 0.0)
+        ends = self.axis_path.first_dwell + np.cumsum(lengths)
+        object.__setattr__(self, "starts", np.concatenate([[self.axis_path.first_dwell], ends[:-1]]))
+        object.__setattr__(self, "duration", float(ends[-1]))
         self.starts.flags.writeable = False
 
     @property
@@ -111,7 +111,7 @@ class Trajectory:
             law = self.laws[k]
             local = t[of_run] - self.starts[k]
             now = law.at(np.clip(local, 0.0, law.duration))
-            now[1:, local > law.duration * (1.0 + 1e-12)] = 0.0
+            now[1:, (local < 0.0) | (local > law.duration * (1.0 + 1e-12))] = 0.0
             state[:, of_run] = now
         return run, state
 
@@ -191,7 +191,7 @@ class Trajectory:
     def limited_by(self) -> dict[str, float]:
         """What holds the motion back: share of the duration in which each limit binds, largest first."""
         times = dict(self._judgement[1])
-        dwell = sum(run.dwell for run in self.axis_path.runs)
+        dwell = self.axis_path.first_dwell + sum(run.dwell for run in self.axis_path.runs)
         if dwell > 0.0:
             times["dwell"] = dwell
         return {n: t / self.duration for n, t in sorted(times.items(), key=lambda item: -item[1]) if t > 0.0}

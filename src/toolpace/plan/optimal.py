@@ -195,7 +195,7 @@ def plan_optimal(
         least = bound_run(runs[k], limits, law, *states).seconds if bound else 0.0
         return law, count, least if np.isfinite(least) else 0.0
 
-    laws, points, least, done = [], 0, 0.0, 0.0
+    laws, points, least, done = [], 0, axis_path.first_dwell, 0.0
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
         for run, (law, count, seconds) in zip(runs, pool.map(one, range(len(runs)))):
             laws.append(law)
