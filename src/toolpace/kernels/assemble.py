@@ -18,9 +18,8 @@ Ints = npt.NDArray[np.int64]
 def scatter_roughness(band: Floats, third: Floats, weight: Floats, low: int) -> None:
     """Overwrite the Newton band by the roughness of the free coefficients low, low + 1, ..."""
     g = len(weight)
-    n = band.shape[0] // g
+    n = band.shape[0] // g - 6
     band[:] = 0.0
-    last = 6 * g - 1
     for i in range(max(0, low - 5), min(len(third), low + n)):
         base = i - low
         for a in range(max(0, -base), min(6, n - base)):
@@ -29,29 +28,46 @@ def scatter_roughness(band: Floats, third: Floats, weight: Floats, low: int) -> 
                 for k in range(3):
                     product += third[i, k, a] * third[i, k, b]
                 for c in range(g):
-                    band[(base + a) * g + c, last - (a - b) * g] += weight[c] * product
+                    band[(base + b) * g + c, (a - b) * g] += weight[c] * product
 
 
 @jit(reorder=True)
 def scatter_samples(band: Floats, first: Ints, rows: Floats, moment: Floats, low: int) -> None:
-    """Add B_j' M_j B_j of each sample, M_j = moment[j] (g, g), to the Newton band."""
+    """Add B_j' M_j B_j of each sample, M_j = moment[j] (g, g), to the Newton band.
+
+    The samples of a cell add up before they go there: 21 products of two basis values with each entry of M_j.
+    """
     g = moment.shape[1]
-    n = band.shape[0] // g
-    last = 6 * g - 1
-    spread = np.empty(6 * g)
+    n = band.shape[0] // g - 6
+    pair = np.empty(21)
+    total = np.zeros((3, 3, 21))
     for j in range(len(first)):
+        k = 0
+        for a in range(6):
+            for b in range(a + 1):
+                pair[k] = rows[j, a] * rows[j, b]
+                k += 1
+        for c in range(g):
+            for d in range(c + 1):
+                share = moment[j, c, d]
+                line = total[c, d]
+                for k in range(21):
+                    line[k] += share * pair[k]
+        if j + 1 < len(first) and first[j + 1] == first[j]:
+            continue
         base = first[j] - low
         begin = max(0, -base)
-        for c in range(g):
-            for b in range(6):
-                for d in range(g):
-                    spread[b * g + d] = rows[j, b] * moment[j, c, d]
-            for a in range(begin, min(6, n - base)):
-                share = rows[j, a]
-                line = band[(base + a) * g + c]
-                shift = last - a * g - c
-                for k in range(begin * g, a * g + c + 1):
-                    line[shift + k] += share * spread[k]
+        end = min(6, n - base)
+        for b in range(begin, end):
+            for d in range(g):
+                line = band[(base + b) * g + d]
+                for c in range(d, g):
+                    line[c - d] += total[c, d, b * (b + 1) // 2 + b]
+                for a in range(b + 1, end):
+                    k = a * (a + 1) // 2 + b
+                    for c in range(g):
+                        line[(a - b) * g + c - d] += total[max(c, d), min(c, d), k]
+        total[:] = 0.0
 
 
 @jit()

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.kernels.assemble import gather, rough_gradient, scatter, scatter_roughness, scatter_samples
-from toolpace.kernels.band import factor, solve
+from toolpace.kernels.band import empty, factor, solve
 from toolpace.kernels.jit import jit
 
 Floats = npt.NDArray[np.float64]
@@ -39,7 +39,7 @@ def least_squares(
     """The smoothing spline: minimise the roughness plus the squared deviations in x[low:high]; the others stay."""
     g = x.shape[1]
     free = high - low
-    band = np.empty((free * g, 6 * g))
+    band = empty(free * g, 6 * g)
     scatter_roughness(band, third, weight, low)
     scatter_samples(band, first, rows, metric, low)
     if not factor(band):
@@ -92,7 +92,7 @@ def smoothest(
     """
     m, g = target.shape
     n = high - low
-    band = np.empty((n * g, 6 * g))
+    band = empty(n * g, 6 * g)
     gradient = np.empty(n * g)
     right = np.empty(n * g)
     step = np.zeros((len(x), g))
