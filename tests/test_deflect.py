@@ -22,6 +22,7 @@ from toolpace.plan import plan
 from toolpace.plan.endstate import EndState
 from toolpace.quinticpath import quintic_through
 from toolpace.trajectory import Trajectory
+from toolpace.verify import verify
 
 MACHINE = Machine.load("paper-ab")
 ARC = Path.paper_arc()
@@ -355,3 +356,12 @@ def test_bad_arguments(options: dict[str, object], words: str) -> None:
         deflect.replan(old, 99.0, DEFLECTION)
     with pytest.raises(UsageError, match="finite coordinates"):
         deflect.replan(old, 1.0, (0.0, 0.0))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_independent_judge_finds_nothing_but_the_moving_start(name: str) -> None:
+    case = CASES[name]
+    old = case.plan("genetic")
+    assert verify(old, case.machine).ok
+    new = deflect.replan(old, 1.3, old.tip([1.3])[0][0] + 1e-3, planner="genetic")
+    assert {check.what for check in verify(new, case.machine).findings if not check.ok} == {"rest at the start"}
