@@ -85,6 +85,8 @@ def fit_run(
         if repair < REPAIRS:
             radius = narrowed(data.s, narrow)
             tighten(spline, data, weight, least_third, radius, where, report)
+            if not (np.isfinite(spline.tip).all() and np.isfinite(spline.turn).all()):
+                spline, data = begin
         else:
             spline, data = begin
         polynomials = spline.pieces()
