@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from toolpace.alone import Alone
 from toolpace.errors import PathError, UsageError
 from toolpace.toolpath import ToolPath
 
@@ -69,14 +70,17 @@ class AxisPath:
         joints: Sequence[str] | None = None,
         speed_cap: float | Callable[[Floats], npt.ArrayLike] = np.inf,
         breaks: npt.ArrayLike = (),
+        hints: npt.ArrayLike = (),
     ) -> AxisPath:
         """A path given by a function: f(s (n,), order) -> (n, joints), the order-th derivative for orders 0 to 3.
 
-        `speed_cap` limits ds/dt; `breaks` names the values of s where the third derivative or the cap jumps.
+        `speed_cap` limits ds/dt; `breaks` names the values of s where the third derivative or the cap jumps; `hints`
+        (optional) values of s between which the path is simple, such as the knots of a spline: the mesh takes no
+        fewer cells. f and `speed_cap` are never called from two threads at once.
         """
         if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
             raise UsageError(f"path: s runs from {s0:g} to {s1:g}; it must increase")
-        run = CallableRun(f, float(s0), float(s1), speed_cap, np.unique(np.asarray(breaks, dtype=float)))
+        run = CallableRun(f, float(s0), float(s1), speed_cap, np.unique(np.asarray(breaks, dtype=float)), hints)
         count = run.evaluate(np.array([s0, s1])).shape[2]
         names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
         if len(names) != count:
@@ -101,13 +105,19 @@ class CallableRun(AxisRun):
         s1: float,
         speed_cap: float | Callable[[Floats], npt.ArrayLike],
         breaks: Floats,
+        hints: npt.ArrayLike = (),
     ) -> None:
         self.f, self.cap = f, speed_cap
         self.s0, self.s1, self.breaks = s0, s1, breaks[(breaks > s0) & (breaks < s1)]
-        self.hints = np.empty(0)
+        places = np.asarray(hints, dtype=float).ravel()
+        places = places[(places > s0) & (places < s1)]
+        self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
+        # a caller's function may remember what it was asked last
+        self.alone = Alone()
 
     def evaluate(self, s: Floats) -> Floats:
-        values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
+        with self.alone:
+            values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
         for order, value in enumerate(values):
             if value.ndim != 2 or value.shape != (len(s), values[0].shape[-1]):
                 raise PathError(
@@ -119,7 +129,11 @@ class CallableRun(AxisRun):
         return np.stack(values)
 
     def speed_cap(self, s: Floats) -> Floats:
-        cap = self.cap(s) if callable(self.cap) else self.cap
+        if callable(self.cap):
+            with self.alone:
+                cap = self.cap(s)
+        else:
+            cap = self.cap
         return np.broadcast_to(np.asarray(cap, dtype=float), s.shape).copy()
 
 

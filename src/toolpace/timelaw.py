@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 PROBES = 20_000
 FEWEST_PROBES, MOST_PROBES = 9, 65
 """Probes of a whole law, and of one of its cells: more where a coarse mesh leaves much room between nodes."""
+CELLS_AT_A_TIME = 10_000
+"""Cells of a spline that are probed in one piece, to keep memory low."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +43,8 @@ class TimeLaw(ABC):
         """(4, n): s and three time derivatives at sorted times t (n,) in [0, duration]."""
 
     @abstractmethod
-    def probe(self) -> Probe:
-        """States between which nothing is hidden."""
+    def probes(self) -> Iterator[Probe]:
+        """States between which nothing is hidden, in pieces that do not take much memory."""
 
 
 class SplineLaw(TimeLaw):
@@ -90,10 +94,20 @@ class SplineLaw(TimeLaw):
         )
         return state
 
-    def probe(self) -> Probe:
+    def probes(self) -> Iterator[Probe]:
         from toolpace.kernels import speedlaw
 
-        state, right, share = speedlaw.probe(
-            self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration, self.inside
-        )
-        return Probe(state, right, share)
+        last = len(self.nodes) - 1
+        for first in range(0, last, CELLS_AT_A_TIME):
+            state, right, share = speedlaw.probe(
+                self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration, self.inside, first,
+                min(first + CELLS_AT_A_TIME, last),
+            )  # fmt: skip
+            yield Probe(state, right, share)
+
+    def states_within(self, cells: Ints) -> tuple[Floats, Floats]:
+        """(4, m k) states at the k places `inside` each of m cells, and 0 for those on the left side of a break."""
+        from toolpace.kernels import speedlaw
+
+        state, right = speedlaw.within(self.nodes, self.cells, cells, self.inside)
+        return state, right

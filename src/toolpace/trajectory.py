@@ -127,9 +127,20 @@ class Trajectory:
 
     def at(self, t: npt.ArrayLike) -> Motion:
         """Motion of the joints at times t (n,) [s]; before the start and after the end the machine rests."""
-        t = np.atleast_1d(np.asarray(t, dtype=float))
-        motion, _ = self._motion(t)
+        motion, _ = self._motion_in_pieces(np.atleast_1d(np.asarray(t, dtype=float)))
         return motion
+
+    def _motion_in_pieces(self, t: Floats) -> tuple[Motion, Ints]:
+        """Motion and block at times t, without room for all derivatives of all of them at once."""
+        if len(t) <= CHUNK:
+            return self._motion(t)
+        m = len(self.joints)
+        motion, block = Motion(*(np.empty((len(t), m)) for _ in range(4))), np.empty(len(t), dtype=np.int64)
+        for i in range(0, len(t), CHUNK):
+            part = slice(i, i + CHUNK)
+            now, block[part] = self._motion(t[part])
+            motion.q[part], motion.qd[part], motion.qdd[part], motion.qddd[part] = now.q, now.qd, now.qdd, now.qddd
+        return motion, block
 
     def _motion(self, t: Floats) -> tuple[Motion, Ints]:
         run, state = self._state(t)
@@ -156,14 +167,10 @@ class Trajectory:
         if not dt > 0.0:
             raise UsageError(f"set-points: the time step is {dt:g} s; it must be positive")
         t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
-        pieces = [self._motion(t[i : i + CHUNK]) for i in range(0, len(t), CHUNK)]
-        q, qd, qdd, qddd = (
-            np.concatenate([getattr(motion, name) for motion, _ in pieces]) for name in ("q", "qd", "qdd", "qddd")
-        )
+        motion, block = self._motion_in_pieces(t)
         machine = self.axis_path.machine
-        tip, axis = machine.forward(q) if machine else (np.empty((0, 3)), np.empty((0, 3)))
-        block = np.concatenate([block for _, block in pieces])
-        return SetPoints(t, q, qd, qdd, qddd, tip, axis, block, self.joints)
+        tip, axis = machine.forward(motion.q) if machine else (np.empty((0, 3)), np.empty((0, 3)))
+        return SetPoints(t, motion.q, motion.qd, motion.qdd, motion.qddd, tip, axis, block, self.joints)
 
     @cached_property
     def _judgement(self) -> tuple[Floats, dict[str, float]]:
@@ -172,14 +179,12 @@ class Trajectory:
         names = ["feed"] + [f"{kind} {joint}" for kind in KINDS for joint in self.joints]
         peak, times = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m)
         for run, law in zip(self.axis_path.runs, self.laws):
-            probe = law.probe()
-            for i in range(0, len(probe.share), CHUNK):
-                part = slice(i, i + CHUNK)
-                ratios = limit_ratios(run, self.limits, probe.state[:, part], probe.right[part])
+            for probe in law.probes():
+                ratios = limit_ratios(run, self.limits, probe.state, probe.right)
                 peak = np.maximum(peak, ratios.max(axis=0))
                 first = ratios.argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
-                np.add.at(times, np.where(binds, first, 1 + 3 * m), probe.share[part])
+                times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))
         return peak, {**{n: float(v) for n, v in zip(names, times) if v > 0.0}, "nothing": float(times[-1])}
 
     def usage(self) -> Usage:

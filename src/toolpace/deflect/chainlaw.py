@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,17 +46,16 @@ class ChainLaw(TimeLaw):
             out[:, here] = piece.law.at(np.clip(piece.begin + (t[here] - self.times[k]), piece.begin, piece.end))
         return out
 
-    def probe(self) -> Probe:
-        states, rights, shares = [], [], []
+    def probes(self) -> Iterator[Probe]:
         for piece in self.pieces:
-            probe = piece.law.probe()
             # the end of a piece belongs to its own side of a jump of the third derivative
             ends = piece.law.at(np.array([piece.begin, piece.end - SIDE * (1.0 + piece.end)]))
-            inside = (probe.state[0] > ends[0, 0]) & (probe.state[0] < ends[0, 1])
-            share = probe.share[inside]
+            total = 0.0
+            for probe in piece.law.probes():
+                inside = (probe.state[0] > ends[0, 0]) & (probe.state[0] < ends[0, 1])
+                if inside.any():
+                    total += float(probe.share[inside].sum())
+                    yield Probe(probe.state[:, inside], probe.right[inside], probe.share[inside])
             # what the cut leaves of the time is that of the ends
-            rest = max(piece.end - piece.begin - float(share.sum()), 0.0) / 2.0
-            states += [ends[:, :1], probe.state[:, inside], ends[:, 1:]]
-            rights += [np.ones(1), probe.right[inside], np.zeros(1)]
-            shares += [np.array([rest]), share, np.array([rest])]
-        return Probe(np.concatenate(states, axis=1), np.concatenate(rights), np.concatenate(shares))
+            rest = max(piece.end - piece.begin - total, 0.0) / 2.0
+            yield Probe(ends, np.array([1.0, 0.0]), np.full(2, rest))

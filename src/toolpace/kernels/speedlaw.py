@@ -134,14 +134,39 @@ def states(t: Any, nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, d
 
 
 @jit()
-def probe(nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: Any, inside: Any) -> Any:
-    """States at `inside` (k,), shares of a cell, in every cell, its ends taken from inside; REST_INSIDE in a rest cell.
+def within(nodes: Any, cells: Any, which: Any, inside: Any) -> Any:
+    """States at `inside` (k,), shares of a cell, in the cells `which` (m,), their ends taken from inside.
 
-    Returns the states (4, n), whether each belongs to the right side of a break, and the time each stands for.
+    Returns the states (4, m k), and whether each belongs to the right side of a break.
+    """
+    k = len(inside)
+    out = np.empty((4, len(which) * k))
+    right = np.ones(len(which) * k)
+    i = 0
+    for cell in which:
+        h = nodes[cell + 1] - nodes[cell]
+        for f in inside:
+            _inside(nodes[cell], cells[cell], f * h, out, i)
+            i += 1
+        out[0, i - 1] = nodes[cell + 1]
+        right[i - 1] = 0.0
+    return out, right
+
+
+@jit()
+def probe(
+    nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: Any, inside: Any, first: Any, beyond: Any
+) -> Any:
+    """States at `inside` (k,), shares of a cell, in the cells from `first` to before `beyond`, ends from inside.
+
+    Rest cells belong to the outermost ones, with states at REST_INSIDE. Returns the states (4, n), whether each
+    belongs to the right side of a break, and the time each stands for.
     """
     n = len(nodes)
     inner, outer = len(inside), len(REST_INSIDE)
-    count = (n - 1) * inner + (outer if rest0 > 0.0 else 0) + (outer if rest1 > 0.0 else 0)
+    rest0 = rest0 if first == 0 else 0.0
+    rest1 = rest1 if beyond == n - 1 else 0.0
+    count = (beyond - first) * inner + (outer if rest0 > 0.0 else 0) + (outer if rest1 > 0.0 else 0)
     out = np.empty((4, count))
     right = np.ones(count)
     share = np.empty(count)
@@ -152,7 +177,7 @@ def probe(nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: 
             share[i] = times[0] / outer
             i += 1
         right[i - 1] = 0.0
-    for k in range(n - 1):
+    for k in range(first, beyond):
         h = nodes[k + 1] - nodes[k]
         for f in inside:
             _inside(nodes[k], cells[k], f * h, out, i)

@@ -24,6 +24,8 @@ FEWEST_CELLS = 150
 DEFAULT_CELLS = 1500
 MOST_CELLS = 20_000
 """Fewest cells of a run, with hints and without, and most, unless it has many hints."""
+CHUNK = 20_000
+"""Points of a path that are worked out at a time, to keep memory low."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class Guess:
     """(n,) (ds/dt)^2, well within the limits but for its kinks."""
     t: Floats
     """(n,) time [s]."""
+    highest: float
+    """The highest z that the limits allow anywhere at steady speed."""
 
 
 def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: int) -> Guess:
@@ -52,20 +56,30 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
         before, third_before = steady_speed(run, limits, np.nextafter(run.breaks, -np.inf))
         at = np.searchsorted(s, run.breaks)
         steady[at], third[at] = np.minimum(steady[at], before), np.minimum(third[at], third_before)
+    highest = highest_of(steady, length)
     finite = np.isfinite(steady)
     if not finite.all():
         steady[~finite] = 1e6 * (steady[finite].max() if finite.any() else (length / 1e-6) ** 2)
     third = np.where(np.isfinite(third), third, 1e6 * np.min(third, initial=length / 1e-9))
     z = envelope.ramped(s, steady, third, ends[0], ends[1])
-    return Guess(s, z, envelope.times(s, z))
+    return Guess(s, z, envelope.times(s, z), highest)
 
 
 def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
     """(n,) z that all limits allow at steady speed, and (n,) the most d3s/dt3 they allow at rest."""
-    _, steady, third = envelope.pointwise(
-        run.evaluate(s), limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s)
-    )
+    steady, third = np.empty(len(s)), np.empty(len(s))
+    for i in range(0, len(s), CHUNK):
+        part = s[i : i + CHUNK]
+        _, steady[i : i + CHUNK], third[i : i + CHUNK] = envelope.pointwise(
+            run.evaluate(part), limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(part)
+        )
     return steady, third
+
+
+def highest_of(steady: Floats, length: float) -> float:
+    """The highest of the z (n,) that limits allow at steady speed; a large value where there are no limits."""
+    finite = np.isfinite(steady)
+    return float(steady[finite].max()) if finite.any() else (length / 1e-6) ** 2
 
 
 def ramp_time(limits: Limits) -> float:

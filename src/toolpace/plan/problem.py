@@ -9,6 +9,7 @@ from toolpace.axispath import AxisRun
 from toolpace.kernels import cubic, envelope, speed
 from toolpace.limits import Limits
 from toolpace.plan.endstate import EndState
+from toolpace.plan.mesh import highest_of
 from toolpace.trajectory import limit_ratios
 
 Floats = npt.NDArray[np.float64]
@@ -16,20 +17,19 @@ Ints = npt.NDArray[np.int64]
 
 ALLOWED = 1.0 + 5e-5
 """Usage between nodes that is left alone; the guarantee is 1 + 1e-4."""
-LEAST_REACH = 40
-"""Fewest nodes on either side of a place that is mended."""
+HIGHEST = 1e3
+"""Cap on z where nothing else is one, as a multiple of the highest z at steady speed."""
 
 
-class Problem:
-    """A run on a mesh, as the core takes it: rows at the nodes, on both sides where the run has a break.
+class OnMesh:
+    """A spline's knots along a run, or along a part of it, and its ends.
 
-    The core's spline has no node at an end at rest: ds/dt has a constant third derivative in that outermost cell,
-    which gives z' = 4 z / (3 h) at its inner end and so ties two coefficients.
+    There is no knot at an end at rest: ds/dt has a constant third derivative in that outermost cell, which gives
+    z' = 4 z / (3 h) at its inner end and so ties two coefficients.
     """
 
-    def __init__(self, nodes: Floats, rest: tuple[float, float], node: Ints, ends: tuple[EndState, EndState]) -> None:
-        self.nodes, self.rest, self.node = nodes, rest, node
-        self.basis = cubic.basis_at_knots(nodes)[node]
+    def __init__(self, nodes: Floats, rest: tuple[float, float], ends: tuple[EndState, EndState]) -> None:
+        self.nodes, self.rest = nodes, rest
         self.end = np.array([speed.REST if state.at_rest else speed.MOVING for state in ends])
         first, last = (nodes[1] - nodes[0]) / 3.0, (nodes[-1] - nodes[-2]) / 3.0
         self.ratio = np.array(
@@ -40,6 +40,15 @@ class Problem:
         )
         z0, z1 = ends[0].speed ** 2, ends[1].speed ** 2
         self.fixed = np.array([z0, z0 + 2.0 * ends[0].acceleration * first, z1 - 2.0 * ends[1].acceleration * last, z1])
+
+
+class Problem(OnMesh):
+    """A run on a mesh, as the core takes it: rows at the nodes, on both sides where the run has a break."""
+
+    def __init__(self, nodes: Floats, rest: tuple[float, float], node: Ints, ends: tuple[EndState, EndState]) -> None:
+        super().__init__(nodes, rest, ends)
+        self.node = node
+        self.basis = cubic.basis_at_knots(nodes)[node]
         cell = np.diff(nodes)
         weight = (np.concatenate([[0.0], cell]) + np.concatenate([cell, [0.0]])) / 2.0
         weight[0] += 3.0 * rest[0]
@@ -48,29 +57,6 @@ class Problem:
         self.cap = np.empty(0)
         self.rows = np.empty((0, 0, 3))
         self.lowered = np.ones((len(nodes), 3))
-        self.clock = np.arange(len(nodes), dtype=np.float64)
-        """(n,) about when the nodes are passed [s]."""
-        self.ramp = 8.0
-        """Time in which an acceleration builds up [s]."""
-
-    def around(self, first: int, last: int, ramps: float) -> tuple[int, int]:
-        """Nodes from so many ramp times before the node `first` to as many after the node `last`."""
-        low = int(np.searchsorted(self.clock, self.clock[first] - ramps * self.ramp))
-        high = int(np.searchsorted(self.clock, self.clock[last] + ramps * self.ramp))
-        return max(min(low, first - LEAST_REACH), 0), min(max(high, last + LEAST_REACH), len(self.nodes) - 1)
-
-    def tighten(self, peak: Floats, overshoot: float, reach: int) -> None:
-        """Lower the limits around the cells whose peaks (cells, 3) by kind pass what is allowed.
-
-        They are lowered `overshoot` times as far as they were passed, since the solution moves on, and as far as
-        `reach` nodes to either side: a limit that is lowered at single nodes only is passed between them.
-        """
-        excess = np.ones((len(self.nodes), 3))
-        over = np.where(peak > ALLOWED, 1.0 + overshoot * (peak - 1.0), 1.0)
-        for shift in range(1 - reach, reach + 1):
-            low, high = max(shift, 0), min(len(over) + shift, len(excess))
-            excess[low:high] = np.maximum(excess[low:high], over[low - shift : high - shift])
-        self.lower(excess)
 
     def lower(self, by: Floats) -> None:
         """Divide the limits at the nodes by the factors (nodes, 3) of speed, acceleration and jerk."""
@@ -87,20 +73,25 @@ class Problem:
         There the two outermost coefficients are given, so that everything outside stays as it is.
         """
         part = object.__new__(Problem)
-        part.lowered, part.clock, part.ramp = self.lowered[low : high + 1], self.clock[low : high + 1], self.ramp
         mine = slice(*np.searchsorted(self.node, [low, high + 1]))
-        part.nodes, part.rest = self.nodes[low : high + 1], self.rest
+        part.nodes, part.rest, part.lowered = self.nodes[low : high + 1], self.rest, self.lowered[low : high + 1]
         part.node, part.basis, part.weight = self.node[mine] - low, self.basis[mine], self.weight[mine]
         part.cap, part.rows, part.ratio, part.fixed = self.cap[mine], self.rows[mine], self.ratio, self.fixed
         part.end = np.where([low == 0, high == len(self.nodes) - 1], self.end, speed.MOVING)
         return part
 
 
-def discretise(run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end: EndState) -> Problem:
-    """The rows of a run at the nodes (n,) from s0 to s1."""
+def discretise(
+    run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end: EndState, highest: float | None = None
+) -> Problem:
+    """The rows of a run, or of a part of it, at the nodes (n,) from end to end.
+
+    `highest` is the highest z that the limits allow anywhere at steady speed (default: at these nodes).
+    """
     inner = nodes[1 if start.at_rest else 0 : -1 if end.at_rest else len(nodes)]
     rest = (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1]))
-    both = np.isin(inner, run.breaks)
+    near = run.breaks[slice(*np.searchsorted(run.breaks, [inner[0], np.nextafter(inner[-1], np.inf)]))]
+    both = np.isin(inner, near)
     node = np.repeat(np.arange(len(inner)), 1 + both)
     point = inner[node]
     left = np.concatenate([node[1:] == node[:-1], [False]])
@@ -115,8 +106,10 @@ def discretise(run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
     acceleration += ahead[:, None, None] * jerk
-    problem.rows = np.concatenate([acceleration / limits.acceleration[:, None], jerk / limits.jerk[:, None]], axis=1)
     half = len(limits)
+    problem.rows = np.empty((len(point), 2 * half, 3))
+    np.divide(acceleration, limits.acceleration[:, None], out=problem.rows[:, :half])
+    np.divide(jerk, limits.jerk[:, None], out=problem.rows[:, half:])
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
             cap[place] = min(cap[place], rest_cap(run, limits, inner[place], rest[k], forth=k == 0))
@@ -124,9 +117,9 @@ def discretise(run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end
             # what the state fixes has been checked and is no row
             cap[place] = np.inf
             problem.rows[place, :half] = 0.0
-    finite = np.isfinite(steady)
-    highest = steady[finite].max() if finite.any() else ((run.s1 - run.s0) / 1e-6) ** 2
-    problem.cap = np.minimum(cap, 1e3 * max(highest, start.speed**2, end.speed**2))
+    if highest is None:
+        highest = max(highest_of(steady, run.s1 - run.s0), start.speed**2, end.speed**2)
+    problem.cap = np.minimum(cap, HIGHEST * highest)
     return problem
 
 

@@ -1,0 +1,122 @@
+"""Work on all cores, and word of how far it is."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+T = TypeVar("T")
+R = TypeVar("R")
+Tell = Callable[[float], None]
+"""Takes the share of some work that is done, from 0 to 1."""
+
+BREATH = 0.1
+"""Time between two looks at others' work [s]."""
+
+
+class Stopped(Exception):
+    """Others have failed, or the user has had enough: what is left of the work is of no use."""
+
+
+def untold(share: float) -> None:
+    """Tell nobody."""
+
+
+def part_of(tell: Tell, low: float, high: float) -> Tell:
+    """Tells of work that is the part from `low` to `high` of some other."""
+    return lambda share: tell(low + (high - low) * share)
+
+
+class Tally:
+    """How much of a plan is done: never falls, and is told only in the thread that asked for the plan."""
+
+    def __init__(self, tell: Tell | None, shares: Sequence[float]) -> None:
+        """Take who is to be told, and the share of each run of the whole."""
+        self._tell, self._shares = tell or untold, shares
+        self._done = [0.0] * len(shares)
+        self._told = -1.0
+        self._owner = threading.get_ident()
+
+    def of(self, run: int) -> Tell:
+        """Takes word of one run."""
+
+        def tell(share: float) -> None:
+            self._done[run] = max(self._done[run], min(share, 1.0))
+            self.pulse()
+
+        return tell
+
+    def pulse(self) -> None:
+        """Pass on what others have done."""
+        if threading.get_ident() != self._owner:
+            return
+        now = min(sum(done * share for done, share in zip(self._done, self._shares)), 1.0)
+        if now > self._told:
+            self._told = now
+            self._tell(now)
+
+
+class Crew:
+    """The caller's thread, and as many more as there are cores, for work within work.
+
+    The caller works too, and helpers join where they are free: pieces of one long run, or several short runs, take
+    the cores they find. An interrupt in the caller's thread stops all after the pieces they are at.
+    """
+
+    def __init__(self, tally: Tally | None = None) -> None:
+        self._free = threading.Semaphore(max((os.cpu_count() or 1) - 1, 0))
+        self._tally = tally
+        self.stopped = False
+
+    def each(self, work: Callable[[T], R], pieces: Sequence[T], tell: Tell = untold) -> list[R]:
+        """What `work` makes of each piece, in order. The first error is raised when all have come to a halt."""
+        out: dict[int, R] = {}
+        failed: dict[int, Exception] = {}
+        queue = iter(range(len(pieces)))
+        lock = threading.Lock()
+
+        def go() -> None:
+            while not self.stopped and not failed:
+                with lock:
+                    k = next(queue, None)
+                if k is None:
+                    return
+                try:
+                    out[k] = work(pieces[k])
+                except Exception as error:
+                    failed[k] = error
+                    return
+                tell(len(out) / len(pieces))
+
+        def help_out() -> None:
+            try:
+                go()
+            finally:
+                self._free.release()
+
+        helpers: list[threading.Thread] = []
+        try:
+            while len(helpers) < len(pieces) - 1 and not self.stopped and self._free.acquire(blocking=False):
+                helpers.append(threading.Thread(target=help_out))
+                helpers[-1].start()
+            go()
+            self._wait(helpers)
+        except BaseException:
+            self.stopped = True
+            self._wait(helpers)
+            raise
+        if failed:
+            first = min(failed, key=lambda k: (isinstance(failed[k], Stopped), k))
+            raise failed[first]
+        if self.stopped:
+            raise Stopped
+        return [out[k] for k in range(len(pieces))]
+
+    def _wait(self, helpers: list[threading.Thread]) -> None:
+        for helper in helpers:
+            while helper.is_alive():
+                helper.join(BREATH)
+                if self._tally is not None:
+                    self._tally.pulse()
