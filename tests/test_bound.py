@@ -14,11 +14,11 @@ from scipy import sparse
 
 from test_oracle import harmonics, random_limits
 from toolpace.axispath import AxisPath
-from toolpace.kernels import bound as kernel
 from toolpace.kernels import speed
 from toolpace.limits import Limits
-from toolpace.plan.bound import Knots, bound_run, coefficients, lower_bound, start_within
+from toolpace.plan.bound import bound_run, coefficients, lower_bound
 from toolpace.plan.endstate import AT_REST, EndState
+from toolpace.plan.knots import Knots, start_within
 from toolpace.plan.mesh import first_mesh
 from toolpace.plan.optimal import plan_run
 from toolpace.plan.problem import discretise
@@ -241,10 +241,7 @@ def test_dual_value_is_the_least_lagrangian(number):
     """The map from z at the knots to coefficients is one to one, so the Lagrangian's minimum splits by knots."""
     knots = Knots(some_case(number)[0])
     dual = multipliers(knots, number, 0.4)
-    value, kappa, theta = kernel.dual_value(
-        knots.basis, knots.first, knots.weight, 0.0 * knots.cap, knots.cap, knots.rows, dual, knots.end, knots.ratio,
-        knots.fixed,
-    )  # fmt: skip
+    value, kappa, theta = knots.dual(dual)
     half = knots.rows.shape[1] // 2
     by_knot = np.add.reduceat(dual[:, half:].sum(axis=(1, 2)), knots.first[:-1])
     dual[:, half:] *= np.repeat(np.minimum(1.0, knots.weight / np.maximum(by_knot, 1e-300)), np.diff(knots.first))[

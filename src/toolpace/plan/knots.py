@@ -1,0 +1,135 @@
+"""The planner's problem by knots, as relaxation and dual function take it, and parts of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.kernels import bound, relaxation, speed
+from toolpace.plan.problem import Problem
+
+Floats = npt.NDArray[np.float64]
+
+START_SHARE = 0.4
+"""Share of a plan's z at which the relaxation is started."""
+SETTLE_KNOTS = 30
+"""Knots over which that share is reached from an end in motion."""
+MARGIN = 0.01
+"""A start closer than this share to a limit has that limit relaxed at first."""
+
+
+class Knots:
+    """A problem by knots, its limits as they were before any was lowered.
+
+    The points on either side of a break are one knot with the rows of both.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        node, n = problem.node, len(problem.nodes)
+        self.first = np.searchsorted(node, np.arange(n + 1))
+        self.basis = np.ascontiguousarray(problem.basis[self.first[:-1]])
+        self.weight = np.bincount(node, problem.weight, n)
+        self.price = np.zeros(n + 2)
+        """(n + 2,) of the coefficients, where what surrounds a part is priced."""
+        by = problem.lowered[node]
+        self.cap = np.minimum.reduceat(problem.cap * by[:, 0] ** 2, self.first[:-1])
+        self.rows = problem.rows.copy()
+        half = self.rows.shape[1] // 2
+        self.rows[:, :half] /= by[:, 1, None, None]
+        self.rows[:, half:] /= by[:, 2, None, None]
+        self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
+
+    def state(self, c: Floats) -> Floats:
+        """(n, 3) z, z', z'' at the knots."""
+        out = np.empty((len(self.weight), 3))
+        relaxation.at_knots(self.basis, c, out)
+        return out
+
+    def dual(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> tuple[float, Floats, Floats]:
+        """The bound by multipliers (points, rows, 2) >= 0 of the sum over all z from low to high (n,), kappa, theta."""
+        low = np.zeros(len(self.weight)) if low is None else low
+        high = self.cap if high is None else high
+        value, kappa, theta = bound.dual_value(
+            self.basis, self.first, self.weight, self.price, low, high, self.rows, dual, self.end, self.ratio,
+            self.fixed,
+        )  # fmt: skip
+        return float(value), kappa, theta
+
+    def value(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> float:
+        """The bound alone."""
+        return self.dual(dual, low, high)[0]
+
+    def force(self, dual: Floats) -> Floats:
+        """(n, 3) what the rows of a knot, priced by multipliers, ask for its z, z', z''."""
+        of_point = np.einsum("pi,pij->pj", dual[:, :, 0] - dual[:, :, 1], self.rows)
+        force: Floats = np.add.reduceat(of_point, self.first[:-1])
+        return force
+
+    def jerk_price(self, dual: Floats) -> Floats:
+        """(n,) sum of the multipliers of jerk of a knot: what they take from the price of its pace."""
+        half = self.rows.shape[1] // 2
+        price: Floats = np.add.reduceat(dual[:, half:].sum(axis=(1, 2)), self.first[:-1])
+        return price
+
+    def part(self, low: int, high: int, inner: tuple[int, int], c: Floats, dual: Floats) -> Knots:
+        """The part between two knots, the rows of all but the knots inner[0] to inner[1] priced by multipliers.
+
+        The outermost coefficients stay as in c, unless the part ends where the run does.
+        """
+        n = len(self.weight)
+        part = object.__new__(Knots)
+        points = slice(self.first[low], self.first[high + 1])
+        part.first = self.first[low : high + 2] - self.first[low]
+        part.basis, part.weight = self.basis[low : high + 1], self.weight[low : high + 1].copy()
+        part.cap, part.rows = self.cap[low : high + 1].copy(), self.rows[points].copy()
+        part.price = self.price[low : high + 3].copy()
+        force = self.force(dual)
+        outside = np.concatenate([np.arange(low, inner[0]), np.arange(inner[1] + 1, high + 1)])
+        for j in range(3):
+            np.add.at(part.price, outside - low + j, (self.basis[outside, :, j] * force[outside]).sum(axis=1))
+        part.weight[outside - low] = np.maximum(self.weight - self.jerk_price(dual), 0.0)[outside]
+        mine = np.repeat(np.arange(low, high + 1), np.diff(part.first))
+        part.rows[(mine < inner[0]) | (mine > inner[1])] = 0.0
+        part.end, part.ratio = np.where([low == 0, high == n - 1], self.end, speed.MOVING), self.ratio
+        part.fixed = np.where(
+            [low == 0, low == 0, high == n - 1, high == n - 1], self.fixed, c[[low, low + 1, high + 1, high + 2]]
+        )
+        for k, end in ((0, part.end[0]), (-1, part.end[1])):
+            if end == speed.MOVING:
+                part.cap[k] = 1e3 * max(part.cap[k], part.fixed.max())
+        return part
+
+
+def start_within(
+    knots: Knots, c: Floats, low: Floats | None = None, high: Floats | None = None, share: float = START_SHARE
+) -> tuple[Floats, Floats]:
+    """Coefficients well inside, about `share` of c, and the reliefs (n, 4) that they need."""
+    place = np.arange(len(c), dtype=np.float64)
+    far = np.full(len(c), np.inf)
+    if knots.end[0] == speed.MOVING:
+        far = np.minimum(far, place - 1.0)
+    if knots.end[1] == speed.MOVING:
+        far = np.minimum(far, place[::-1] - 1.0)
+    inside = np.clip(far / SETTLE_KNOTS, 0.0, 1.0)
+    start: Floats = c * (1.0 - (1.0 - share) * inside * inside * (3.0 - 2.0 * inside))
+    u = knots.state(start)
+    if u[:, 0].min() <= 0.0:
+        start, u = c.copy(), knots.state(c)
+    low = np.zeros(len(u)) if low is None else low
+    high = knots.cap if high is None else high
+    half = knots.rows.shape[1] // 2
+    at_point = np.repeat(u, np.diff(knots.first), axis=0)
+    of_point = np.abs(np.einsum("pri,pi->pr", knots.rows[:, :half], at_point)).max(axis=1)
+    relief = np.zeros((len(u), 4))
+    relief[:, relaxation.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
+    relief[:, relaxation.RELIEF_ACCELERATION] = relief_of(np.maximum.reduceat(of_point, knots.first[:-1]))
+    floor = low > 0.0
+    relief[floor, relaxation.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
+    return start, relief
+
+
+def relief_of(used: Floats) -> Floats:
+    """By how much a limit that is used so much must be relaxed, relative to it."""
+    excess = used - (1.0 - MARGIN)
+    relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0)
+    return relief
