@@ -14,9 +14,12 @@ from toolpace.kernels.cubic import at_knots, basis_at_knots
 from toolpace.kernels.jit import jit
 
 FLOOR = 1e-6
+STEEP = 30.0
+INEXACT = 1e-4
+"""Error of the time of a cell that is let pass; looked for where z at its nodes differs by a factor of STEEP."""
 GAUSS_X = (np.polynomial.legendre.leggauss(8)[0] + 1.0) / 2.0
 GAUSS_W = np.polynomial.legendre.leggauss(8)[1] / 2.0
-REST_INSIDE = np.linspace(0.0, 1.0, 13)
+REST_INSIDE = np.linspace(0.0, 1.0, 65)
 
 
 @jit()
@@ -41,8 +44,27 @@ def _z(cell: Any, x: Any) -> Any:
 
 
 @jit()
+def _time(cell: Any, x: Any) -> Any:
+    """Time from the left node to a distance x into the cell."""
+    total = 0.0
+    for i in range(len(GAUSS_X)):
+        total += GAUSS_W[i] / np.sqrt(_z(cell, x * GAUSS_X[i]))
+    return total * x
+
+
+@jit()
+def _time_after(cell: Any, x: Any, h: Any) -> Any:
+    """Time from a distance x to a distance h into the cell."""
+    total = 0.0
+    for i in range(len(GAUSS_X)):
+        total += GAUSS_W[i] / np.sqrt(_z(cell, x + (h - x) * GAUSS_X[i]))
+    return total * (h - x)
+
+
+@jit()
 def dips(nodes: Any, cells: Any, inside: Any) -> Any:
-    """(n - 1,) whether z falls, inside a cell, below half of what it is at either node: the cell is too long."""
+    """(n - 1,) whether a cell is too long: z falls, inside, below half of what it is at either node, or changes by so
+    much that the rule which integrates time is not exact."""
     n = len(nodes)
     out = np.zeros(n - 1, dtype=np.bool_)
     for k in range(n - 1):
@@ -51,16 +73,10 @@ def dips(nodes: Any, cells: Any, inside: Any) -> Any:
         for f in inside:
             if _z(cells[k], f * h) < 0.5 * low:
                 out[k] = True
+        if max(cells[k, 0], _z(cells[k], h)) > STEEP * low:
+            whole = _time(cells[k], h)
+            out[k] |= abs(_time(cells[k], h / 2.0) + _time_after(cells[k], h / 2.0, h) - whole) > INEXACT * whole
     return out
-
-
-@jit()
-def _time(cell: Any, x: Any) -> Any:
-    """Time from the left node to a distance x into the cell."""
-    total = 0.0
-    for i in range(len(GAUSS_X)):
-        total += GAUSS_W[i] / np.sqrt(_z(cell, x * GAUSS_X[i]))
-    return total * x
 
 
 @jit()

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tell, part_of, untold
+from toolpace.plan.keep import kept, slowing
 from toolpace.plan.mend import mend, solve_run, stretches
 from toolpace.plan.peaks import cell_peaks
 from toolpace.plan.problem import ALLOWED
@@ -24,8 +25,6 @@ WARM_SPREAD = 0.03
 REFINE_ROUNDS = 6
 LEAST_CELL = 1e-3
 """Time of a cell, as a share of that in which an acceleration builds up, below which it is cut no further."""
-GUARANTEE = 1.0 + 9e-5
-"""Usage between nodes that is never passed, a rounding below what is promised."""
 REFINE_ABOVE = 1.003
 """Usage between nodes from which a cell is cut rather than its limits lowered."""
 QUARTER_ABOVE = 1.05
@@ -46,11 +45,12 @@ def guarded(course: Course, law: SplineLaw, fixed: bool, crew: Crew, tell: Tell 
     """
     c = law.c
     peak = cell_peaks(course, law, crew=crew)
+    best, least = law, law.duration * np.sqrt(slowing(peak))
     for round_ in range(MOST_ROUNDS):
         dips = law.dips()
         wrong = (peak.max(axis=1) > ALLOWED) | dips
         if not wrong.any():
-            break
+            return kept(course, law, crew)
         worst = float(peak.max())
         parts = np.where(dips, 4, 1 if fixed or round_ >= REFINE_ROUNDS else halves(peak))
         parts[np.diff(law.times) < course.ramp * LEAST_CELL] = 1
@@ -69,18 +69,9 @@ def guarded(course: Course, law: SplineLaw, fixed: bool, crew: Crew, tell: Tell 
             break
         law = SplineLaw(course.nodes, c, course.rest)
         peak[moved] = cell_peaks(course, law, moved, crew)
-    return kept(law, cell_peaks(course, law, crew=crew))
-
-
-def kept(law: SplineLaw, peak: Floats) -> SplineLaw:
-    """The law, slowed down as a whole where all rounds have left a trifle above the guarantee (cells, 3)."""
-    speed, acceleration, jerk = peak.max(axis=0)
-    worst = max(speed, acceleration, jerk)
-    if worst <= GUARANTEE:
-        return law
-    if not (law.rest[0] > 0.0 and law.rest[1] > 0.0 and np.isfinite(worst)) or law.dips().any():
-        raise Stalled(float(law.nodes[int(peak.max(axis=1).argmax())]))
-    return law.slowed(max(1.0, speed**2, acceleration, jerk ** (2.0 / 3.0)))
+        if law.duration * np.sqrt(slowing(peak)) < least:
+            best, least = law, law.duration * np.sqrt(slowing(peak))
+    return kept(course, best, crew)
 
 
 def halves(peak: Floats) -> Ints:

@@ -75,8 +75,12 @@ def solve_run(course: Course, c: Floats, spread: float, crew: Crew, tell: Tell =
     if count <= 1:
         return solve(course.problem(0, last), c, spread)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
-    inner, _ = mend(course, c, windows, 0.0, spread, crew, part_of(tell, 0.0, 0.85), least=0.0)
-    return mend(course, inner, seams, SEAM_LOSS, SEAM_LOSS, crew, part_of(tell, 0.85, 1.0), least=0.0)[0]
+    try:
+        inner, _ = mend(course, c, windows, 0.0, spread, crew, part_of(tell, 0.0, 0.85), least=0.0)
+        return mend(course, inner, seams, SEAM_LOSS, SEAM_LOSS, crew, part_of(tell, 0.85, 1.0), least=0.0)[0]
+    except Stalled:
+        # an end in motion may leave no way to so slow a border
+        return solve(course.problem(0, last), c, spread)
 
 
 def mend(
@@ -122,7 +126,7 @@ def mend_one(course: Course, c: Floats, out: Floats, part: Stretch, loss: float,
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
     if least > 0.0 and (mended < least * mine).any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
-        raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]))
+        raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]), "some limit")
     first = 0 if piece.end[0] == speed.REST else 2
     last = len(mended) - (0 if piece.end[1] == speed.REST else 2)
     out[part.low + first : part.low + last] = mended[first:last]

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from toolpace.axispath import AxisRun
 from toolpace.kernels import envelope
 from toolpace.limits import Limits
+from toolpace.plan.detail import detail
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -24,6 +25,10 @@ FEWEST_CELLS = 150
 DEFAULT_CELLS = 1500
 MOST_CELLS = 20_000
 """Fewest cells of a run, with hints and without, and most, unless it has many hints."""
+NODES_A_FALL = 1.0
+"""Fewest nodes while z falls or grows by the factor e: where the motion nearly stops, steps in time are too long."""
+ONE_PLACE = 1e-4
+"""Share of a cell up to which breaks are one place: cells that short spoil the spline, and nothing happens in them."""
 CHUNK = 20_000
 """Points of a path that are worked out at a time, to keep memory low."""
 
@@ -39,6 +44,8 @@ class Guess:
     """(n,) time [s]."""
     highest: float
     """The highest z that the limits allow anywhere at steady speed."""
+    detail: Floats
+    """(k,) those s that only a closer look has found to be needed."""
 
 
 def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: int) -> Guess:
@@ -51,6 +58,8 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
     keep |= np.isin(s, run.breaks)
     s = s[keep]
     s[-1] = run.s1
+    closer = detail(run, limits, s)
+    s = np.union1d(s, closer)
     steady, third = steady_speed(run, limits, s)
     if len(run.breaks):
         before, third_before = steady_speed(run, limits, np.nextafter(run.breaks, -np.inf))
@@ -62,7 +71,7 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
         steady[~finite] = 1e6 * (steady[finite].max() if finite.any() else (length / 1e-6) ** 2)
     third = np.where(np.isfinite(third), third, 1e6 * np.min(third, initial=length / 1e-9))
     z = envelope.ramped(s, steady, third, ends[0], ends[1])
-    return Guess(s, z, envelope.times(s, z), highest)
+    return Guess(s, z, envelope.times(s, z), highest, closer)
 
 
 def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
@@ -111,7 +120,7 @@ def to_graded(place: Floats, ends: tuple[float, float]) -> Floats:
 
 
 def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> tuple[Floats, Guess]:
-    """Nodes (n,) from s0 to s1, with every break among them; `cells` fixes their number, else time decides it."""
+    """Nodes (n,) from s0 to s1; `cells` fixes their number, else time decides it; breaks and detail come on top."""
     fewest = cells or (FEWEST_CELLS if len(run.hints) else DEFAULT_CELLS)
     rough = guess(run, limits, ends, fewest)
     s, t = rough.s, rough.t
@@ -126,11 +135,15 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
         if z == 0.0:
             density = np.maximum(density, 1.0 / (GRADING * np.maximum(distance, step)))
     count = np.diff(t) * density
+    moves = (middle > (step if ends[0] == 0.0 else 0.0)) & (middle < total - (step if ends[1] == 0.0 else 0.0))
+    fall = np.abs(np.diff(np.log(np.maximum(rough.z, 1e-300))))
+    count = np.where(moves, np.maximum(count, NODES_A_FALL * fall), count)
     if cells is None and len(run.hints):
-        # between two hints the third derivative bends
-        inside = np.clip(np.searchsorted(run.hints, (s[1:] + s[:-1]) / 2.0) - 1, 0, len(run.hints) - 2)
-        share = np.diff(s) / np.diff(run.hints)[inside]
-        count = np.maximum(count, CELLS_A_HINT * share)
+        # between two hints the third derivative bends, unless they are one place
+        hints = np.unique(np.concatenate([[run.s0], run.hints, [run.s1]]))
+        inside = np.clip(np.searchsorted(hints, (s[1:] + s[:-1]) / 2.0) - 1, 0, len(hints) - 2)
+        share = np.diff(s) / np.diff(hints)[inside]
+        count = np.maximum(count, np.minimum(CELLS_A_HINT * share, np.diff(t) / (ONE_PLACE * step)))
     else:
         count += 0.25 * count.sum() * np.diff(s) / (run.s1 - run.s0)
     measure = np.concatenate([[0.0], np.cumsum(count)])
@@ -143,20 +156,27 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     nodes = run.s0 + length * from_graded(np.interp(np.linspace(first, last, inner + 1), measure, graded), ends)
     nodes = np.concatenate([[run.s0] if ends[0] == 0.0 else [], nodes, [run.s1] if ends[1] == 0.0 else []])
     nodes[0], nodes[-1] = run.s0, run.s1
+    nodes = with_breaks(nodes, rough.detail, 0.0)
     knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
     return with_breaks(nodes, knots), rough
 
 
-def with_breaks(nodes: Floats, breaks: Floats) -> Floats:
-    """The same nodes with the breaks among them, the nearest node moved where it lies within a third of a cell."""
+def with_breaks(nodes: Floats, breaks: Floats, one_place: float = ONE_PLACE) -> Floats:
+    """The same nodes with the breaks among them, the nearest node moved where it lies within a third of a cell.
+
+    Breaks closer together than the share `one_place` of the cells there become one node.
+    """
+    cell = np.diff(nodes)
+    least = one_place * cell[np.clip(np.searchsorted(nodes, breaks) - 1, 0, len(cell) - 1)]
+    inside = (breaks > nodes[1] + least) & (breaks < nodes[-2] - least)
+    breaks = breaks[inside & (np.diff(breaks, prepend=-np.inf) > least)]
     if len(breaks) == 0:
         return nodes
     inner = nodes[2:-2]
     k = np.clip(np.searchsorted(breaks, inner), 1, len(breaks)) - 1
     near = np.minimum(np.abs(inner - breaks[k]), np.abs(inner - breaks[np.minimum(k + 1, len(breaks) - 1)]))
     keep = near > 0.34 * np.minimum(np.diff(nodes)[1:-2], np.diff(nodes)[2:-1])
-    inside = breaks[(breaks > nodes[1]) & (breaks < nodes[-2])]
-    return np.unique(np.concatenate([nodes[:2], inner[keep], inside, nodes[-2:]]))
+    return np.unique(np.concatenate([nodes[:2], inner[keep], breaks, nodes[-2:]]))
 
 
 def split(nodes: Floats, parts: Ints) -> Floats:

@@ -17,6 +17,10 @@ Ints = npt.NDArray[np.int64]
 
 ALLOWED = 1.0 + 5e-5
 """Usage between nodes that is left alone; the guarantee is 1 + 1e-4."""
+AT_NODE = 0.02
+"""Share of a cell up to which a break belongs to a node: breaks closer together than nodes are one place."""
+REST_STATES = 129
+"""States of a rest cell that are looked at: on a coarse mesh it is long."""
 HIGHEST = 1e3
 """Cap on z where nothing else is one, as a multiple of the highest z at steady speed."""
 
@@ -90,13 +94,8 @@ def discretise(
     """
     inner = nodes[1 if start.at_rest else 0 : -1 if end.at_rest else len(nodes)]
     rest = (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1]))
-    near = run.breaks[slice(*np.searchsorted(run.breaks, [inner[0], np.nextafter(inner[-1], np.inf)]))]
-    both = np.isin(inner, near)
-    node = np.repeat(np.arange(len(inner)), 1 + both)
-    point = inner[node]
-    left = np.concatenate([node[1:] == node[:-1], [False]])
-    point[left] = np.nextafter(point[left], -np.inf)
-    point[-1] = min(point[-1], run.s1)
+    node, point, left = sides(inner, run.breaks[slice(*np.searchsorted(run.breaks, [nodes[0], nodes[-1]]))])
+    point = np.clip(point, run.s0, run.s1)
     q = run.evaluate(point)
     problem = Problem(inner, rest, node, (start, end))
     cap, steady, _ = envelope.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(point))
@@ -115,12 +114,31 @@ def discretise(
             cap[place] = min(cap[place], rest_cap(run, limits, inner[place], rest[k], forth=k == 0))
         else:
             # what the state fixes has been checked and is no row
-            cap[place] = np.inf
-            problem.rows[place, :half] = 0.0
+            here = node == node[place]
+            cap[here] = np.inf
+            problem.rows[here, :half] = 0.0
     if highest is None:
         highest = max(highest_of(steady, run.s1 - run.s0), start.speed**2, end.speed**2)
     problem.cap = np.minimum(cap, HIGHEST * highest)
     return problem
+
+
+def sides(nodes: Floats, breaks: Floats) -> tuple[Ints, Floats, npt.NDArray[np.bool_]]:
+    """The points whose rows a problem holds: the nodes, and both sides of each break that is one place with a node.
+
+    Returns the node of each point, its parameter, and whether others of its node come after it.
+    """
+    at = np.clip(np.searchsorted(nodes, breaks), 1, len(nodes) - 1)
+    at -= breaks - nodes[at - 1] < nodes[at] - breaks
+    cell = np.concatenate([[np.inf], np.diff(nodes), [np.inf]])
+    near = np.abs(breaks - nodes[at]) <= AT_NODE * np.minimum(cell[at], cell[at + 1])
+    at, breaks = at[near], breaks[near]
+    single = np.setdiff1d(np.arange(len(nodes)), at)
+    node = np.concatenate([single, np.repeat(at, 2)])
+    point = np.concatenate([nodes[single], np.stack([np.nextafter(breaks, -np.inf), breaks], axis=1).ravel()])
+    order = np.argsort(node, kind="stable")
+    node = node[order]
+    return node, point[order], np.concatenate([node[1:] == node[:-1], [False]])
 
 
 def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bool) -> float:
@@ -128,13 +146,18 @@ def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bo
 
     All states of the cell scale with that z: speeds with its root, accelerations with it, jerks with its power 3/2.
     """
-    share = np.linspace(0.0, 1.0, 13)
-    third = 2.0 / (9.0 * length**2)
-    t = 3.0 * length * share
     sign = 1.0 if forth else -1.0
     rest = node - sign * length
+    share = np.linspace(0.0, 1.0, REST_STATES)
+    # both sides of the breaks in it too
+    inside = np.clip((run.breaks - rest) * sign / length, 0.0, 1.0)
+    inside = np.cbrt(inside[(inside > 0.0) & (inside < 1.0)])
+    side = np.concatenate([np.where((share == 1.0) == forth, 0.0, 1.0), np.zeros(len(inside)), np.ones(len(inside))])
+    share = np.concatenate([share, inside, inside])
+    third = 2.0 / (9.0 * length**2)
+    t = 3.0 * length * share
     state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
-    side = np.where((share == 1.0) == forth, 0.0, 1.0)
+    state[0, REST_STATES:] = np.tile(rest + sign * length * inside**3, 2)
     ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
     m = len(limits)
     return float(

@@ -23,14 +23,19 @@ BROKEN_BY = 1e-6
 MOST_STEPS = 250
 MARGIN = 0.01
 """A start closer than this share to a limit has that limit relaxed at first."""
+LIMITS = ("a velocity limit or the feed", "an acceleration limit", "a jerk limit")
+"""What the columns of usage and of peaks are called."""
 
 
 class Stalled(Exception):
-    """The core found no point within the limits; `place` is the parameter where they are broken most."""
+    """The core found no point within the limits; `place` is the parameter where one is broken most, `limit` its name.
 
-    def __init__(self, place: float) -> None:
-        super().__init__(f"stuck near s = {place:.9g}")
-        self.place = place
+    Between two rests there always is such a point: a motion slow enough.
+    """
+
+    def __init__(self, place: float, limit: str) -> None:
+        super().__init__(f"{limit} is passed near s = {place:.9g}")
+        self.place, self.limit = place, limit
 
 
 def start_from(mesh: OnMesh, s: Floats, z: Floats, share: float) -> Floats:
@@ -65,28 +70,48 @@ def slower(mesh: OnMesh, c: Floats, loss: float, taper: tuple[int, int] | None =
 def solve(problem: Problem, c: Floats, spread: float) -> Floats:
     """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
 
-    A start from which the core does not come to its end is followed by slower ones.
+    A start from which the core does not come to its end is followed by slower ones, between two rests at last by one
+    within all limits at the nodes, which is as good as the answer gets where the core does not move from it.
     """
     best: Floats | None = None
-    least, place = np.inf, 0.0
-    for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0)):
-        begin = slower(problem, c, loss)
+    least, stall = np.inf, Stalled(float(problem.nodes[0]), "some limit")
+    rests = bool((problem.end == speed.REST).all())
+    starts = [(slower(problem, c, loss), first_gap) for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0))]
+    if rests:
+        starts.append((within(problem, c), 1.0))
+    for begin, first_gap in starts:
+        relief = reliefs(problem, begin)
+        if not np.isfinite(relief).all():
+            # z has fallen to nothing: no start
+            continue
         found, status, _, gap, gradient = speed.maximise_speed(
             problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
-            reliefs(problem, begin), problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
+            relief, problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
         )  # fmt: skip
         if status == speed.OPTIMAL:
             optimum: Floats = found
             return optimum
-        used = usage(problem, found).max(axis=1)
-        place = float(problem.nodes[problem.node[int(np.argmax(used))]])
+        used = usage(problem, found)
+        worst, kind = divmod(int(np.argmax(used)), used.shape[1])
+        stall = Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind])
         if used.max() <= 1.0 + BROKEN_BY and max(gap, STEEP * gradient) < least:
             best, least = found, max(gap, STEEP * gradient)
         if least < GOOD_ENOUGH:
             break
-    if best is None or least > ACCEPTABLE:
-        raise Stalled(place)
+    if rests and best is None and (starts[-1][0] > 0.0).all():
+        return starts[-1][0]
+    if best is None or (least > ACCEPTABLE and not rests):
+        raise stall
     return best
+
+
+def within(problem: Problem, c: Floats) -> Floats:
+    """The coefficients lowered together until half of every limit is left, which two rests allow; zeros where z is."""
+    if not np.isfinite(usage(problem, c)).all():
+        return np.zeros(len(c))
+    cap, acceleration, jerk = usage(problem, c).max(axis=0)
+    inside: Floats = c / (2.0 * max(cap, acceleration, jerk ** (2.0 / 3.0), 0.5))
+    return inside
 
 
 def usage(problem: Problem, c: Floats) -> Floats:
@@ -103,7 +128,7 @@ def usage(problem: Problem, c: Floats) -> Floats:
 def reliefs(problem: Problem, c: Floats) -> Floats:
     """(points, 3) by how much cap, acceleration and jerk rows must be relaxed for c to lie inside them."""
     z = np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.node[:, None] + np.arange(3)])
-    natural = np.stack([problem.cap, np.ones_like(z), 1.0 / np.sqrt(z)], axis=1)
+    natural = np.stack([problem.cap, np.ones_like(z), 1.0 / np.sqrt(np.maximum(z, 1e-300))], axis=1)
     excess = usage(problem, c) - (1.0 - MARGIN)
     relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0) * natural
     return relief
