@@ -122,8 +122,11 @@ def test_never_above_ipopts_optimum_on_the_same_mesh(seed):
     assert lower_bound(problem, law_of(problem, c)).mesh_bound <= mesh_time(knots, best) * (1.0 + 1e-9)
 
 
-def conic_optimum(knots, c):
-    """The relaxation by a conic solver: pace^(2/3) z^(1/3) >= 1 is a power cone. Unknowns are scaled by c."""
+def conic_optimum(knots, c, low=None, high=None):
+    """The relaxation by a conic solver: pace^(2/3) z^(1/3) >= 1 is a power cone. Unknowns are scaled by c.
+
+    Where low (n,) > 0, z lies between low and high and the pace is below the chord of 1 / sqrt(z) there.
+    """
     clarabel = pytest.importorskip("clarabel")
     n, m = len(knots.weight), len(c)
     z = knots.state(c)[:, 0]
@@ -139,6 +142,14 @@ def conic_optimum(knots, c):
             row = sparse.diags(np.sqrt(z)[knot]) @ row
         left += [sparse.hstack([sign * row, none if i < half else -own]) for sign in (1.0, -1.0)]
         right += [np.full(len(knot), 1.0 if i < half else 0.0)] * 2
+    if low is not None:
+        some = np.flatnonzero(low > 0.0)
+        fall = (low[some] ** -0.5 - high[some] ** -0.5) / (high[some] - low[some])
+        top, unit, zero = low[some] ** -0.5 + fall * low[some], np.sqrt(z[some]), sparse.csr_matrix((len(some), n))
+        left += [sparse.hstack([-sparse.diags(1.0 / low[some]) @ value[0][some], zero])]
+        left += [sparse.hstack([sparse.diags(1.0 / high[some]) @ value[0][some], zero])]
+        left += [sparse.hstack([sparse.diags(fall * unit) @ value[0][some], sparse.identity(n, format="csr")[some]])]
+        right += [-np.ones(len(some)), np.ones(len(some)), top * unit]
     ties, given_ = [], []
     for k, (one, two) in enumerate(((0, 1), (m - 1, m - 2))):
         rest = knots.end[k] == speed.REST

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from toolpace.path import Path
     from toolpace.plan import plan
     from toolpace.plan.endstate import EndState
+    from toolpace.plan.prove import prove
     from toolpace.read import apply_feed, read, read_text
     from toolpace.report import report
     from toolpace.setpoints import SetPoints
@@ -50,6 +51,7 @@ __all__ = [
     "__version__",
     "apply_feed",
     "plan",
+    "prove",
     "read",
     "read_text",
     "report",
@@ -69,6 +71,7 @@ _HOME = {
     "Verification": "verify",
     "apply_feed": "read",
     "plan": "plan",
+    "prove": "plan.prove",
     "read": "read",
     "read_text": "read",
     "report": "report",

@@ -47,6 +47,19 @@ class Usage:
         return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
 
 
+@dataclass(frozen=True)
+class OpenPlace:
+    """A stretch of the motion where the lower bound leaves room: it may be faster there, or the bound too low."""
+
+    start: float
+    end: float
+    """When it is passed [s]."""
+    seconds: float
+    """At most so much could be gained there [s]."""
+    block: int
+    """Block of the program at its start; 0 where there is none."""
+
+
 def joint_motion(path: Floats, state: Floats) -> Motion:
     """The chain rule: path derivatives (4, n, joints) and a state (4, n) of s give the motion of the joints."""
     q, q1, q2, q3 = path
@@ -78,6 +91,8 @@ class Trajectory:
     planner: str = "optimal"
     lower_bound: float = 0.0
     """No motion within the limits is faster than this [s]; 0 when unknown."""
+    open_places: tuple[OpenPlace, ...] = ()
+    """Where most of the gap between duration and lower bound lies, in the order of time."""
     mesh_points: int = 0
     solve_seconds: float = 0.0
     starts: Floats = field(init=False)

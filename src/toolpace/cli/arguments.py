@@ -50,6 +50,13 @@ def tolerances(tip: str, axis: str) -> tuple[float, float]:
     return metres, radians
 
 
+def time_to_prove(text: str, planner: str) -> float:
+    """The time for the proof [s] of a plan that can have one."""
+    if planner != "optimal":
+        raise UsageError(f"--prove goes with the planner 'optimal'; the planner '{planner}' has no lower bound")
+    return units.parse_time(text)
+
+
 def feed_asked(feed: str | None) -> str | None:
     """The text of --feed, found to be one."""
     if feed is not None:

@@ -28,6 +28,8 @@ class Job:
     tip_tolerance: float
     axis_tolerance: float
     planner: str = "optimal"
+    prove_within: float | None = None
+    """Time for raising the lower bound [s]; None: it stays as it is found with the plan."""
     feed: str | None = None
     dialect: str | None = None
     dt: float = 1e-3
@@ -52,6 +54,7 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     from toolpace.axispath import AxisPath
     from toolpace.path import Path as SmoothPath
     from toolpace.plan import plan
+    from toolpace.plan.prove import prove
     from toolpace.verify import verify
     from toolpace.write.plan_json import PLAN
 
@@ -61,6 +64,11 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
         axis_path = AxisPath.follow(path, job.machine)
         trajectory = plan(axis_path, job.machine, planner=job.planner, progress=tell)
         tell.note = f"{trajectory.mesh_points} mesh points"
+    if job.prove_within is not None:
+        with steps.step("proving") as tell:
+            before = trajectory.gap
+            trajectory = prove(trajectory, within=job.prove_within, progress=tell)
+            tell.note = f"gap {before:.3%}, now {trajectory.gap:.3%}"
     with steps.step("sampling") as tell:
         setpoints = trajectory.sample(job.dt)
         check_travel(job.machine, setpoints.q, setpoints.block, toolpath.source)

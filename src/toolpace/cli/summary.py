@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     from toolpace.machine import Machine
     from toolpace.verify import Verification
     from toolpace.write import PlanRecord
+    from toolpace.write.plan_json import OpenPlaceRecord
 
+WORTH_A_WORD = 1e-3
+"""Gap from which it is said where it lies."""
+PLACES_SHOWN = 3
 SHOWN = 6
 """How many limits are named."""
 MOST_USAGE = 1.0001
@@ -45,6 +49,8 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     grid.add_row("duration", Text(f"{clock(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
     if record.lower_bound_s and record.gap is not None:
         grid.add_row("", f"no motion takes less than {clock(record.lower_bound_s)}: at most {record.gap:.3%} to gain")
+        if record.gap > WORTH_A_WORD and record.open_places:
+            grid.add_row("", Text(places_in_words(record.open_places)))
     grid.add_row("limited by", Text(limits_in_words(record.limited_by)))
     if record.tip_deviation_mm is not None:
         grid.add_row("tip", Text(_within(record.tip_deviation_mm, record.tip_tolerance_mm, MILLIMETRE, format_length)))
@@ -76,6 +82,18 @@ def limits_in_words(shares: dict[str, float]) -> str:
         else:
             rest += share
     return ", ".join(words + ([f"others {100.0 * rest:.0f} %"] if rest >= 0.005 else []))
+
+
+def places_in_words(places: list[OpenPlaceRecord]) -> str:
+    """ "of that, 0.04 s at 0:00:05.3 (block 120), ..., and 2 places more"; the largest first."""
+    largest = sorted(places, key=lambda place: -place.gain_s)[:PLACES_SHOWN]
+    words = [
+        f"{format_time(place.gain_s)} at {clock(place.from_s)}" + (f" (block {place.block})" if place.block else "")
+        for place in largest
+    ]
+    more = len(places) - len(largest)
+    words += [f"the rest at {more} more place{'s' * (more != 1)}"] if more else []
+    return "mostly " + ", ".join(words)
 
 
 def usage_table(record: PlanRecord) -> Table:

@@ -11,9 +11,9 @@ wait y_k >= 0 as well, a time that it may stand still for at the price of that t
 
 With the pace 1 / sqrt(z_k) + y_k as the variable this is convex, and y = 0 gives the problem itself. Where z is known
 to lie in a range, from low to cap, the pace is no more than the chord of 1 / sqrt(z) over that range: the narrower the
-ranges, the closer the relaxation. `relax` finds multipliers near its optimum by a primal-dual interior-point method;
-the wait is eliminated knot by knot, so that the Newton matrix keeps five diagonals. The derivation is in
-docs/design/bound.md.
+ranges, the closer the relaxation. A knot without rows has no wait. `relax` finds multipliers near its optimum by a
+primal-dual interior-point method; the wait is eliminated knot by knot, so that the Newton matrix keeps five diagonals.
+The derivation is in docs/design/bound.md.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ MOST_FALL = 0.6
 
 
 @jit()
-def chords(low: Any, cap: Any, chord: Any) -> Any:
-    """chord (n, 2): height and fall of the line through 1 / sqrt(z) at low and cap, where low > 0."""
+def chords(first: Any, low: Any, cap: Any, chord: Any) -> Any:
+    """chord (n, 2): height and fall of the line through 1 / sqrt(z) at low and cap, where a knot has range and rows."""
     for k in range(len(low)):
-        if low[k] > 0.0:
+        if low[k] > 0.0 and first[k] < first[k + 1]:
             a, b = np.sqrt(low[k]), np.sqrt(cap[k])
             chord[k, 1] = 1.0 / (a * b * (a + b))
             chord[k, 0] = 1.0 / a + chord[k, 1] * low[k]
@@ -75,6 +75,12 @@ def _first_multipliers(
     for k in range(len(weight)):
         z, z1, z2 = u[k, 0], u[k, 1], u[k, 2]
         pace = 1.0 / np.sqrt(z)
+        single[k, CAP] = centre / (cap[k] - z + relief[k, RELIEF_CAP])
+        if low[k] > 0.0:
+            single[k, FLOOR] = centre / (z - low[k] + relief[k, RELIEF_FLOOR])
+        if first[k] == first[k + 1]:
+            wait[k], single[k, WAIT] = 0.0, weight[k]
+            continue
         worst = 0.0
         count = 1
         for p in range(first[k], first[k + 1]):
@@ -99,11 +105,9 @@ def _first_multipliers(
                 y = min(y, 0.5 * (room + lowest))
             if room < 1.1 * y:
                 relief[k, RELIEF_CHORD] = 1.5 * y - room + 0.01 * pace
-            single[k, FLOOR] = centre / (z - low[k] + relief[k, RELIEF_FLOOR])
             single[k, CHORD] = centre / (room - y + relief[k, RELIEF_CHORD])
         wait[k] = y
         single[k, WAIT] = centre / y
-        single[k, CAP] = centre / (cap[k] - z + relief[k, RELIEF_CAP])
         for p in range(first[k], first[k + 1]):
             for i in range(2 * half):
                 value = rows[p, i, 0] * z + rows[p, i, 1] * z1 + rows[p, i, 2] * z2
@@ -140,16 +144,19 @@ def _newton_system(
         cap_force = single[k, CAP] / slack
         gap += slack * single[k, CAP] + wait[k] * single[k, WAIT]
         time += weight[k] * limit
-        wait_force = single[k, WAIT] / wait[k]
-        total, v0, v1, v2 = wait_force, 0.0, 0.0, 0.0
-        pulled = weight[k]
+        bare = first[k] == first[k + 1]
+        wait_force = 0.0 if bare else single[k, WAIT] / wait[k]
+        total, v0, v1, v2 = 1.0 if bare else wait_force, 0.0, 0.0, 0.0
+        pulled = 0.0 if bare else weight[k]
         floor_force = floor_pull = chord_force = chord_pull = lean = 0.0
         if low[k] > 0.0:
-            relax_floor, relax_chord = tau * relief[k, RELIEF_FLOOR], tau * relief[k, RELIEF_CHORD]
+            relax_floor = tau * relief[k, RELIEF_FLOOR]
             slack = z - low[k] + relax_floor
             floor_force = single[k, FLOOR] / slack
             floor_pull = floor_force * relax_floor
             gap += slack * single[k, FLOOR]
+        if low[k] > 0.0 and not bare:
+            relax_chord = tau * relief[k, RELIEF_CHORD]
             slack = chord[k, 0] - chord[k, 1] * z - limit + relax_chord
             chord_force = single[k, CHORD] / slack
             chord_pull = chord_force * relax_chord
@@ -246,11 +253,14 @@ def _correct(
         limit = pace + wait[k]
         relax_cap, extra = tau * relief[k, RELIEF_CAP], tau * relief[k, RELIEF_ACCELERATION]
         g0 = (centre + step_single[k, CAP] * (d0 + relax_cap)) / (cap[k] - z + relax_cap)
-        target = (centre - step_single[k, WAIT] * dy) / wait[k]
+        bare = first[k] == first[k + 1]
+        target = 0.0 if bare else (centre - step_single[k, WAIT] * dy) / wait[k]
         a0, a1, a2 = mean[k, 0], mean[k, 1], mean[k, 2]
         if low[k] > 0.0:
-            relax_floor, relax_chord = tau * relief[k, RELIEF_FLOOR], tau * relief[k, RELIEF_CHORD]
+            relax_floor = tau * relief[k, RELIEF_FLOOR]
             g0 -= (centre - step_single[k, FLOOR] * (d0 - relax_floor)) / (z - low[k] + relax_floor)
+        if low[k] > 0.0 and not bare:
+            relax_chord = tau * relief[k, RELIEF_CHORD]
             lean = tangent - chord[k, 1]
             slack = chord[k, 0] - chord[k, 1] * z - limit + relax_chord
             push = (centre - step_single[k, CHORD] * (lean * d0 - dy - relax_chord)) / slack
@@ -328,7 +338,10 @@ def _dual_step(
             slacks[CHORD] = chord[k, 0] - chord[k, 1] * z - pace - wait[k] + tau * relief[k, RELIEF_CHORD]
             changes[CHORD] = lean * d0 - dy - tau * relief[k, RELIEF_CHORD]
             befores[CHORD] = lean * f0 - fy - tau * relief[k, RELIEF_CHORD]
+        bare = first[k] == first[k + 1]
         for i in range(4 if low[k] > 0.0 else 2):
+            if bare and i != CAP and i != FLOOR:
+                continue
             lam = single[k, i]
             target = centre - step_single[k, i] * befores[i] if corrected else 0.0
             dlam = (target - lam * changes[i]) / slacks[i] - lam
@@ -376,7 +389,7 @@ def _within_chords(
     """The longest of go, go / 2, ... after which every chord has some room left."""
     k = 0
     while k < len(low) and go > 1e-12:
-        if low[k] > 0.0:
+        if low[k] > 0.0 and chord[k, 0] > 0.0:
             relaxed = tau * relief[k, RELIEF_CHORD]
             before = _room(chord[k], relaxed, u[k, 0], wait[k])
             after = _room(chord[k], (1.0 - go) * relaxed, u[k, 0] + go * du[k, 0], wait[k] + go * dwait[k])
@@ -412,7 +425,7 @@ def relax(
     mean, stiff, pull = np.empty((knots, 3)), np.empty(knots), np.empty(knots)
     matrix, spare = np.empty((3, n)), np.empty((3, n))
     rhs, direction = np.empty(n), np.empty(n)
-    chords(low, cap, chord)
+    chords(first, low, cap, chord)
     bound, _, _ = dual_value(basis, first, weight, price, low, cap, rows, dual, end, ratio, fixed)
     at_knots(basis, c, u)
     scale = 0.0

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.axispath import AxisRun
+from toolpace.axispath import AxisPath, AxisRun
 from toolpace.kernels import relaxation
 from toolpace.limits import Limits
 from toolpace.plan.endstate import AT_REST, EndState
 from toolpace.plan.knots import Knots, start_within
 from toolpace.plan.problem import Problem, discretise
 from toolpace.timelaw import SplineLaw
+from toolpace.trajectory import OpenPlace
 
 Floats = npt.NDArray[np.float64]
 
@@ -49,7 +51,7 @@ class Bound:
     @property
     def seconds(self) -> float:
         """The bound in the measure of the plan's duration: duration / (1 + gap), never above the duration [s]."""
-        return self.duration / (1.0 + self.gap)
+        return self.duration / (1.0 + self.gap) if np.isfinite(self.duration) else 0.0
 
 
 class Relaxed(NamedTuple):
@@ -110,6 +112,24 @@ def problem_of(run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, en
     outer = [law.s0] if start.at_rest else [], [law.s1] if end.at_rest else []
     nodes = np.concatenate([outer[0], law.nodes, outer[1]])
     return discretise(run, limits, nodes, start, end)
+
+
+def summed(
+    axis_path: AxisPath, laws: Sequence[SplineLaw], bounds: Sequence[Bound]
+) -> tuple[float, tuple[OpenPlace, ...]]:
+    """The lower bound of all runs with their dwells [s], and where what is open of it lies."""
+    total, begins = axis_path.first_dwell, axis_path.first_dwell
+    places = []
+    gap = sum(bound.duration - bound.seconds for bound in bounds)
+    for run, law, bound in zip(axis_path.runs, laws, bounds):
+        blocks = run.block_at(bound.places[:, 0])
+        times = begins + np.interp(bound.places[:, :2], law.nodes, law.times)
+        for (start, end), seconds, block in zip(times.tolist(), bound.places[:, 2].tolist(), blocks.tolist()):
+            if seconds > IN_GAP * gap:
+                places.append(OpenPlace(start, end, seconds, block))
+        total += bound.seconds + run.dwell
+        begins += law.duration + run.dwell
+    return total, tuple(places)
 
 
 def coefficients(law: SplineLaw) -> Floats:

@@ -14,6 +14,8 @@ START_SHARE = 0.4
 """Share of a plan's z at which the relaxation is started."""
 SETTLE_KNOTS = 30
 """Knots over which that share is reached from an end in motion."""
+PADDING = 40
+"""Knots over which a change of the spline dies away: to a quarter at each, so to less than a rounding."""
 MARGIN = 0.01
 """A start closer than this share to a limit has that limit relaxed at first."""
 
@@ -59,44 +61,75 @@ class Knots:
         """The bound alone."""
         return self.dual(dual, low, high)[0]
 
+    def by_knot(self, of_point: Floats) -> Floats:
+        """(n, ...) sums over the points of each knot."""
+        sums = np.zeros((len(self.weight), *of_point.shape[1:]))
+        some = self.has_rows()
+        if some.any():
+            sums[some] = np.add.reduceat(of_point, self.first[:-1][some])
+        return sums
+
     def force(self, dual: Floats) -> Floats:
         """(n, 3) what the rows of a knot, priced by multipliers, ask for its z, z', z''."""
-        of_point = np.einsum("pi,pij->pj", dual[:, :, 0] - dual[:, :, 1], self.rows)
-        force: Floats = np.add.reduceat(of_point, self.first[:-1])
-        return force
+        return self.by_knot(np.einsum("pi,pij->pj", dual[:, :, 0] - dual[:, :, 1], self.rows))
 
     def jerk_price(self, dual: Floats) -> Floats:
         """(n,) sum of the multipliers of jerk of a knot: what they take from the price of its pace."""
         half = self.rows.shape[1] // 2
-        price: Floats = np.add.reduceat(dual[:, half:].sum(axis=(1, 2)), self.first[:-1])
-        return price
+        return self.by_knot(dual[:, half:].sum(axis=(1, 2)))
 
-    def part(self, low: int, high: int, inner: tuple[int, int], c: Floats, dual: Floats) -> Knots:
-        """The part between two knots, the rows of all but the knots inner[0] to inner[1] priced by multipliers.
+    def has_rows(self) -> npt.NDArray[np.bool_]:
+        """(n,) whether a knot has rows of its own, and is not priced."""
+        return np.diff(self.first) > 0
 
-        The outermost coefficients stay as in c, unless the part ends where the run does.
+    def part(
+        self, low: int, high: int, c: Floats, dual: Floats, least: Floats | None = None, most: Floats | None = None
+    ) -> Knots:
+        """The part between two knots, the rows of the outermost PADDING of them priced by multipliers.
+
+        The outermost coefficients stay as in c, unless the part ends where the run does. `least` and `most` (n,) are
+        the ranges of z that the multipliers are for: where they price a knot's pace below nothing, its chord has the
+        same least value.
         """
-        n = len(self.weight)
+        part = self.between(low, high, c)
+        at_start, at_end = low == 0, high == len(self.weight) - 1
+        mine = slice(self.first[low], self.first[high + 1])
+        n = len(part.weight)
+        priced = np.zeros(n, dtype=np.bool_)
+        priced[: 0 if at_start else PADDING] = True
+        priced[n if at_end else max(n - PADDING, 0) :] = True
+        force = part.force(dual[mine])[priced]
+        worth = (part.weight - part.jerk_price(dual[mine]))[priced]
+        of_z = np.zeros(len(worth))
+        if least is not None and most is not None:
+            low_, high_ = least[low : high + 1][priced], most[low : high + 1][priced]
+            root, top = np.sqrt(np.where(low_ > 0.0, low_, high_)), np.sqrt(high_)
+            of_z = np.where(low_ > 0.0, -np.minimum(worth, 0.0) / (root * top * (root + top)), 0.0)
+        basis, place = part.basis[priced], np.flatnonzero(priced)
+        for j in range(3):
+            np.add.at(part.price, place + j, (basis[:, :, j] * force).sum(axis=1) + basis[:, 0, j] * of_z)
+        part.weight[priced] = np.maximum(worth, 0.0)
+        part.rows = part.rows[~np.repeat(priced, np.diff(part.first))]
+        part.first = np.concatenate([[0], np.cumsum(np.where(priced, 0, np.diff(part.first)))])
+        return part
+
+    def of_part(self, part: Knots, low: int, dual: Floats) -> Floats:
+        """Of multipliers of the whole, those of the rows that are left in a part from the knot `low` on."""
+        some = np.flatnonzero(part.has_rows())
+        return dual[self.first[low + some[0]] : self.first[low + some[-1] + 1]] if len(some) else dual[:0]
+
+    def between(self, low: int, high: int, c: Floats) -> Knots:
+        """The knots from one to another, all their rows with them; the outermost coefficients stay as in c."""
         part = object.__new__(Knots)
-        points = slice(self.first[low], self.first[high + 1])
+        ends = np.array([low == 0, high == len(self.weight) - 1])
         part.first = self.first[low : high + 2] - self.first[low]
         part.basis, part.weight = self.basis[low : high + 1], self.weight[low : high + 1].copy()
-        part.cap, part.rows = self.cap[low : high + 1].copy(), self.rows[points].copy()
-        part.price = self.price[low : high + 3].copy()
-        force = self.force(dual)
-        outside = np.concatenate([np.arange(low, inner[0]), np.arange(inner[1] + 1, high + 1)])
-        for j in range(3):
-            np.add.at(part.price, outside - low + j, (self.basis[outside, :, j] * force[outside]).sum(axis=1))
-        part.weight[outside - low] = np.maximum(self.weight - self.jerk_price(dual), 0.0)[outside]
-        mine = np.repeat(np.arange(low, high + 1), np.diff(part.first))
-        part.rows[(mine < inner[0]) | (mine > inner[1])] = 0.0
-        part.end, part.ratio = np.where([low == 0, high == n - 1], self.end, speed.MOVING), self.ratio
-        part.fixed = np.where(
-            [low == 0, low == 0, high == n - 1, high == n - 1], self.fixed, c[[low, low + 1, high + 1, high + 2]]
-        )
-        for k, end in ((0, part.end[0]), (-1, part.end[1])):
-            if end == speed.MOVING:
-                part.cap[k] = 1e3 * max(part.cap[k], part.fixed.max())
+        part.price, part.cap = self.price[low : high + 3].copy(), self.cap[low : high + 1].copy()
+        part.rows = self.rows[self.first[low] : self.first[high + 1]]
+        part.end, part.ratio = np.where(ends, self.end, speed.MOVING), self.ratio
+        part.fixed = np.where(np.repeat(ends, 2), self.fixed, c[[low, low + 1, high + 1, high + 2]])
+        for place in np.array([0, -1])[~ends]:
+            part.cap[place] = max(part.cap[place], 1e3 * part.fixed.max())
         return part
 
 
@@ -119,10 +152,12 @@ def start_within(
     high = knots.cap if high is None else high
     half = knots.rows.shape[1] // 2
     at_point = np.repeat(u, np.diff(knots.first), axis=0)
-    of_point = np.abs(np.einsum("pri,pi->pr", knots.rows[:, :half], at_point)).max(axis=1)
+    of_point = np.abs(np.einsum("pri,pi->pr", knots.rows[:, :half], at_point)).max(axis=1, initial=0.0)
+    used = np.zeros(len(u))
+    np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
     relief = np.zeros((len(u), 4))
     relief[:, relaxation.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
-    relief[:, relaxation.RELIEF_ACCELERATION] = relief_of(np.maximum.reduceat(of_point, knots.first[:-1]))
+    relief[:, relaxation.RELIEF_ACCELERATION] = relief_of(used)
     floor = low > 0.0
     relief[floor, relaxation.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief

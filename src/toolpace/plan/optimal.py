@@ -11,7 +11,7 @@ import numpy.typing as npt
 from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.limits import Limits
-from toolpace.plan.bound import bound_run
+from toolpace.plan.bound import Bound, bound_run, summed
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tally, Tell, part_of, untold
 from toolpace.plan.endstate import AT_REST, EndState, check_state
@@ -94,28 +94,31 @@ def plan_optimal(
     tally = Tally(progress, (lengths / lengths.sum()).tolist())
     crew = Crew(tally)
 
-    def one(k: int) -> tuple[SplineLaw, int, float]:
+    def one(k: int) -> tuple[SplineLaw, int, Bound | None]:
         states = start if k == 0 else AT_REST, end if k == last else AT_REST
         tell = tally.of(k)
         try:
             law, count = plan_run(
                 runs[k], limits, cells=cells, start=states[0], end=states[1], guard=guard, crew=crew, tell=tell
             )
-            least = bound_run(runs[k], limits, law, *states).seconds if bound else 0.0
+            least = bound_run(runs[k], limits, law, *states) if bound else None
         except BaseException:
             # without this run the others are of no use
             crew.stopped = True
             raise
         tell(1.0)
-        return law, count, least if np.isfinite(least) else 0.0
+        return law, count, least
 
     planned = crew.each(one, range(len(runs)))
-    least = axis_path.first_dwell + sum(seconds + run.dwell for run, (_, _, seconds) in zip(runs, planned))
+    laws = tuple(law for law, _, _ in planned)
+    bounds = [least for _, _, least in planned if least is not None]
+    lower_bound, open_places = summed(axis_path, laws, bounds) if bound else (0.0, ())
     return Trajectory(
         axis_path,
         limits,
-        tuple(law for law, _, _ in planned),
-        lower_bound=least if bound else 0.0,
+        laws,
+        lower_bound=lower_bound,
+        open_places=open_places,
         mesh_points=sum(count for _, count, _ in planned),
         solve_seconds=time.perf_counter() - began,
     )

@@ -2,37 +2,37 @@
 
 from __future__ import annotations
 
-import itertools
 import time
-from contextlib import suppress
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from toolpace.axispath import AxisRun
+from toolpace.errors import UsageError
 from toolpace.kernels import bound
 from toolpace.limits import Limits
-from toolpace.plan.bound import STANDS_STILL, Bound, Relaxed, coefficients, problem_of, relaxed
-from toolpace.plan.course import KEPT
-from toolpace.plan.crew import Crew, Tell, untold
+from toolpace.plan.bound import STANDS_STILL, Bound, Relaxed, bound_run, coefficients, problem_of, relaxed, summed
+from toolpace.plan.crew import Crew, Tally, Tell, part_of, untold
 from toolpace.plan.endstate import AT_REST, EndState
-from toolpace.plan.knots import Knots
+from toolpace.plan.knots import PADDING, Knots
 from toolpace.plan.mesh import ramp_time
 from toolpace.plan.problem import Problem
 from toolpace.plan.solve import Stalled, slower, solve
 from toolpace.timelaw import SplineLaw
+from toolpace.trajectory import Trajectory
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-RAMPS = 7.0
+PLACE_RAMPS = 7.0
 """How far around an open place the multipliers may change, in times in which an acceleration builds up."""
+KNOT_RAMPS = 2.0
+"""The same around a knot whose range is asked for."""
 LEAST_REACH = 40
-"""The same in knots, at least."""
-PADDING = 40
-"""Knots beyond, over which a change of the spline dies away: to a quarter at each, so to less than a rounding."""
+"""Both in knots, at least."""
 OPEN = 0.02
 """Share of the longest wait from which a knot is asked for its range."""
 FIRST_UP, FIRST_DOWN = 1.02, 0.67
@@ -48,7 +48,10 @@ START_LOSS, START_SPREAD = 0.1, 0.1
 PROBE_TOLERANCE = 1e-4
 LEAST_PROGRESS = 0.2
 """Share of what is open that a round must close; else the range of a knot is split."""
-MOST_PIECES = 32
+PATIENCE, LEAST_GAIN = 2, 5e-3
+"""After how many rounds that raise the bound by less than this share of what the plan loses a place is left."""
+GAP = 1e-4
+"""What is to be proved, unless something else is asked for: duration / bound - 1."""
 IN_GAP = 0.005
 """Least share of the gap for a place to be tried."""
 
@@ -61,7 +64,18 @@ class Place(NamedTuple):
     first: int
     last: int
     open: float
-    """What the best motion known may lose there [s]."""
+    """What the plan may lose there [s]."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a run around a place, on its own."""
+
+    knots: Knots
+    clock: Floats
+    """(n,) when the plan passes the knots [s]."""
+    found: Relaxed
+    """Multipliers and motion of the relaxation of the whole run, and what those multipliers prove of the part."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +85,52 @@ class Piece:
     value: float
     low: Floats
     high: Floats
-    z: Floats
-    wait: Floats
-    """(n,) of the relaxation within the ranges: speed, and how long it waits, as a pace."""
+    found: Relaxed
+    """The relaxation within the ranges."""
+
+
+def prove(
+    trajectory: Trajectory,
+    *,
+    gap: float = GAP,
+    within: float = 60.0,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """The same motion with its lower bound raised, until it is no more than `gap` from the best or `within` [s] is up.
+
+    For plans of the optimal planner. What is proved before the time is up counts. `progress` is called with the share
+    of the gap that is closed. Raises UsageError for the motion of another planner.
+    """
+    if not all(isinstance(law, SplineLaw) for law in trajectory.laws):
+        raise UsageError(f"prove: a plan of the planner '{trajectory.planner}' has no mesh to prove anything on")
+    until = time.monotonic() + within
+    runs, limits = trajectory.axis_path.runs, trajectory.limits
+    laws = [law for law in trajectory.laws if isinstance(law, SplineLaw)]
+    tally = Tally(progress, [1.0])
+    crew = Crew(tally)
+    bounds = crew.each(lambda k: bound_run(runs[k], limits, laws[k], *end_states(laws[k])), range(len(runs)))
+    open_ = np.array([bound.duration - bound.seconds for bound in bounds])
+    total = max(float(open_.sum()), 1e-300)
+    done = 0.0
+    for k in np.argsort(-open_).tolist():
+        if bounds[k].gap > gap and time.monotonic() < until:
+            share = open_[k] / total
+            tell = part_of(tally.of(0), done, done + share)
+            bounds[k] = prove_run(runs[k], limits, laws[k], gap, until, *end_states(laws[k]), crew=crew, tell=tell)
+        done += open_[k] / total
+    tally.of(0)(1.0)
+    lower_bound, open_places = summed(trajectory.axis_path, laws, bounds)
+    return replace(trajectory, lower_bound=max(lower_bound, trajectory.lower_bound), open_places=open_places)
+
+
+def end_states(law: SplineLaw) -> tuple[EndState, EndState]:
+    """How a law starts and ends."""
+    t = np.array([0.0, law.duration])
+    _, speed, acceleration, _ = law.at(t)
+    start, end = (
+        EndState(float(speed[k]), float(acceleration[k])) if law.rest[k] == 0.0 else AT_REST for k in range(2)
+    )
+    return start, end
 
 
 def prove_run(
@@ -99,33 +156,37 @@ def prove_run(
     dual = settled(knots, found.dual)
     pace = knots.state(c)[:, 0] ** -0.5
     planned = float(knots.weight @ pace)
-    value, losses = losses_by_knot(knots, best_known(problem, knots, c), dual)
+    value, losses = losses_by_knot(knots, c, dual)
     first, wanted = value, planned / (1.0 + target)
     places = []
-    for place in open_places(found.wait > STANDS_STILL * pace, losses, law.times, min(ramp_time(limits), law.duration)):
+    ramp = min(ramp_time(limits), law.duration)
+    for place in open_places(found.wait > STANDS_STILL * pace, losses, law.times, ramp):
         gained = 0.0
         if value < wanted and time.monotonic() < until:
 
             def told(gain: float, before: float = value) -> None:
                 tell(min((before + gain - first) / (wanted - first), 1.0))
 
-            gained = close(*part_around(knots, place, found, dual), place.open, wanted - value, until, crew, told)
+            part = part_around(knots, place, found, dual, law.times)
+            lost = place.open - to_gain(problem, c, place)
+            gained = close(part, lost, wanted - value, until, ramp, crew, told)
         value += gained
         places.append((law.nodes[place.first], law.nodes[place.last], place.open - gained))
     kept = np.array(places).reshape(-1, 3)
     return Bound(law.duration, planned, max(value, found.value), kept, found.steps)
 
 
-def best_known(problem: Problem, knots: Knots, c: Floats) -> Floats:
-    """Coefficients of the best motion known on the mesh: a plan, or what is better where limits hold at nodes only."""
-    best = c
-    if len(c) > KEPT:
-        return best
-    with suppress(Stalled):
-        unguarded = solve(problem, slower(problem, c, START_LOSS), START_SPREAD)
-        if knots.weight @ knots.state(unguarded)[:, 0] ** -0.5 < knots.weight @ knots.state(c)[:, 0] ** -0.5:
-            best = unguarded
-    return best
+def to_gain(problem: Problem, c: Floats, place: Place) -> float:
+    """What a plan loses in a part against the best motion that holds the limits at the nodes only [s]."""
+    piece = problem.stretch(place.low, place.high)
+    mine = c[place.low : place.high + 3]
+    try:
+        best = solve(piece, slower(piece, mine, START_LOSS), START_SPREAD)
+    except Stalled:
+        return 0.0
+    basis, place_of = piece.basis[:, 0], piece.node[:, None] + np.arange(3)
+    paces = [np.einsum("pj,pj->p", basis, of[place_of]) ** -0.5 for of in (mine, best)]
+    return max(float(piece.weight @ (paces[0] - paces[1])), 0.0)
 
 
 def settled(knots: Knots, dual: Floats) -> Floats:
@@ -154,130 +215,160 @@ def losses_by_knot(knots: Knots, c: Floats, dual: Floats) -> tuple[float, Floats
     limit = np.ones_like(used)
     limit[:, half:] = np.repeat(pace, np.diff(knots.first))[:, None]
     slack = (dual[:, :, 0] * (limit - used) + dual[:, :, 1] * (limit + used)).sum(axis=1)
-    losses: Floats = kappa * pace + theta * u[:, 0] - least + np.add.reduceat(slack, knots.first[:-1])
+    losses: Floats = kappa * pace + theta * u[:, 0] - least + knots.by_knot(slack)
     return value, np.maximum(losses, 0.0)
 
 
 def open_places(marked: npt.NDArray[np.bool_], losses: Floats, clock: Floats, ramp: float) -> list[Place]:
     """The places where the marked knots are, the most open ones first; those whose parts overlap are one."""
-    n = len(clock)
     merged: list[Place] = []
-    for k in np.flatnonzero(marked):
-        low = min(int(np.searchsorted(clock, clock[k] - RAMPS * ramp)), k - LEAST_REACH) - PADDING
-        high = max(int(np.searchsorted(clock, clock[k] + RAMPS * ramp)), k + LEAST_REACH) + PADDING
-        low, high = max(low, 0), min(high, n - 1)
+    knots = np.flatnonzero(marked)
+    for k, low, high in zip(
+        knots.tolist(), *(side.tolist() for side in surroundings(clock, knots, PLACE_RAMPS * ramp))
+    ):
         if merged and low <= merged[-1].high:
-            merged[-1] = merged[-1]._replace(high=high, last=int(k))
+            merged[-1] = merged[-1]._replace(high=high, last=k)
         else:
-            merged.append(Place(low, high, int(k), int(k), 0.0))
+            merged.append(Place(low, high, k, k, 0.0))
     places = [place._replace(open=float(losses[place.low : place.high + 1].sum())) for place in merged]
     places.sort(key=lambda place: -place.open)
     return [place for place in places if place.open > IN_GAP * losses.sum()]
 
 
-def part_around(knots: Knots, place: Place, found: Relaxed, dual: Floats) -> tuple[Knots, Floats, Piece]:
-    """The part around a place, its coefficients, and all of it as one piece."""
-    last = len(knots.weight) - 1
-    inner = place.low + PADDING * (place.low > 0), place.high - PADDING * (place.high < last)
-    part = knots.part(place.low, place.high, inner, found.c, dual)
+def surroundings(clock: Floats, knots: Ints, reach: float) -> tuple[Ints, Ints]:
+    """First and last knot of the parts that reach so far [s] around knots."""
+    before = np.minimum(np.searchsorted(clock, clock[knots] - reach), knots - LEAST_REACH) - PADDING
+    beyond = np.maximum(np.searchsorted(clock, clock[knots] + reach), knots + LEAST_REACH) + PADDING
+    return np.maximum(before, 0), np.minimum(beyond, len(clock) - 1)
+
+
+def part_around(knots: Knots, place: Place, found: Relaxed, dual: Floats, clock: Floats) -> Part:
+    """The part around a place."""
+    part = knots.part(place.low, place.high, found.c, dual)
     mine = slice(place.low, place.high + 1)
+    prices = knots.of_part(part, place.low, dual)
     c = found.c[place.low : place.high + 3]
-    prices = dual[knots.first[place.low] : knots.first[place.high + 1]]
-    prices = np.where(part.rows.any(axis=2)[:, :, None], prices, 0.0)
-    low = np.zeros_like(part.cap)
-    return part, c, Piece(part.value(prices), low, part.cap, part.state(c)[:, 0], found.wait[mine])
+    return Part(part, clock[mine], Relaxed(part.value(prices), prices, found.wait[mine], c, 0))
 
 
-def close(
-    part: Knots, c: Floats, everything: Piece, lost: float, needed: float, until: float, crew: Crew, tell: Tell,
-) -> float:  # fmt: skip
-    """How much more than `everything.value` any motion takes in a part; `lost` is how much more the best known takes.
+def close(part: Part, lost: float, needed: float, until: float, ramp: float, crew: Crew, tell: Tell) -> float:
+    """How much more than its multipliers say any motion takes in a part; `lost` is how much more the best known takes.
 
     Best first branch and bound, until as much as `needed` is proved: the piece with the least value is tightened, and
     split where that is of no use.
     """
-    cut = everything.value + NECESSARY * lost
-    enough = everything.value + min(NECESSARY * lost, needed)
-    pieces = [everything]
-    while len(pieces) <= MOST_PIECES and time.monotonic() < until:
+    base = part.found.value
+    cut = base + NECESSARY * lost
+    enough = base + min(NECESSARY * lost, needed)
+    low = np.zeros_like(part.knots.cap)
+    pieces = [Piece(base, low, part.knots.cap, part.found)]
+    patience, best = PATIENCE, base
+    while patience and time.monotonic() < until:
         worst = min(pieces, key=lambda piece: piece.value)
-        tell(min(worst.value, enough) - everything.value)
-        if worst.value >= enough:
+        patience = PATIENCE if worst.value > best + LEAST_GAIN * lost else patience - 1
+        best = max(best, worst.value)
+        tell(min(best, enough) - base)
+        if best >= enough:
             break
-        tighter = tightened(part, c, worst, cut, until, crew)
+        tighter = tightened(part, worst, cut, until, ramp, crew)
         pieces.remove(worst)
         if tighter.value >= min(worst.value + LEAST_PROGRESS * (cut - worst.value), enough):
             pieces.append(tighter)
         else:
-            pieces += [relaxed_in(part, c, low, high, tighter) for low, high in halves(tighter, part)]
-    return max(min(min(piece.value for piece in pieces), cut) - everything.value, 0.0)
+            pieces += [relaxed_in(part, low, high, tighter) for low, high in halves(tighter, part.knots)]
+    return max(min(min(piece.value for piece in pieces), cut) - base, 0.0)
 
 
-def tightened(part: Knots, c: Floats, piece: Piece, wanted: float, until: float, crew: Crew) -> Piece:
+def tightened(part: Part, piece: Piece, wanted: float, until: float, ramp: float, crew: Crew) -> Piece:
     """The piece with the ranges of its open knots narrowed to what may take less than `wanted`.
 
     What is cut off takes at least that, as multipliers of its own prove. So it need not be looked at again.
     """
     low, high = piece.low.copy(), piece.high.copy()
 
-    def narrow(question: tuple[int, bool]) -> tuple[int, bool, float]:
-        k, upper = question
-        return k, upper, border(part, c, piece, k, upper, wanted) if time.monotonic() < until else np.nan
+    def narrow(k: int) -> tuple[int, float, float]:
+        if time.monotonic() > until:
+            return k, np.nan, np.nan
+        near = Near(part, piece, k, ramp)
+        return k, near.border(False, wanted), near.border(True, wanted)
 
-    questions = list(itertools.product(open_knots(part, piece).tolist(), (True, False)))
-    for k, upper, z in crew.each(narrow, questions):
-        if upper and z < high[k]:
-            high[k] = z
-        elif not upper and z > low[k]:
-            low[k] = z
-    return relaxed_in(part, c, low, high, piece)
+    for k, least, most in crew.each(narrow, open_knots(part.knots, piece).tolist()):
+        low[k], high[k] = np.fmax(low[k], least), np.fmin(high[k], most)
+    return relaxed_in(part, low, high, piece)
 
 
-def open_knots(part: Knots, piece: Piece) -> Ints:
+def open_knots(knots: Knots, piece: Piece) -> Ints:
     """The knots that wait longest, and their neighbours."""
-    seconds = part.weight * piece.wait
-    seconds[~part.rows.reshape(len(part.rows), -1).any(axis=1)[part.first[:-1]]] = 0.0
-    is_open = seconds > OPEN * seconds.max()
+    seconds = knots.weight * piece.found.wait * knots.has_rows()
+    is_open: npt.NDArray[np.bool_] = seconds > OPEN * seconds.max()
     is_open[1:] |= is_open[:-1].copy()
     is_open[:-1] |= is_open[1:].copy()
     return np.flatnonzero(is_open)
 
 
-def border(part: Knots, c: Floats, piece: Piece, k: int, upper: bool, wanted: float) -> float:
-    """A z such that everything in the piece with z beyond it at knot k takes at least `wanted`; nan if none is found.
+class Near:
+    """The surroundings of a knot in a piece; beyond them, the multipliers of the piece stand."""
 
-    The multipliers are those of the relaxation beyond some z that is asked; by their dual function the border may lie
-    further in or out.
-    """
-    low, high = piece.low.copy(), piece.high.copy()
-    z = piece.z[k]
-    if upper:
-        low[k] = z + NEXT_UP * (high[k] - z) if piece.low[k] > 0.0 else min(FIRST_UP * z, 0.5 * (z + high[k]))
-    else:
-        high[k] = z - NEXT_DOWN * (z - low[k]) if piece.low[k] > 0.0 else FIRST_DOWN * z
-    if not low[k] < high[k]:
-        return np.nan
-    beyond = relaxed(part, c, low, high, PROBE_TOLERANCE, enough=wanted)
-    value, kappa, theta = part.dual(beyond.dual, low, high)
-    others = value - bound.lowest(kappa[k], theta[k], low[k], high[k])
-    if upper:
-        far = max(piece.low[k], NOT_ZERO * z)
-        return float(bound.range_beyond(kappa[k], theta[k], far, high[k], wanted - others, True))
-    return float(bound.range_beyond(kappa[k], theta[k], low[k], piece.high[k], wanted - others, False))
+    def __init__(self, part: Part, piece: Piece, k: int, ramp: float) -> None:
+        low, high = surroundings(part.clock, np.array([k]), KNOT_RAMPS * ramp)
+        mine = slice(int(low[0]), int(high[0]) + 1)
+        found = piece.found
+        self.knots = part.knots.part(mine.start, mine.stop - 1, found.c, found.dual, piece.low, piece.high)
+        self.low, self.high, self.k = piece.low[mine], piece.high[mine], k - mine.start
+        self.c = found.c[mine.start : mine.stop + 2]
+        self.z = float(self.knots.state(self.c)[self.k, 0])
+        # what is to be gained here, for the whole part to take at least what is wanted
+        prices = part.knots.of_part(self.knots, mine.start, found.dual)
+        self.offset = self.knots.value(prices, self.low, self.high) - found.value
+
+    def border(self, upper: bool, enough: float) -> float:
+        """A z such that everything in the piece with z beyond it at the knot takes at least `enough`; nan: none found.
+
+        Asked is what the relaxation beyond some z takes; by the dual function of its multipliers the border may lie
+        further in or out. Where no range was known yet, it is asked for once more, nearer to that border.
+        """
+        low, high, z = self.low[self.k], self.high[self.k], self.z
+        if upper:
+            return self.beyond(
+                z + NEXT_UP * (high - z) if low > 0.0 else min(FIRST_UP * z, 0.5 * (z + high)), True, enough
+            )
+        if low > 0.0:
+            return self.beyond(z - NEXT_DOWN * (z - low), False, enough)
+        border = self.beyond(FIRST_DOWN * z, False, enough)
+        again = np.sqrt(FIRST_DOWN * z * border) if border > 0.0 else FIRST_DOWN**4 * z
+        return float(np.fmax(border, self.beyond(again, False, enough))) if again < FIRST_DOWN * z else border
+
+    def beyond(self, z: float, upper: bool, enough: float) -> float:
+        """The border by the multipliers of the relaxation beyond z; nan where they do not show any."""
+        low, high, k = self.low.copy(), self.high.copy(), self.k
+        (low if upper else high)[k] = z
+        if not low[k] < high[k]:
+            return np.nan
+        found = relaxed(self.knots, self.c, low, high, PROBE_TOLERANCE, enough + self.offset)
+        value, kappa, theta = self.knots.dual(found.dual, low, high)
+        wanted = enough + self.offset - value + bound.lowest(kappa[k], theta[k], low[k], high[k])
+        if upper:
+            low[k] = max(self.low[k], NOT_ZERO * self.z)
+        else:
+            high[k] = self.high[k]
+        return float(bound.range_beyond(kappa[k], theta[k], low[k], high[k], wanted, upper))
 
 
-def relaxed_in(part: Knots, c: Floats, low: Floats, high: Floats, whole: Piece) -> Piece:
+def relaxed_in(part: Part, low: Floats, high: Floats, whole: Piece) -> Piece:
     """The relaxation within ranges that are part of those of a piece."""
-    found = relaxed(part, c, low, high)
-    return Piece(max(found.value, whole.value), low, high, part.state(found.c)[:, 0], found.wait)
+    found = relaxed(part.knots, part.found.c, low, high)
+    if not found.value > whole.found.value:
+        found = whole.found
+    return Piece(max(found.value, whole.value), low, high, found)
 
 
-def halves(piece: Piece, part: Knots) -> list[tuple[Floats, Floats]]:
+def halves(piece: Piece, knots: Knots) -> list[tuple[Floats, Floats]]:
     """The ranges of a piece, that of the knot which waits longest split at its speed."""
-    k = int(np.argmax(part.weight * piece.wait))
+    k = int(np.argmax(knots.weight * piece.found.wait * knots.has_rows()))
+    z = knots.state(piece.found.c)[k, 0]
     out = []
     for upper in (False, True):
         low, high = piece.low.copy(), piece.high.copy()
-        (low if upper else high)[k] = piece.z[k]
+        (low if upper else high)[k] = z
         out.append((low, high))
     return out

@@ -37,6 +37,15 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
 
 
+class OpenPlaceRecord(msgspec.Struct, frozen=True):
+    """A stretch of the motion where at most so much could be gained."""
+
+    from_s: float
+    to_s: float
+    gain_s: float
+    block: int
+
+
 class PlanRecord(msgspec.Struct, frozen=True, kw_only=True):
     """plan.json, key by key. What is not known is null. Keys may be added, never changed or taken away."""
 
@@ -74,6 +83,8 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True):
     """Whether the motion passed its verification; null where none was made."""
     dialect: str | None = None
     """The dialect that was named for the program; null where its name and content told."""
+    open_places: list[OpenPlaceRecord] = []
+    """Where most of the gap lies, in the order of time."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ..."""
 
@@ -131,6 +142,9 @@ def plan_record(
         program_file=program_file,
         verified=verification.ok if verification is not None else None,
         dialect=dialect,
+        open_places=[
+            OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
+        ],
         step_s=step_s or {},
     )
 
