@@ -118,6 +118,10 @@ class Remembered:
             self.s, self.values = np.array(s), self.jets(s)
         return self.values[order]
 
+    def forget(self) -> None:
+        """Forget the last s: the next planner asked on the same mesh shall pay for the path, too."""
+        self.s = np.empty(0)
+
 
 def followed(name: str, path: Path, machine: Machine, source: str) -> Case:
     """The joints of a machine along a path, behind a plain callable, as a caller without a machine would have it."""

@@ -100,6 +100,21 @@ def test_summary_is_for_machinists(planned, capsys):
     assert not (out / "report.html").exists()
 
 
+def test_second_order_says_that_jerk_limits_are_not_held(planned, capsys):
+    out = planned / "second"
+    assert main(["plan", str(planned / "blade.ngc"), "-m", "xyzac-trunnion", "--planner", "second-order", "--out",
+                 str(out)]) == 1  # fmt: skip
+    output = capsys.readouterr().out
+    assert "JERK LIMITS ARE NOT HELD" in output and "FAILED" in output and re.search(r"jerk +jumps +jumps", output)
+    plan = json.loads((out / "plan.json").read_text())
+    assert plan["planner"] == "second-order" and plan["verified"] is False and plan["lower_bound_s"] is None
+    assert set(plan["usage"]["jerk"].values()) == {None} and plan["usage"]["feed"] <= 1.0001
+    assert "unbounded" in (out / "report.html").read_text(encoding="utf-8")
+    assert main(["verify", str(out)]) == 1
+    failed = [line for line in capsys.readouterr().out.splitlines() if line.endswith("FAILED ")]
+    assert {line.split()[0] for line in failed} == {"jerk", "rest"}
+
+
 def test_feed_options_rank_as_they_should(planned, capsys):
     durations = {}
     for feed in ("none", "120%", "1500mm/min"):

@@ -38,6 +38,11 @@ class TimeLaw(ABC):
     duration: float
     """[s]"""
 
+    @property
+    def jumps(self) -> Floats:
+        """(2, k) values of s where d2s/dt2 jumps, and by how much; none where the third derivative is bounded."""
+        return np.empty((2, 0))
+
     @abstractmethod
     def at(self, t: Floats) -> Floats:
         """(4, n): s and three time derivatives at sorted times t (n,) in [0, duration]."""

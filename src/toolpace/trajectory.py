@@ -19,6 +19,8 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
+LEAST_JUMP = 1e-6
+"""Jump of an acceleration, as a share of its limit, below which it is rounding."""
 CHUNK = 100_000
 
 
@@ -34,7 +36,10 @@ class Motion:
 
 @dataclass(frozen=True)
 class Usage:
-    """Peak value over limit, over continuous time: of the feed cap, and by joint of each limit."""
+    """Peak value over limit, over continuous time: of the feed cap, and by joint of each limit.
+
+    The jerk of a joint whose acceleration jumps is infinite.
+    """
 
     feed: float
     velocity: dict[str, float]
@@ -79,6 +84,17 @@ def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> 
         run.evaluate(s), state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk
     )
     return ratio
+
+
+def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.bool_]:
+    """(m,) joints with a jerk limit whose acceleration jumps, so that no number bounds their jerk."""
+    s, jump = law.jumps
+    noise = np.where(np.isfinite(limits.acceleration), LEAST_JUMP * limits.acceleration, 0.0)
+    marks = np.zeros(len(limits), dtype=np.bool_)
+    for i in range(0, len(s), CHUNK):
+        size = np.abs(run.evaluate(s[i : i + CHUNK])[1]) * jump[i : i + CHUNK, None]
+        marks |= (size > noise).any(axis=0)
+    return marks & np.isfinite(limits.jerk)
 
 
 @dataclass(frozen=True)
@@ -194,10 +210,13 @@ class Trajectory:
         names = ["feed"] + [f"{kind} {joint}" for kind in KINDS for joint in self.joints]
         peak, times = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m)
         for run, law in zip(self.axis_path.runs, self.laws):
+            # where acceleration may jump, jerk is no limit that could bind
+            jumpy = law.jumps.size > 0
+            peak[1 + 2 * m :][jerk_jumps(run, self.limits, law)] = np.inf
             for probe in law.probes():
                 ratios = limit_ratios(run, self.limits, probe.state, probe.right)
                 peak = np.maximum(peak, ratios.max(axis=0))
-                first = ratios.argmax(axis=1)
+                first = ratios[:, : 1 + (2 if jumpy else 3) * m].argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
                 times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))
         return peak, {**{n: float(v) for n, v in zip(names, times) if v > 0.0}, "nothing": float(times[-1])}

@@ -85,6 +85,7 @@ def plan(
         How far the tool axis may turn from the program's: 0.05deg, 1e-3rad.
     planner
         optimal: least time, the default. genetic: the method of Wu, Li, Liu and Perez (ACC 2009).
+        second-order: least time without jerk limits, to compare with; it fails the verification of jerk.
     prove
         After planning, prove how close the plan is to the fastest possible one: raises the lower bound until the gap
         is 0.01 % or the time for it is up.

@@ -11,7 +11,7 @@ from rich.text import Text
 from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from rich.console import Console
@@ -46,6 +46,8 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     stops = f", {record.stops} stop{'s' * (record.stops != 1)} on the way" if record.stops else ""
     grid.add_row("program", Text(f"{record.program}, {record.blocks} blocks{stops}"))
     grid.add_row("machine", Text(f"{record.machine}, planner {record.planner}"))
+    if None in record.usage.jerk.values():
+        grid.add_row("", Text("JERK LIMITS ARE NOT HELD by this planner: accelerations jump", style="bold red"))
     grid.add_row("duration", Text(f"{clock(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
     if record.lower_bound_s and record.gap is not None:
         grid.add_row("", f"no motion takes less than {clock(record.lower_bound_s)}: at most {record.gap:.3%} to gain")
@@ -66,6 +68,8 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     line = verdict(verification)
     if verification.ok and record.usage.worst > MOST_USAGE:
         more = f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %"
+        if None in record.usage.jerk.values():
+            more = "  between the set-points accelerations jump: jerk limits are not held"
         line = Text.assemble(("FAILED", "bold red"), more)
     console.print(line, soft_wrap=True)
 
@@ -101,7 +105,9 @@ def usage_table(record: PlanRecord) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="dim")
     table.add_column("% of limit", style="dim", no_wrap=True)
     usage = record.usage
-    kinds = {"velocity": usage.velocity, "acceleration": usage.acceleration, "jerk": usage.jerk}
+    kinds: dict[str, Mapping[str, float | None]] = {
+        "velocity": usage.velocity, "acceleration": usage.acceleration, "jerk": usage.jerk
+    }  # fmt: skip
     for joint in usage.velocity:
         table.add_column(joint, justify="right", no_wrap=True, min_width=6)
     for kind, values in kinds.items():
@@ -111,7 +117,9 @@ def usage_table(record: PlanRecord) -> Table:
     return table
 
 
-def _percent(ratio: float) -> Text:
+def _percent(ratio: float | None) -> Text:
+    if ratio is None:
+        return Text("jumps", style="bold red")
     text = f"{100.0 * ratio:.2f}" if ratio >= FULL else f"{100.0 * ratio:.0f}"
     return Text(text, style="bold red" if ratio > MOST_USAGE else "bold" if ratio >= FULL else "")
 

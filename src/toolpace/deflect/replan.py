@@ -57,6 +57,11 @@ def replan(
         raise UsageError(f"replan: unknown planner '{planner}'; known are {', '.join(PLANNERS)}")
     if not 0.0 <= time <= trajectory.duration:
         raise UsageError(f"replan: time {time:g} s is not within the trajectory's {trajectory.duration:.6g} s")
+    if any(law.jumps.size for law in trajectory.laws):
+        raise UsageError(
+            f"replan: accelerations jump in a plan of planner {trajectory.planner}, so no way back from it can keep to"
+            " jerk limits; plan with planner optimal"
+        )
     machine = machine or trajectory.axis_path.machine
     index, local = moment(trajectory, time)
     known = Known(trajectory.axis_path.runs[index], trajectory.laws[index])

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from toolpace.path import Path
     from toolpace.trajectory import Trajectory
 
-PLANNERS = ("optimal", "genetic")
+PLANNERS = ("optimal", "genetic", "second-order")
 
 
 def plan(
@@ -33,7 +33,8 @@ def plan(
 
     Options of the planner `optimal`: `start` and `end` (EndState, of the first and last run), `guard` (hold the
     limits between nodes, default true), `bound` (report a lower bound of the duration, default true); of
-    `genetic`: see `toolpace.plan.genetic`. Raises InfeasibleError where no such motion exists.
+    `genetic`: see `toolpace.plan.genetic`; of `second-order`, which holds no jerk limit: `start` and `end` (speeds
+    only) and `guard`. Raises InfeasibleError where no such motion exists.
     """
     from toolpace.axispath import AxisPath
     from toolpace.limits import Limits
@@ -60,4 +61,8 @@ def plan(
         from toolpace.plan.genetic import plan_genetic
 
         return plan_genetic(axis_path, limits, progress=progress, **options)
+    if planner == "second-order":
+        from toolpace.plan.second_order import plan_second_order
+
+        return plan_second_order(axis_path, limits, cells=mesh, progress=progress, **options)
     raise UsageError(f"plan: unknown planner '{planner}'; known are {', '.join(PLANNERS)}")

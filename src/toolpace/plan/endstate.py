@@ -28,8 +28,11 @@ class EndState:
 AT_REST = EndState()
 
 
-def check_state(run: AxisRun, limits: Limits, state: EndState, s: float) -> None:
-    """Raise InfeasibleError where the state itself breaks a limit, whatever comes next."""
+def check_state(run: AxisRun, limits: Limits, state: EndState, s: float, orders: int = 2) -> None:
+    """Raise InfeasibleError where the state itself breaks a limit, whatever comes next.
+
+    `orders` is 2 where its acceleration is held too, 1 where only its speed is.
+    """
     if state.at_rest:
         return
     if not (np.isfinite(state.speed) and np.isfinite(state.acceleration) and state.speed > 0.0):
@@ -39,7 +42,7 @@ def check_state(run: AxisRun, limits: Limits, state: EndState, s: float) -> None
     side = np.array([1.0 if s == run.s0 else 0.0])
     moment = np.array([[s], [state.speed], [state.acceleration], [0.0]])
     m = len(limits)
-    ratios = limit_ratios(run, limits, moment, side)[0, : 1 + 2 * m]
+    ratios = limit_ratios(run, limits, moment, side)[0, : 1 + orders * m]
     if ratios.max() > 1.0 + 1e-4:
         names = ["the feed cap"] + [f"the {kind} limit of {joint}" for kind in KINDS[:2] for joint in limits.joints]
         raise InfeasibleError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import colorsys
+import math
 
 from toolpace.limits import KINDS
 
@@ -44,6 +45,8 @@ def limit_words(name: str) -> str:
 def percent(share: float) -> str:
     """A share in percent, with as many digits as tell something; what is just above 1 shows that it is."""
     value = 100.0 * share
+    if not math.isfinite(value):
+        return "unbounded"
     if 99.9 <= value < 100.1:
         return f"{value:.2f} %"
     return f"{value:.3f} %" if value < 0.1 else f"{value:.1f} %"

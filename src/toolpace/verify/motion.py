@@ -107,17 +107,21 @@ def _column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: 
     """Whether positions, velocities and accelerations are one another's derivatives, by the trapezoidal rule.
 
     Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
-    acceleration whose slope is at most J.
+    acceleration whose slope is at most J. Where the jerk is too high (which is said already), accelerations may jump:
+    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2.
     """
     checks = []
     steps = np.diff(points.t)
-    for name, below, above, power, share in (
-        ("velocity", points.q, points.qd, 3, 12.0),
-        ("acceleration", points.qd, points.qdd, 2, 4.0),
+    shown = [_largest_difference(points.q[:, j], points.t, 3, dt)[0] for j in range(len(points.joints))]
+    for name, below, above, power, share, of_shown in (
+        ("velocity", points.q, points.qd, 3, 12.0, 4.0),
+        ("acceleration", points.qd, points.qdd, 2, 4.0, 1.0),
     ):
         for j, joint in enumerate(points.joints):
             jerk = float(limits.jerk[j])
             allowed = jerk * (1.0 + TOLERANCE) * dt**power / share
+            if shown[j] > jerk * (1.0 + TOLERANCE):
+                allowed = max(allowed, shown[j] * dt**power / of_shown)
             if not math.isfinite(allowed) or not len(steps):
                 continue
             off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))

@@ -29,12 +29,14 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     feed: float
     velocity: dict[str, float]
     acceleration: dict[str, float]
-    jerk: dict[str, float]
+    jerk: dict[str, float | None]
+    """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk."""
 
     @property
     def worst(self) -> float:
         """The largest of all."""
-        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
+        jerk = (math.inf if value is None else value for value in self.jerk.values())
+        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *jerk)
 
 
 class OpenPlaceRecord(msgspec.Struct, frozen=True):
@@ -112,6 +114,7 @@ def plan_record(
 ) -> PlanRecord:
     """The record of a plan. Deviations are the larger of what the fit (`path`) and the judge measured."""
     usage = trajectory.usage()
+    bounded = {joint: value if math.isfinite(value) else None for joint, value in usage.jerk.items()}
     bound = float(trajectory.lower_bound)
     known = math.isfinite(bound) and bound > 0.0
     # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
@@ -125,7 +128,7 @@ def plan_record(
         mesh_points=int(trajectory.mesh_points),
         blocks=int(blocks),
         stops=len(trajectory.laws) - 1,
-        usage=UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, usage.jerk),
+        usage=UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, bounded),
         limited_by=trajectory.limited_by(),
         tip_deviation_mm=_deviation("tip_deviation", path, verification, 1e3),
         axis_deviation_deg=_deviation("axis_deviation", path, verification, 180.0 / math.pi),
