@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import nasty_paths
 from test_oracle import harmonics, random_limits
 from toolpace.axispath import AxisPath
 from toolpace.deflect import replan
@@ -295,6 +296,29 @@ def test_curvature_that_jumps_at_a_break():
     assert law.speed[np.searchsorted(law.nodes, 1.0)] == pytest.approx(1.0, rel=1e-3)
 
 
+NASTY = (
+    "smooth", "coarse", "pole", "standing_tip", "cusp", "limits_apart", "lengths", "parameters", "slow_spots",
+    "crowded", "kinks", "caps_that_jump", "standing_joints", "nothing_moves", "stopping", "at_the_limit", "in_motion",
+)  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("family", NASTY)
+def test_nasty_paths(family):
+    """From rest to rest there is always a motion, also where a cell with zero inertia would leave no speed."""
+    for seed in range(6):
+        case = nasty_paths.case(family, seed)
+        options = {name: case.options[name] for name in ("start", "end", "mesh") if name in case.options}
+        try:
+            trajectory = second(case.path, case.limits, **options)
+        except (InfeasibleError, UsageError):
+            assert case.expected != nasty_paths.ANSWER, seed
+            continue
+        usage = trajectory.usage()
+        assert max(usage.feed, *usage.velocity.values(), *usage.acceleration.values()) <= ALLOWED, seed
+        assert np.isfinite(trajectory.duration) and (np.diff(trajectory.laws[0].times) > 0.0).all(), seed
+
+
 # The trajectory
 
 
@@ -384,13 +408,13 @@ def test_centripetal_acceleration_of_a_start_names_the_joint():
 
 
 def test_no_limit_at_all():
-    with pytest.raises(InfeasibleError, match="no limit holds the motion at s ="):
+    with pytest.raises(InfeasibleError, match="no limit holds the motion"):
         second(line(), Limits(np.inf, np.inf, 1.0))
 
 
 def test_feed_of_zero():
     path = AxisPath.from_callable(circle, speed_cap=lambda s: np.where(s < 0.5, 1.0, 0.0), breaks=[0.5])
-    with pytest.raises(InfeasibleError, match="leaves no motion"):
+    with pytest.raises(InfeasibleError, match="leave no motion at s = "):
         second(path, FREE)
 
 

@@ -19,6 +19,7 @@ from toolpace.limits import Limits
 from toolpace.plan.blame import refusal
 from toolpace.plan.cells import BOTH_ENDS, FIVE, Cells
 from toolpace.plan.crew import Crew, Tally
+from toolpace.plan.detail import detail
 from toolpace.plan.endstate import AT_REST, EndState, check_state
 from toolpace.plan.linearlaw import LinearLaw
 from toolpace.plan.mesh import split, with_breaks
@@ -45,19 +46,21 @@ OVERSHOOT = 1.2
 
 
 def even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> Floats:
-    """Nodes (n,) from s0 to s1, half of them even in s, half in the time of a first solve; breaks are among them."""
+    """Nodes (n,) from s0 to s1, half even in s, half in the time of a first solve; breaks and detail come on top."""
     knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
     wanted = cells or max(DEFAULT_CELLS, CELLS_A_HINT * len(run.hints))
     pilot = with_breaks(np.linspace(run.s0, run.s1, max(PILOT, len(knots)) + 1), knots)
+    closer = detail(run, limits, pilot)
+    pilot = np.union1d(pilot, closer)
     rows = Cells(run, limits, pilot)
     z, status, _ = rows.solve(*ends)
-    if status != reachable.FEASIBLE or not ((z[1:-1] > 0.0) & (z[1:-1] < rows.ceiling)).all():
-        return with_breaks(np.linspace(run.s0, run.s1, wanted + 1), knots)
+    if status != reachable.FEASIBLE or not (z[1:-1] > 0.0).all():
+        return with_breaks(with_breaks(np.linspace(run.s0, run.s1, wanted + 1), closer, 0.0), knots)
     law = LinearLaw(pilot, z)
     measure = law.times / law.duration + (pilot - run.s0) / (run.s1 - run.s0)
     nodes = np.interp(np.linspace(0.0, 2.0, wanted + 1), measure, pilot)
     nodes[0], nodes[-1] = run.s0, run.s1
-    return with_breaks(nodes, knots)
+    return with_breaks(with_breaks(nodes, closer, 0.0), knots)
 
 
 def plan_run(
@@ -92,10 +95,12 @@ def solved(run: AxisRun, limits: Limits, rows: Cells, ends: tuple[float, float])
     z, status, node = rows.solve(*ends)
     if status != reachable.FEASIBLE:
         raise refusal(run, limits, rows, ends, status, node)
-    for wrong, what in ((z <= 0.0, "the speed cap leaves no motion"), (z >= rows.ceiling, "no limit holds the motion")):
-        if wrong[1:-1].any():
-            place = rows.nodes[1 + int(wrong[1:-1].argmax())]
-            raise InfeasibleError(f"{what} at s = {place:.9g}; give a feed, or limits of velocity or acceleration")
+    if rows.unlimited:
+        raise InfeasibleError("no limit holds the motion; give a feed, or limits of velocity or acceleration")
+    still = z[1:-1] <= 0.0
+    if still.any():
+        place = rows.nodes[1 + int(still.argmax())]
+        raise InfeasibleError(f"the limits leave no motion at s = {place:.9g}; give a finer mesh, or a higher feed")
     return LinearLaw(rows.nodes, z)
 
 
