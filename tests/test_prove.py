@@ -15,7 +15,9 @@ from toolpace.plan.bound import bound_run, relaxed
 from toolpace.plan.crew import Crew, untold
 from toolpace.plan.knots import PADDING, Knots
 from toolpace.plan.optimal import plan_run
-from toolpace.plan.prove import Near, Part, Piece, close, losses_by_knot, prove_run, settled
+from toolpace.plan.places import losses_by_knot, settled
+from toolpace.plan.prove import prove_run
+from toolpace.plan.ranges import Near, Part, Piece, close
 from toolpace.timelaw import SplineLaw
 
 FAR = 1e9
