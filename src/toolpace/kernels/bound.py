@@ -95,58 +95,63 @@ def _transposed(basis: Any, end: Any, ratio: Any, b: Any, sign: Any) -> Any:
 
 
 @jit()
-def dual_value(
-    basis: Any, first: Any, weight: Any, price: Any, low: Any, high: Any, rows: Any, dual: Any, end: Any, ratio: Any,
-    fixed: Any,
-) -> Any:  # fmt: skip
-    """A lower bound of sum weight / sqrt(z) + price . c over all feasible c with low <= z <= high at the knots.
+def gather(first: Any, weight: Any, low: Any, rows: Any, dual: Any, end: Any, terms: Any) -> Any:
+    """What the multipliers of each knot's rows come to: all that `value_of` needs of them, linear in them.
 
-    Parameters: basis (n, 3, 3) of the knots; first (n + 1,) point of each knot; weight, low, high (n,); price
-    (n + 2,) of the coefficients; rows (points, 2 m, 3) as in `speed.maximise_speed`; dual (points, 2 m, 2) any
-    multipliers >= 0; end, ratio (2,) as there; fixed (4,) the two outermost coefficients on either side, where that
-    end is in motion.
-    The multipliers of jerk of a knot are lowered where they outweigh the time and z may come close to zero. Rounding
-    is charged: the result holds for the arrays as they are given. Returns the bound, kappa (n,) and theta (n,): what
-    remains of the time's weight at a knot, and the price of z there.
+    Parameters as of `dual_value`, and the number of terms that `value_of` will be told. The multipliers of jerk of a
+    knot are lowered where they outweigh the time and z may come close to zero. Returns (n, 8): sums of multipliers
+    times the rows' three columns, the same with all signs positive, and those of acceleration and of jerk alone.
     """
     n, count = len(weight), rows.shape[1]
     half = count // 2
-    force, size = price.copy(), np.abs(price)
-    kappa = np.empty(n)
-    total = 0.0
-    scale = 0.0
+    out = np.zeros((n, 8))
+    # more than `value_of` charges: kappa shall stay positive there, in a mean of two such results too
+    rounding = 8.0 * (terms + 12) * UNIT
     for k in range(n):
-        g0 = g1 = g2 = 0.0
-        s0 = s1 = s2 = 0.0
         reverse = 0.0
         for p in range(first[k], first[k + 1]):
             for i in range(half, count):
                 reverse += dual[p, i, 0] + dual[p, i, 1]
-        rounding = 8.0 * (count * (first[k + 1] - first[k]) + 4) * UNIT
         share = 1.0
         given = (k == 0 and end[0] != REST) or (k == n - 1 and end[1] != REST)
         if not (given or low[k] > 0.0) and reverse > weight[k] * (1.0 - rounding):
             share = weight[k] * (1.0 - 2.0 * rounding) / reverse
-        kappa[k] = weight[k] - share * reverse - rounding * max(weight[k], share * reverse)
+        out[k, 7] = share * reverse
         for p in range(first[k], first[k + 1]):
             for i in range(count):
                 up, down = dual[p, i, 0], dual[p, i, 1]
                 if i < half:
-                    total -= up + down
-                    scale += up + down
+                    out[k, 6] += up + down
                 else:
                     up, down = share * up, share * down
-                g0 += (up - down) * rows[p, i, 0]
-                g1 += (up - down) * rows[p, i, 1]
-                g2 += (up - down) * rows[p, i, 2]
-                s0 += (up + down) * abs(rows[p, i, 0])
-                s1 += (up + down) * abs(rows[p, i, 1])
-                s2 += (up + down) * abs(rows[p, i, 2])
+                for d in range(3):
+                    out[k, d] += (up - down) * rows[p, i, d]
+                    out[k, 3 + d] += (up + down) * abs(rows[p, i, d])
+    return out
+
+
+@jit()
+def value_of(
+    basis: Any, weight: Any, price: Any, low: Any, high: Any, gathered: Any, terms: Any, end: Any, ratio: Any,
+    fixed: Any,
+) -> Any:  # fmt: skip
+    """The bound, kappa and theta (see `dual_value`) from what `gather` returns; at most so many terms are in a sum."""
+    n = len(weight)
+    force, size = price.copy(), np.abs(price)
+    kappa = np.empty(n)
+    total = 0.0
+    scale = 0.0
+    rounding = 8.0 * (terms + 4) * UNIT
+    for k in range(n):
+        reverse = gathered[k, 7]
+        kappa[k] = weight[k] - reverse - rounding * max(weight[k], reverse)
+        total -= gathered[k, 6]
+        scale += gathered[k, 6]
         for j in range(3):
             b0, b1, b2 = basis[k, 0, j], basis[k, 1, j], basis[k, 2, j]
-            force[k + j] += b0 * g0 + b1 * g1 + b2 * g2
-            size[k + j] += abs(b0) * s0 + abs(b1) * s1 + abs(b2) * s2
-    points = 2.0 * (count + 8)
+            force[k + j] += b0 * gathered[k, 0] + b1 * gathered[k, 1] + b2 * gathered[k, 2]
+            size[k + j] += abs(b0) * gathered[k, 3] + abs(b1) * gathered[k, 4] + abs(b2) * gathered[k, 5]
+    points = 2.0 * (terms + 8)
     first_knot, last_knot = 0, n - 1
     theta, error = np.empty(n), np.empty(n)
     if end[0] == REST:
@@ -196,4 +201,27 @@ def dual_value(
         scale += abs(value) + points * abs(shift)
         if last_knot >= first_knot:
             total -= 2.0 * error[n - 2] * abs(basis[n - 2, 0, 2] * fixed[2])
-    return total - (n * (count + 4)) * UNIT * scale, kappa, theta
+    return total - (n * (terms + 4)) * UNIT * scale, kappa, theta
+
+
+@jit()
+def dual_value(
+    basis: Any, first: Any, weight: Any, price: Any, low: Any, high: Any, rows: Any, dual: Any, end: Any, ratio: Any,
+    fixed: Any,
+) -> Any:  # fmt: skip
+    """A lower bound of sum weight / sqrt(z) + price . c over all feasible c with low <= z <= high at the knots.
+
+    Parameters: basis (n, 3, 3) of the knots; first (n + 1,) point of each knot; weight, low, high (n,); price
+    (n + 2,) of the coefficients; rows (points, 2 m, 3) as in `speed.maximise_speed`; dual (points, 2 m, 2) any
+    multipliers >= 0; end, ratio (2,) as there; fixed (4,) the two outermost coefficients on either side, where that
+    end is in motion.
+    The multipliers of jerk of a knot are lowered where they outweigh the time and z may come close to zero. Rounding
+    is charged: the result holds for the arrays as they are given. Returns the bound, kappa (n,) and theta (n,): what
+    remains of the time's weight at a knot, and the price of z there.
+    """
+    most = 0
+    for k in range(len(weight)):
+        most = max(most, first[k + 1] - first[k])
+    terms = rows.shape[1] * most
+    gathered = gather(first, weight, low, rows, dual, end, terms)
+    return value_of(basis, weight, price, low, high, gathered, terms, end, ratio, fixed)
