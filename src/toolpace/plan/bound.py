@@ -133,11 +133,19 @@ def summed(
 
 
 def coefficients(law: SplineLaw) -> Floats:
-    """(n + 2,) coefficients of a law's spline, from its polynomials: each is the polar form of one at three knots."""
-    x, n = law.nodes, len(law.nodes)
+    """(n + 2,) coefficients of a law's spline, from its polynomials."""
+    return coefficients_of(law.nodes, law.cells)
+
+
+def coefficients_of(nodes: Floats, cells: Floats) -> Floats:
+    """(n + 2,) coefficients of the spline over knots (n,) with these polynomials (n - 1, 4) in its cells.
+
+    Each is the polar form of one of them at three knots.
+    """
+    n = len(nodes)
     middle = np.clip(np.arange(n + 2) - 1, 0, n - 1)
     cell = np.minimum(middle, n - 2)
-    u, v, w = (x[np.clip(np.arange(n + 2) + shift, 0, n - 1)] - x[cell] for shift in (-2, -1, 0))
-    a = law.cells[cell].T
+    u, v, w = (nodes[np.clip(np.arange(n + 2) + shift, 0, n - 1)] - nodes[cell] for shift in (-2, -1, 0))
+    a = cells[cell].T
     c: Floats = a[0] + a[1] * (u + v + w) / 3.0 + a[2] * (u * v + u * w + v * w) / 3.0 + a[3] * u * v * w
     return c

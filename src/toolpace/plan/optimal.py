@@ -11,11 +11,12 @@ import numpy.typing as npt
 from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.limits import Limits
-from toolpace.plan.bound import Bound, bound_run, summed
+from toolpace.plan.bound import Bound, summed
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tally, Tell, part_of, untold
 from toolpace.plan.endstate import AT_REST, EndState, check_state
 from toolpace.plan.guard import guarded
+from toolpace.plan.longbound import bound_long_run
 from toolpace.plan.mend import solve_run
 from toolpace.plan.mesh import first_mesh, ramp_time
 from toolpace.plan.solve import Stalled, start_from
@@ -101,7 +102,9 @@ def plan_optimal(
             law, count = plan_run(
                 runs[k], limits, cells=cells, start=states[0], end=states[1], guard=guard, crew=crew, tell=tell
             )
-            least = bound_run(runs[k], limits, law, *states) if bound else None
+            least = None
+            if bound:
+                least = bound_long_run(runs[k], limits, law, *states, crew, part_of(tell, GUARDED, 1.0))
         except BaseException:
             # without this run the others are of no use
             crew.stopped = True

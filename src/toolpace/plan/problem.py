@@ -46,6 +46,15 @@ class OnMesh:
         self.fixed = np.array([z0, z0 + 2.0 * ends[0].acceleration * first, z1 - 2.0 * ends[1].acceleration * last, z1])
 
 
+def node_weights(nodes: Floats, rest: tuple[float, float]) -> Floats:
+    """(n,) of the pace 1 / sqrt(z) at the nodes in the time of a run."""
+    cell = np.diff(nodes)
+    weight: Floats = (np.concatenate([[0.0], cell]) + np.concatenate([cell, [0.0]])) / 2.0
+    weight[0] += 3.0 * rest[0]
+    weight[-1] += 3.0 * rest[1]
+    return weight
+
+
 class Problem(OnMesh):
     """A run on a mesh, as the core takes it: rows at the nodes, on both sides where the run has a break."""
 
@@ -53,11 +62,7 @@ class Problem(OnMesh):
         super().__init__(nodes, rest, ends)
         self.node = node
         self.basis = cubic.basis_at_knots(nodes)[node]
-        cell = np.diff(nodes)
-        weight = (np.concatenate([[0.0], cell]) + np.concatenate([cell, [0.0]])) / 2.0
-        weight[0] += 3.0 * rest[0]
-        weight[-1] += 3.0 * rest[1]
-        self.weight = (weight / np.bincount(node))[node]
+        self.weight = (node_weights(nodes, rest) / np.bincount(node))[node]
         self.cap = np.empty(0)
         self.rows = np.empty((0, 0, 3))
         self.lowered = np.ones((len(nodes), 3))
