@@ -45,6 +45,11 @@ class Course(OnMesh):
         """Time in which an acceleration builds up [s]."""
         self._whole = discretise(run, limits, nodes, *ends) if len(nodes) <= KEPT else None
 
+    @property
+    def is_long(self) -> bool:
+        """Whether the run is too long to be solved in one piece."""
+        return self._whole is None
+
     def problem(self, low: int, high: int) -> Problem:
         """The problem of the nodes `low` to `high`, everything outside staying as it is (see Problem.stretch)."""
         if self._whole is not None:

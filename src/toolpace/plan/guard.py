@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tell, part_of, untold
-from toolpace.plan.keep import kept, slowing
+from toolpace.plan.keep import kept, worth
 from toolpace.plan.mend import mend, solve_run, stretches
 from toolpace.plan.peaks import cell_peaks
 from toolpace.plan.problem import ALLOWED
@@ -41,11 +41,11 @@ def guarded(course: Course, law: SplineLaw, fixed: bool, crew: Crew, tell: Tell 
     """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
 
     Where a limit is passed, the mesh is refined (unless it is fixed) or the rows there are tightened, and the
-    surroundings are solved again. What that leaves, slowing the whole motion down takes away.
+    surroundings are solved again. What that leaves, slowing down takes away.
     """
     c = law.c
     peak = cell_peaks(course, law, crew=crew)
-    best, least = law, law.duration * np.sqrt(slowing(peak))
+    best, least = law, worth(law, peak, course.ramp)
     for round_ in range(MOST_ROUNDS):
         dips = law.dips()
         wrong = (peak.max(axis=1) > ALLOWED) | dips
@@ -70,7 +70,7 @@ def guarded(course: Course, law: SplineLaw, fixed: bool, crew: Crew, tell: Tell 
         law = SplineLaw(course.nodes, c, course.rest)
         peak[moved] = cell_peaks(course, law, moved, crew)
         if law.duration * np.sqrt(slowing(peak)) < least:
-            best, least = law, law.duration * np.sqrt(slowing(peak))
+            best, least = law, worth(law, peak, course.ramp)
     return kept(course, best, crew)
 
 
@@ -90,11 +90,8 @@ def resolve(
     everything = np.arange(len(course.nodes) - 1)
     parts = stretches(course, wrong)
     if sum(part.high - part.low for part in parts) < MOST_MENDED * len(everything):
-        try:
-            mended, solved = mend(course, c, parts, loss, WARM_SPREAD, crew, tell)
-        except Stalled:
-            pass
-        else:
+        mended, solved, stuck = mend(course, c, parts, loss, WARM_SPREAD, crew, tell)
+        if not stuck or course.is_long:
             moved = np.zeros(len(everything), dtype=np.bool_)
             for low, high, _, _ in solved:
                 moved[max(low - 1, 0) : high + 1] = True

@@ -1,4 +1,4 @@
-"""What the rounds between the nodes leave above the guarantee is taken away by slowing the whole motion down."""
+"""What the rounds between the nodes leave above the guarantee is taken away by slowing down."""
 
 from __future__ import annotations
 
@@ -18,24 +18,78 @@ Floats = npt.NDArray[np.float64]
 GUARANTEE = 1.0 + 9e-5
 """Usage between nodes that is never passed, a rounding below what is promised."""
 MOST_SPLITS = 20
+MOST_EASED = 300
+"""Places that may pass the guarantee for easing to be worth a thought."""
+EASE_BY = 1.05
+"""How far the motion is slowed down about a place, as a multiple of what the place needs."""
+EASE_RAMPS, EASE_SLOPE = 20.0, 5e-6
+"""How far that reaches in ramp times, at least, and most of z that is lost in one: no other limit shall feel it."""
 
 
 def kept(course: Course, law: SplineLaw, crew: Crew) -> SplineLaw:
-    """The law within the guarantee, slowed down as a whole for it; one with an end in motion cannot be: Stalled."""
+    """The law within the guarantee: slowed down about the places that pass it, so gently that nothing else does.
+
+    Where that does not do, or is no better, it is slowed down as a whole; with an end in motion it cannot be: Stalled.
+    """
     law = without_dips(law)
     peak = cell_peaks(course, law, crew=crew)
     if peak.max() <= GUARANTEE:
         return law
-    if not (law.rest[0] > 0.0 and law.rest[1] > 0.0 and np.isfinite(peak).all()):
+    finite = bool(np.isfinite(peak).all())
+    slowed = law.slowed(slowing(peak)) if finite and law.rest[0] > 0.0 and law.rest[1] > 0.0 else None
+    if finite:
+        eased = SplineLaw(law.nodes, law.c * easing(law, peak, course.ramp), law.rest)
+        better = slowed is None or eased.duration < slowed.duration
+        if better and not eased.dips().any() and cell_peaks(course, eased, crew=crew).max() <= GUARANTEE:
+            return eased
+    if slowed is None:
         cell, kind = divmod(int(np.nan_to_num(peak, nan=np.inf).argmax()), peak.shape[1])
         raise Stalled(float(law.nodes[cell]), LIMITS[kind])
-    return law.slowed(slowing(peak))
+    return slowed
 
 
 def slowing(peak: Floats) -> float:
     """By how much z must be divided for the peaks (cells, 3) of speed, acceleration and jerk to come down to 1."""
     speed, acceleration, jerk = peak.max(axis=0)
     return float(max(1.0, speed**2, acceleration, jerk ** (2.0 / 3.0)))
+
+
+def worth(law: SplineLaw, peak: Floats, ramp: float) -> float:
+    """About how long the motion takes once it is slowed down for the guarantee [s]."""
+    whole = law.duration * float(np.sqrt(slowing(peak)))
+    if not np.isfinite(whole) or np.count_nonzero(peak.max(axis=1) > GUARANTEE) > MOST_EASED:
+        return whole
+    left = easing(law, peak, ramp)[1:-1]
+    return min(whole, law.duration + float(np.diff(law.times) @ (1.0 / np.sqrt(left[1:]) - 1.0)))
+
+
+def easing(law: SplineLaw, peak: Floats, ramp: float) -> Floats:
+    """Shares of the coefficients that are left about the places above the guarantee; all of them at moving ends."""
+    clock = np.interp(np.arange(len(law.c)) - 1.0, np.arange(len(law.times)), law.times)
+    left = np.ones(len(clock))
+    groups: list[tuple[float, float, float]] = []
+    for cell in np.flatnonzero(peak.max(axis=1) > GUARANTEE):
+        begin, end = law.times[cell], law.times[cell + 1]
+        loss = 1.0 - 1.0 / (1.0 + EASE_BY * (slowing(peak[cell : cell + 1]) - 1.0))
+        # one that reaches into the one before is slowed down together with it
+        while groups and begin - ramp * ease_ramps(loss) < groups[-1][1] + ramp * ease_ramps(groups[-1][2]):
+            begin, loss = min(begin, groups[-1][0]), max(loss, groups[-1][2])
+            groups.pop()
+        groups.append((begin, end, loss))
+    for begin, end, loss in groups:
+        width = ramp * ease_ramps(loss)
+        low, high = np.searchsorted(clock, [begin - width, end + width])
+        far = np.maximum(begin - clock[low:high], clock[low:high] - end)
+        near = np.clip((width - far) / (width - ramp), 0.0, 1.0)
+        left[low:high] = 1.0 - loss * near * near * (3.0 - 2.0 * near)
+    left[:2] = 1.0 if law.rest[0] == 0.0 else left[:2].min()
+    left[-2:] = 1.0 if law.rest[1] == 0.0 else left[-2:].min()
+    return left
+
+
+def ease_ramps(loss: float) -> float:
+    """Ramp times in which so much of z is lost and won."""
+    return max(EASE_RAMPS, loss / EASE_SLOPE)
 
 
 def without_dips(law: SplineLaw) -> SplineLaw:

@@ -21,8 +21,8 @@ MEND_RAMPS = 7.0
 """How far a mended place may move its surroundings, in times in which an acceleration builds up."""
 LEAST_LEFT = 0.7
 """Least share of a coefficient that mending leaves: limits move by little, and so must the motion."""
-WIDER = 4.0
-"""How much wider a stretch is made that finds no way."""
+WIDER, MUCH_WIDER = 4.0, 30.0
+"""How much wider a stretch is made that finds no way; and again, on a long run."""
 WINDOW = 8_000
 """Nodes that are solved in one piece, unless what joins two pieces would be wider."""
 SEAM_RAMPS = 60.0
@@ -75,12 +75,15 @@ def solve_run(course: Course, c: Floats, spread: float, crew: Crew, tell: Tell =
     if count <= 1:
         return solve(course.problem(0, last), c, spread)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
-    try:
-        inner, _ = mend(course, c, windows, 0.0, spread, crew, part_of(tell, 0.0, 0.85), least=0.0)
-        return mend(course, inner, seams, SEAM_LOSS, SEAM_LOSS, crew, part_of(tell, 0.85, 1.0), least=0.0)[0]
-    except Stalled:
-        # an end in motion may leave no way to so slow a border
-        return solve(course.problem(0, last), c, spread)
+    begin = c
+    for parts, loss, gap, told in (
+        (windows, 0.0, spread, part_of(tell, 0.0, 0.85)), (seams, SEAM_LOSS, SEAM_LOSS, part_of(tell, 0.85, 1.0)),
+    ):  # fmt: skip
+        c, _, stuck = mend(course, c, parts, loss, gap, crew, told, least=0.0)
+        if stuck:
+            # an end in motion may leave no way to so slow a border
+            return solve(course.problem(0, last), begin, spread)
+    return c
 
 
 def mend(
@@ -92,12 +95,13 @@ def mend(
     crew: Crew,
     tell: Tell = untold,
     least: float = LEAST_LEFT,
-) -> tuple[Floats, list[Stretch]]:
+) -> tuple[Floats, list[Stretch], list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
 
     Each stretch starts from c, slowed down by the share `loss` in its middle. The stretches are solved on all cores;
     one that finds no way, or leaves less than the share `least` of a coefficient, is solved once more, wider, when
-    the others are done. Returns the coefficients and the stretches solved. Raises Stalled.
+    the others are done, and on a long run a third time, much wider. Returns the coefficients, the stretches solved,
+    and those that found no way, which are as they were.
     """
     out = c.copy()
 
@@ -109,13 +113,20 @@ def mend(
         return None
 
     stuck = [part for part in crew.each(one, parts, tell) if part is not None]
-    wider = []
-    if stuck:
+    solved = parts
+    for wide in (WIDER * MEND_RAMPS, MUCH_WIDER * MEND_RAMPS):
+        if not stuck or (wide > WIDER * MEND_RAMPS and not course.is_long):
+            break
         first, last = np.array([(part.first, part.last) for part in stuck]).T
-        wider = around(course, first, last, WIDER * MEND_RAMPS)
-    for part in wider:
-        mend_one(course, out, out, part, max(loss, SEAM_LOSS), spread, least)
-    return out, parts + wider
+        still = []
+        for part in around(course, first, last, wide):
+            try:
+                mend_one(course, out, out, part, max(loss, SEAM_LOSS), spread, least)
+                solved = [*solved, part]
+            except Stalled:
+                still.append(part)
+        stuck = still
+    return out, solved, stuck
 
 
 def mend_one(course: Course, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float) -> None:

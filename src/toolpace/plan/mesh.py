@@ -24,7 +24,14 @@ CELLS_A_HINT = 2.0
 FEWEST_CELLS = 150
 DEFAULT_CELLS = 1500
 MOST_CELLS = 20_000
-"""Fewest cells of a run, with hints and without, and most, unless it has many hints."""
+"""Fewest cells of a run, with hints and without, and most, unless it has many hints or turns."""
+CELLS_A_PLACE = 20
+"""Most cells for each hint, or for each of the places that it takes to tell the speed between them."""
+ROUGH, ROUGH_BY = 0.05, 1.5
+"""Share of the intervals between such places, beyond which more are needed, and the factor that makes one rough."""
+SAMPLES = 4000
+MOST_PLACES = 4_000_000
+"""Intervals that are looked at, and most places."""
 NODES_A_FALL = 1.0
 """Fewest nodes while z falls or grows by the factor e: where the motion nearly stops, steps in time are too long."""
 ONE_PLACE = 1e-4
@@ -58,7 +65,7 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
     keep |= np.isin(s, run.breaks)
     s = s[keep]
     s[-1] = run.s1
-    closer = detail(run, limits, s)
+    closer = np.concatenate([detail(run, limits, s[i : i + CHUNK + 1]) for i in range(0, len(s) - 1, CHUNK)])
     s = np.union1d(s, closer)
     steady, third = steady_speed(run, limits, s)
     if len(run.breaks):
@@ -89,6 +96,24 @@ def highest_of(steady: Floats, length: float) -> float:
     """The highest of the z (n,) that limits allow at steady speed; a large value where there are no limits."""
     finite = np.isfinite(steady)
     return float(steady[finite].max()) if finite.any() else (length / 1e-6) ** 2
+
+
+def places(run: AxisRun, limits: Limits, fewest: int) -> int:
+    """How many even places along a run tell the speed between them: `fewest`, or more where it turns often."""
+    count = fewest
+    while count < MOST_PLACES:
+        interval = np.unique(np.linspace(0, count - 1, min(SAMPLES, count)).astype(np.int64))
+        # anywhere in the interval, lest a regular path is met in step
+        inside = interval * 0.6180339887498949 % 1.0
+        left, right, there = (
+            np.sqrt(steady_speed(run, limits, run.s0 + (run.s1 - run.s0) * (interval + x) / count)[0])
+            for x in (0.0, 1.0, inside)
+        )
+        low, high = np.minimum(left, right) / ROUGH_BY, np.maximum(left, right) * ROUGH_BY
+        if np.mean((there < low) | (there > high)) <= ROUGH:
+            break
+        count *= 4
+    return count
 
 
 def ramp_time(limits: Limits) -> float:
@@ -122,12 +147,14 @@ def to_graded(place: Floats, ends: tuple[float, float]) -> Floats:
 def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> tuple[Floats, Guess]:
     """Nodes (n,) from s0 to s1; `cells` fixes their number, else time decides it; breaks and detail come on top."""
     fewest = cells or (FEWEST_CELLS if len(run.hints) else DEFAULT_CELLS)
-    rough = guess(run, limits, ends, fewest)
+    many = places(run, limits, fewest) if cells is None and not len(run.hints) else fewest
+    rough = guess(run, limits, ends, many)
     s, t = rough.s, rough.t
     total = t[-1]
     step = total / fewest
+    most = max(MOST_CELLS, CELLS_A_PLACE * max(len(run.hints), many if many > fewest else 0))
     if cells is None:
-        step = min(step, max(ramp_time(limits) / STEPS_A_RAMP, total / max(MOST_CELLS, 20 * len(run.hints))))
+        step = min(step, max(ramp_time(limits) / STEPS_A_RAMP, total / most))
     # nodes a unit of time: even, but no coarser than GRADING next to rest
     middle = (t[1:] + t[:-1]) / 2.0
     density = np.full(len(middle), 1.0 / step)
