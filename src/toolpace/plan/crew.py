@@ -12,7 +12,7 @@ R = TypeVar("R")
 Tell = Callable[[float], None]
 """Takes the share of some work that is done, from 0 to 1."""
 
-BREATH = 0.1
+BREATH = 0.03
 """Time between two looks at others' work [s]."""
 
 
@@ -58,17 +58,67 @@ class Tally:
             self._tell(now)
 
 
-class Crew:
-    """The caller's thread, and as many more as there are cores, for work within work.
+class Helper:
+    """A thread whose end can be waited for again after an interrupt, which Thread.join does not allow."""
 
-    The caller works too, and helpers join where they are free: pieces of one long run, or several short runs, take
-    the cores they find. An interrupt in the caller's thread stops all after the pieces they are at.
+    def __init__(self, work: Callable[[], None]) -> None:
+        self._done = threading.Event()
+        self._work = work
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._work()
+        finally:
+            self._done.set()
+
+    def wait(self, pulse: Callable[[], None] = lambda: None) -> None:
+        """Wait for its end, with a pulse from time to time."""
+        while not self._done.wait(BREATH):
+            pulse()
+        self._thread.join()
+
+
+def interrupted(error: BaseException) -> bool:
+    """Whether an error is Ctrl-C, met by compiled code in the main thread, which wraps it."""
+    return isinstance(error, SystemError) and isinstance(error.__cause__, KeyboardInterrupt)
+
+
+class Crew:
+    """As many threads as there are cores, for work within work.
+
+    Who asks for work to be done works too, and helpers join where they are free: pieces of one long run, or several
+    short runs, take the cores they find. Once `stopped`, all come to a halt after the pieces they are at.
     """
 
     def __init__(self, tally: Tally | None = None) -> None:
         self._free = threading.Semaphore(max((os.cpu_count() or 1) - 1, 0))
         self._tally = tally
         self.stopped = False
+
+    def aside(self, work: Callable[[], R]) -> R:
+        """What `work` returns, done in another thread, while this one passes on word of it and hears Ctrl-C."""
+        out: list[R] = []
+        failed: list[Exception] = []
+
+        def go() -> None:
+            try:
+                out.append(work())
+            except Exception as error:
+                failed.append(error)
+
+        worker = Helper(go)
+        try:
+            worker.wait(self._pulse)
+            self._pulse()
+        except BaseException:
+            self.stopped = True
+            worker.wait()
+            raise
+        if failed:
+            raise failed[0]
+        return out[0]
 
     def each(self, work: Callable[[T], R], pieces: Sequence[T], tell: Tell = untold) -> list[R]:
         """What `work` makes of each piece, in order. The first error is raised when all have come to a halt."""
@@ -96,27 +146,26 @@ class Crew:
             finally:
                 self._free.release()
 
-        helpers: list[threading.Thread] = []
+        helpers: list[Helper] = []
         try:
             while len(helpers) < len(pieces) - 1 and not self.stopped and self._free.acquire(blocking=False):
-                helpers.append(threading.Thread(target=help_out))
-                helpers[-1].start()
+                helpers.append(Helper(help_out))
             go()
-            self._wait(helpers)
         except BaseException:
             self.stopped = True
-            self._wait(helpers)
             raise
+        finally:
+            for helper in helpers:
+                helper.wait(self._pulse)
         if failed:
-            first = min(failed, key=lambda k: (isinstance(failed[k], Stopped), k))
-            raise failed[first]
+            first = failed[min(failed, key=lambda k: (isinstance(failed[k], Stopped), k))]
+            if interrupted(first):
+                raise KeyboardInterrupt from None
+            raise first
         if self.stopped:
             raise Stopped
         return [out[k] for k in range(len(pieces))]
 
-    def _wait(self, helpers: list[threading.Thread]) -> None:
-        for helper in helpers:
-            while helper.is_alive():
-                helper.join(BREATH)
-                if self._tally is not None:
-                    self._tally.pulse()
+    def _pulse(self) -> None:
+        if self._tally is not None:
+            self._tally.pulse()

@@ -15,8 +15,8 @@ import numpy.typing as npt
 from toolpace.axispath import AxisRun
 from toolpace.kernels import bound, cubic
 from toolpace.limits import Limits
+from toolpace.plan import course
 from toolpace.plan.bound import IN_GAP, STANDS_STILL, Bound, bound_run, coefficients_of, relaxed, standstills
-from toolpace.plan.course import KEPT
 from toolpace.plan.crew import Crew, Tell, untold
 from toolpace.plan.endstate import AT_REST, EndState
 from toolpace.plan.knots import Knots
@@ -127,7 +127,7 @@ def bound_long_run(
 def borders(law: SplineLaw, overlap: float) -> tuple[Ints, Ints]:
     """Nodes (k,) between which the pieces lie, and how many nodes pieces reach beyond them to cover a time."""
     last = len(law.nodes) - 1
-    count = last // PIECE if last > KEPT else 1
+    count = last // PIECE if last > course.KEPT else 1
     while count > 1:
         border = np.linspace(0, last, count + 1).astype(np.int64)
         before, after = (np.searchsorted(law.times, law.times[border] + shift) for shift in (-overlap, overlap))

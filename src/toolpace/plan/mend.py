@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.kernels import speed
-from toolpace.plan.course import KEPT, Course
+from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tell, part_of, untold
 from toolpace.plan.solve import Stalled, slower, solve
 
@@ -65,7 +65,7 @@ def solve_run(course: Course, c: Floats, spread: float, crew: Crew, tell: Tell =
     solved, between nodes that are at their best already. Raises Stalled.
     """
     last = len(course.nodes) - 1
-    count = int(np.ceil(last / WINDOW)) if last > KEPT else 1
+    count = int(np.ceil(last / WINDOW)) if course.is_long else 1
     while count > 1:
         border = np.linspace(0, last, count + 1).astype(np.int64)
         seams = around(course, border[1:-1], border[1:-1], SEAM_RAMPS)

@@ -112,7 +112,7 @@ def plan_optimal(
         tell(1.0)
         return law, count, least
 
-    planned = crew.each(one, range(len(runs)))
+    planned = crew.aside(lambda: crew.each(one, range(len(runs))))
     laws = tuple(law for law, _, _ in planned)
     bounds = [least for _, _, least in planned if least is not None]
     lower_bound, open_places = summed(axis_path, laws, bounds) if bound else (0.0, ())
