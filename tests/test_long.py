@@ -24,8 +24,8 @@ from toolpace.plan.bound import bound_run
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tally
 from toolpace.plan.endstate import AT_REST, EndState
-from toolpace.plan.guard import GUARANTEE as KEPT_BELOW
-from toolpace.plan.guard import easing, kept, slowing
+from toolpace.plan.keep import GUARANTEE as KEPT_BELOW
+from toolpace.plan.keep import easing, kept, slowing
 from toolpace.plan.longbound import bound_long_run
 from toolpace.plan.mesh import first_mesh, places
 from toolpace.plan.optimal import plan_run
@@ -177,11 +177,11 @@ def left_too_fast(by):
 def test_a_place_that_stays_above_is_eased_alone():
     of_run, law, peak = left_too_fast(1e-5)
     assert peak.max() > KEPT_BELOW
-    eased = kept(of_run, law, peak, Crew())
+    eased = kept(of_run, law, Crew())
     assert cell_peaks(of_run, eased).max() <= KEPT_BELOW
     left = easing(law, peak, of_run.ramp)
     assert left[0] == left[-1] == 1.0 and left.min() < 1.0
-    assert eased.duration < law.slowed(float(slowing(peak).max())).duration
+    assert eased.duration < law.slowed(slowing(peak)).duration
 
 
 def test_mesh_of_a_path_without_hints_follows_its_turns():

@@ -69,8 +69,9 @@ def guarded(course: Course, law: SplineLaw, fixed: bool, crew: Crew, tell: Tell 
             break
         law = SplineLaw(course.nodes, c, course.rest)
         peak[moved] = cell_peaks(course, law, moved, crew)
-        if law.duration * np.sqrt(slowing(peak)) < least:
-            best, least = law, worth(law, peak, course.ramp)
+        now = worth(law, peak, course.ramp)
+        if now < least:
+            best, least = law, now
     return kept(course, best, crew)
 
 
