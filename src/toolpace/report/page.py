@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from toolpace.trajectory import Trajectory
     from toolpace.verify import Verification
 
+PLACES = 12
+WORTH_A_WORD = 1e-3
+"""Places where the lower bound leaves room that are listed, and the gap from which they are."""
 STRIP = 20_000
 """Columns of the strip that shows what limits where."""
 
@@ -54,6 +57,7 @@ def page(
         cards=_cards(trajectory, setpoints, toolpath, verification, facts),
         insight=_insight(trajectory.limited_by()),
         bars=_bars(trajectory.limited_by(), palette),
+        open_places=_open_places(trajectory),
         usage=_usage(trajectory, units),
         checks=_checks(verification),
         version=escape(__version__),
@@ -183,6 +187,25 @@ def _bars(shares: Mapping[str, float], palette: Mapping[str, str]) -> str:
             f'</span></span><span class="share">{percent(share)}</span></div>'
         )
     return "\n".join(rows)
+
+
+def _open_places(trajectory: Trajectory) -> str:
+    """Where the lower bound leaves room, the most first, folded away."""
+    places = sorted(trajectory.open_places, key=lambda place: -place.seconds)[:PLACES]
+    if not places or trajectory.gap < WORTH_A_WORD:
+        return ""
+    rows = "".join(
+        f"<tr><td>{duration(place.start)} to {duration(place.end)}</td><td>{place.block or ''}</td>"
+        f"<td>{figure(1e3 * place.seconds)} ms</td></tr>"
+        for place in places
+    )
+    open_ = trajectory.duration - trajectory.lower_bound
+    return (
+        f'<details class="open"><summary>At most {figure(1e3 * open_)} ms ({percent(trajectory.gap)}) could still be '
+        "gained: where the proof leaves room</summary>"
+        '<div class="scroll"><table class="checks"><thead><tr><th>Time</th><th>Block</th><th>At most</th></tr></thead>'
+        f"<tbody>{rows}</tbody></table></div></details>"
+    )
 
 
 def _usage(trajectory: Trajectory, units: list[str]) -> str:
