@@ -14,8 +14,10 @@ from pathlib import Path
 from rich.progress import Progress
 
 from benchmarks import tables
-from benchmarks.measure import MESHES, Row, measure, row
+from benchmarks.measure import MESHES, VERY_FINE, Row, measure, row
+from benchmarks.memory import peaks
 from benchmarks.paths import RANDOM_CASES, all_cases
+from benchmarks.pictures import draw
 
 RESULTS = Path(__file__).parent / "results"
 PACKAGES = ("numpy", "numba", "scipy", "casadi", "copp-py", "toppra", "ruckig")
@@ -36,6 +38,11 @@ def machine() -> dict[str, object]:
         "commit": revision(),
         **{name: version(name) for name in PACKAGES},
     }
+
+
+def machine_in_words() -> str:
+    """The same on one line."""
+    return ", ".join(f"{key} {value}" for key, value in machine().items())
 
 
 def revision() -> str:
@@ -62,21 +69,23 @@ def main() -> None:
     cases = all_cases(random)
     for _, outcome in measure(cases[0], 50, quick=True):
         assert outcome is not None  # compiles the kernels, loads the libraries
+    asked = [(case, n) for case in cases for n in meshes]
+    asked += [(cases[0], VERY_FINE)] if given.mesh is None and not given.quick else []
     rows: list[Row] = []
     with Progress(transient=True) as progress:
-        task = progress.add_task("benchmarks", total=len(cases) * sum(meshes))
-        for case in cases:
-            for n in meshes:
-                progress.update(task, description=f"{case.name}, n = {n}")
-                for planner, outcome in measure(case, n, given.quick):
-                    rows.append(row(case, n, planner, outcome))
-                progress.advance(task, n)
+        task = progress.add_task("benchmarks", total=sum(n for _, n in asked))
+        for case, n in asked:
+            progress.update(task, description=f"{case.name}, n = {n}")
+            for planner, outcome in measure(case, n, given.quick):
+                rows.append(row(case, n, planner, outcome))
+            progress.advance(task, n)
     results = tables.Results(rows)
     shown = [
         tables.targets(results),
         tables.summary(results),
         tables.peers(results),
         tables.published(results, [case.name for case in cases[:3]]),
+        tables.memory(peaks(cases[-1].name, meshes), cases[-1].name),
         tables.failures(rows),
     ]
     for table in shown:
@@ -87,7 +96,7 @@ def main() -> None:
     out.mkdir(parents=True, exist_ok=True)
     about = {"date": datetime.date.today().isoformat(), "machine": machine()}
     (out / "planner.json").write_text(json.dumps({**about, "rows": rows}, indent=1) + "\n")
-    words = ", ".join(f"{key} {value}" for key, value in about["machine"].items())  # type: ignore[union-attr]
+    words = machine_in_words()
     head = (
         "# The planner beside its peers\n\n"
         f"Written by `make bench` on {about['date']}. Machine: {words}. One thread each; times are CPU times of the\n"
@@ -96,7 +105,9 @@ def main() -> None:
         "`time / IPOPT's` compares what both minimise, the time of the discretised problem; IPOPT has the same nodes,\n"
         "spline, rows, caps and weights. Usage: the largest value over limit of feed, velocity, acceleration, jerk.\n\n"
     )
-    (out / "planner.md").write_text(head + "\n".join(table.markdown() for table in shown))
+    draw(results, out / "planner.png")
+    picture = "![time a point and duration over the number of mesh cells, by planner](planner.png)\n\n"
+    (out / "planner.md").write_text(head + picture + "\n".join(table.markdown() for table in shown))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import datetime
 import statistics
 from collections.abc import Callable
 
-from benchmarks.__main__ import RESULTS, machine
+from benchmarks.__main__ import RESULTS, machine_in_words
 from benchmarks.paths import Case, all_cases
 from benchmarks.peers import copp_second_order, second_order, toppra
 from benchmarks.tables import Table, text
@@ -140,7 +140,7 @@ def main() -> None:
     tables = [summary(rows), loss_of_mesh(cases), price_of_jerk(cases), by_case(rows)]
     for table in tables:
         table.show()
-    words = ", ".join(f"{key} {value}" for key, value in machine().items())
+    words = machine_in_words()
     head = (
         "# The second-order planner beside its peers\n\n"
         f"Written by `python -m benchmarks.second_order` on {datetime.date.today().isoformat()}. Machine: {words}.\n"

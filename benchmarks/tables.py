@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 Row = dict[str, object]
 MOST_RATIO = 1.0001
-MOST_MICROSECONDS = 20.0
-MOST_OF_TOPPRA = 1.5
+MOST_OF_TOPPRA = 0.8
+LEAST_AHEAD = {("copp, one pass", 1000): 25.0, ("IPOPT", 1000): 25.0, ("copp, one pass", 5000): 60.0}
+"""How many times the time a point of ours a peer should take at least."""
 MOST_USAGE = 1.0001
 
 
@@ -74,7 +75,7 @@ SPEED = ((OURS, "us_a_point"), ("toppra", "us_a_point"))
 
 
 def targets(results: Results) -> Table:
-    """What issue 2 asks for, case by case."""
+    """Optimum, speed and guarantee, case by case."""
     heads = [
         "case", "n", "duration [s]", "IPOPT [s]", "time / IPOPT's", "us/point", "toppra us/point", "/ toppra",
         "guarded [s]", "usage between", "guarded us/point",
@@ -82,7 +83,8 @@ def targets(results: Results) -> Table:
     table = Table("Optimum, speed and guarantee (! misses its target)", heads)
     for case in results.cases:
         for n in results.meshes:
-            limit = (MOST_MICROSECONDS, MOST_OF_TOPPRA) if n == 1000 else (float("inf"),) * 2
+            if (case, n, OURS) not in results.by:
+                continue
             table.lines.append(
                 [
                     case,
@@ -90,9 +92,9 @@ def targets(results: Results) -> Table:
                     text(results.get(case, n, OURS, "duration_s")),
                     text(results.get(case, n, "IPOPT", "duration_s")),
                     text(results.ratio(case, n, *BEST), ".7f", MOST_RATIO),
-                    text(results.get(case, n, OURS, "us_a_point"), ".1f", limit[0]),
+                    text(results.get(case, n, OURS, "us_a_point"), ".1f"),
                     text(results.get(case, n, "toppra", "us_a_point"), ".1f"),
-                    text(results.ratio(case, n, *SPEED), ".2f", limit[1]),
+                    text(results.ratio(case, n, *SPEED), ".2f", MOST_OF_TOPPRA if n == 1000 else float("inf")),
                     text(results.get(case, n, GUARDED, "duration_s")),
                     text(results.get(case, n, GUARDED, "usage_between"), ".5f", MOST_USAGE),
                     text(results.get(case, n, GUARDED, "us_a_point"), ".0f"),
@@ -109,8 +111,6 @@ def summary(results: Results) -> Table:
         ("time / IPOPT's, same discretisation", ".7f", lambda c, n: results.ratio(c, n, *BEST)),
         ("us/point", ".1f", lambda c, n: results.get(c, n, OURS, "us_a_point")),
         ("time a point / toppra's", ".2f", lambda c, n: results.ratio(c, n, *SPEED)),
-        ("IPOPT's time a point / ours", ".0f",
-         lambda c, n: results.ratio(c, n, ("IPOPT", "us_a_point"), (OURS, "us_a_point"))),
         ("usage between nodes, not guarded", ".4f", lambda c, n: results.get(c, n, OURS, "usage_between")),
         ("usage between nodes, guarded", ".5f", lambda c, n: results.get(c, n, GUARDED, "usage_between")),
         ("time lost to the guard", ".5f",
@@ -122,11 +122,18 @@ def summary(results: Results) -> Table:
             values = [v for c in results.cases if (v := figure(c, n)) is not None]
             line += [text(statistics.median(values), form), text(max(values), form)] if values else ["-", "-"]
         table.lines.append(line)
+    for planner in ("copp, one pass", "IPOPT", "linear program"):
+        line = [f"{planner}: time a point / ours (worst: least)"]
+        for n in results.meshes:
+            values = [v for c in results.cases if (v := results.ratio(c, n, (planner, SPEED[0][1]), SPEED[0]))]
+            short = " !" if values and min(values) < LEAST_AHEAD.get((planner, n), 0.0) else ""
+            line += [f"{statistics.median(values):.0f}", f"{min(values):.0f}{short}"] if values else ["-", "-"]
+        table.lines.append(line)
     for planner in (OURS, GUARDED, "IPOPT"):
         line = [f"{planner}: cases solved"]
         for n in results.meshes:
-            solved = sum(bool(results.by[c, n, planner]["ok"]) for c in results.cases)
-            line += [f"{solved} of {len(results.cases)}", ""]
+            asked = [results.by[c, n, planner] for c in results.cases if (c, n, planner) in results.by]
+            line += [f"{sum(bool(row['ok']) for row in asked)} of {len(asked)}", ""]
         table.lines.append(line)
     return table
 
@@ -179,6 +186,19 @@ def published(results: Results, names: list[str]) -> Table:
                     text(between, ".4f") if between is not None else "-",
                 ]
             table.lines.append(line)
+    return table
+
+
+def memory(peaks: dict[tuple[str, int], tuple[float, float]], case: str) -> Table:
+    """Most memory of a process that plans a case, by planner and n; in brackets what was loaded before."""
+    meshes = sorted({n for _, n in peaks})
+    table = Table(
+        f"Most memory of a process that plans {case} [MB] (beyond what its libraries and code take)",
+        ["planner", *(f"n = {n}" for n in meshes)],
+    )
+    for planner in dict.fromkeys(name for name, _ in peaks):
+        found = [peaks.get((planner, n)) for n in meshes]
+        table.lines.append([planner, *(f"{one[0]:.0f} ({one[0] - one[1]:.0f})" if one else "failed" for one in found)])
     return table
 
 
