@@ -65,9 +65,10 @@ def plan_run(
     except Stalled as stall:
         block = int(run.block_at(np.array([stall.place]))[0])
         raise InfeasibleError(
-            f"no motion within the limits found: stuck near s = {stall.place:.9g}"
+            f"no motion from and to the given states found: {stall.limit} is passed near s = {stall.place:.9g}"
             + (f" (block {block})" if block else "")
-            + "; if the run starts or ends in motion, let it do so more slowly"
+            + "; start or end more slowly"
+            + (f", or leave the mesh of {cells} cells to the planner" if cells is not None else "")
         ) from None
     tell(GUARDED)
     return law, len(law.nodes) + sum(rest > 0.0 for rest in law.rest)
