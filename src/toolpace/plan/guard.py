@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tell, part_of, untold
-from toolpace.plan.keep import kept, worth
+from toolpace.plan.keep import kept, too_short, worth
 from toolpace.plan.mend import mend, solve_run, stretches
 from toolpace.plan.peaks import cell_peaks
 from toolpace.plan.problem import ALLOWED
@@ -23,7 +23,7 @@ START_LOSS = 0.03
 WARM_SPREAD = 0.03
 """First gap of such a solve, relative to the duration."""
 REFINE_ROUNDS = 6
-LEAST_CELL = 1e-3
+LEAST_CELL = 1e-5
 """Time of a cell, as a share of that in which an acceleration builds up, below which it is cut no further."""
 REFINE_ABOVE = 1.003
 """Usage between nodes from which a cell is cut rather than its limits lowered."""
@@ -53,7 +53,7 @@ def guarded(course: Course, law: SplineLaw, fixed: bool, crew: Crew, tell: Tell 
             return kept(course, law, crew)
         worst = float(peak.max())
         parts = np.where(dips, 4, 1 if fixed or round_ >= REFINE_ROUNDS else halves(peak))
-        parts[np.diff(law.times) < course.ramp * LEAST_CELL] = 1
+        parts[(np.diff(law.times) < course.ramp * LEAST_CELL) | too_short(law.nodes)] = 1
         if parts.max() > 1:
             course, c = course.finer(law, parts)
             wrong = np.repeat(wrong, parts)

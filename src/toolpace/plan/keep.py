@@ -17,13 +17,18 @@ Floats = npt.NDArray[np.float64]
 
 GUARANTEE = 1.0 + 9e-5
 """Usage between nodes that is never passed, a rounding below what is promised."""
-MOST_SPLITS = 20
 MOST_EASED = 300
 """Places that may pass the guarantee for easing to be worth a thought."""
 EASE_BY = 1.05
 """How far the motion is slowed down about a place, as a multiple of what the place needs."""
 EASE_RAMPS, EASE_SLOPE = 20.0, 5e-6
 """How far that reaches in ramp times, at least, and most of z that is lost in one: no other limit shall feel it."""
+NOTHING = 1e-3
+"""Share of z at the nodes of a cell below which it has fallen to nothing inside: there a parabola touches zero, and
+is not told from it by cutting the cell."""
+MOST_SPLITS = 6
+SHORTEST = 1e3
+"""Cells that are cut no further, as a multiple of the rounding of s."""
 
 
 def kept(course: Course, law: SplineLaw, crew: Crew) -> SplineLaw:
@@ -98,19 +103,28 @@ def without_dips(law: SplineLaw) -> SplineLaw:
         dips = law.dips()
         if not dips.any():
             break
-        finer = split(law.nodes, np.where(dips, 4, 1))
+        short = too_short(law.nodes)
+        parts = np.where(dips & ~short, 4, 1)
+        finer = split(law.nodes, parts)
         c = cubic.on_finer_knots(law.nodes, law.cells, finer)
-        share = np.interp(cubic.control_points(finer), law.nodes, law.z_at_nodes())
-        fallen = lowest(law) <= 0.0
+        z = law.z_at_nodes()
+        share = np.interp(cubic.control_points(finer), law.nodes, z)
+        fallen = dips & (short | (lowest(law) <= NOTHING * np.minimum(z[:-1], z[1:])))
         if fallen.any():
             # all that touches the cells that have fallen
-            near = np.convolve(np.repeat(fallen, np.where(dips, 4, 1)), np.ones(4)) > 0.0
+            near = np.convolve(np.repeat(fallen, parts), np.ones(4)) > 0.0
             c = np.where(near, np.maximum(c, FLOOR * share), c)
             for end, (one, two) in enumerate(((0, 1), (-1, -2))):
                 if law.rest[end] > 0.0:
                     c[two] = c[one] * (1.0 + 4.0 * abs(finer[two] - finer[one]) / (9.0 * law.rest[end]))
         law = SplineLaw(finer, c, law.rest)
     return law
+
+
+def too_short(nodes: Floats) -> npt.NDArray[np.bool_]:
+    """(n - 1,) cells that numbers do not resolve when they are cut."""
+    short: npt.NDArray[np.bool_] = np.diff(nodes) < SHORTEST * np.spacing(np.abs(nodes).max())
+    return short
 
 
 def lowest(law: SplineLaw) -> Floats:

@@ -118,10 +118,10 @@ def discretise(
         if state.at_rest:
             cap[place] = min(cap[place], rest_cap(run, limits, inner[place], rest[k], forth=k == 0))
         else:
-            # what the state fixes has been checked and is no row
+            # what the state fixes has been checked and is no row; acceleration further on is not fixed
             here = node == node[place]
             cap[here] = np.inf
-            problem.rows[here, :half] = 0.0
+            problem.rows[here & (ahead == 0.0), :half] = 0.0
     if highest is None:
         highest = max(highest_of(steady, run.s1 - run.s0), start.speed**2, end.speed**2)
     problem.cap = np.minimum(cap, HIGHEST * highest)
