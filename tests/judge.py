@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,18 +15,31 @@ from toolpace.plan.endstate import AT_REST
 GUARANTEE = 1.0 + 1e-4
 
 
-def verdict(case: Nasty) -> tuple[str, float]:
-    """ "answer", "refusal", or what is wrong; and the worst usage of an answer. A warning of numpy is wrong too."""
+class Verdict(NamedTuple):
+    """What came of a case."""
+
+    words: str
+    """Answer, refusal, or what is wrong."""
+    usage: float = 0.0
+    """Largest value over limit of an answer."""
+    gap: float = 0.0
+    """How far it may be from the best."""
+
+
+def verdict(case: Nasty) -> Verdict:
+    """What a plan of the case is worth. A warning of numpy is wrong too, and so is every other exception."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
             trajectory = plan(case.path, case.limits, **case.options)
         except ToolpaceError as error:
-            return refusal(case, str(error)), 0.0
+            return Verdict(refusal(case, str(error)))
+        except Exception as error:
+            return Verdict(f"{type(error).__name__}: {error}")
         worst = max(trajectory.usage().worst, dense_usage(case, trajectory))
         if case.expected == REFUSAL:
-            return f"was planned, with usage {worst:.6f}; should be refused for {case.names}", worst
-        return "; ".join(faults(case, trajectory, worst)) or "answer", worst
+            return Verdict(f"was planned, with usage {worst:.6f}; should be refused for {case.names}", worst)
+        return Verdict("; ".join(faults(case, trajectory, worst)) or "answer", worst, trajectory.gap)
 
 
 def refusal(case: Nasty, words: str) -> str:
@@ -50,6 +64,8 @@ def faults(case: Nasty, trajectory, worst: float) -> list[str]:
     state = law.at(np.linspace(0.0, trajectory.duration, 2000))
     if not np.isfinite(state).all():
         found.append("nan")
+    if position_jumps(case, trajectory):
+        found.append("the position jumps")
     size = run.s1 - run.s0
     rounding = 4.0 * np.spacing(max(abs(run.s0), abs(run.s1)))
     if (np.diff(state[0]) < -rounding).any():
@@ -61,14 +77,18 @@ def faults(case: Nasty, trajectory, worst: float) -> list[str]:
     return found
 
 
+def position_jumps(case: Nasty, trajectory) -> bool:
+    """Whether a joint goes further between two times than its velocity limit allows."""
+    t = times(case, trajectory)
+    q = trajectory.at(t).q
+    most = np.diff(t)[:, None] * trajectory.limits.velocity * GUARANTEE + 1e-8 * (np.abs(q).max(axis=0) + 1e-12)
+    return bool((np.abs(np.diff(q, axis=0)) > most).any())
+
+
 def dense_usage(case: Nasty, trajectory) -> float:
-    """Largest value over limit at many times, and closely about the places where something happens."""
+    """Largest value over limit at those times."""
     law, run, limits = trajectory.laws[0], trajectory.axis_path.runs[0], trajectory.limits
-    t = np.sort(np.random.default_rng(0).uniform(0.0, trajectory.duration, 2000))
-    if case.places:
-        away = np.concatenate([[0.0], *(sign * np.logspace(-15, -2, 53) for sign in (1.0, -1.0))])
-        s = np.add.outer(np.array(case.places), away * (run.s1 - run.s0)).ravel()
-        t = np.unique(np.concatenate([t, *times_at(law, np.unique(np.clip(s, run.s0, run.s1)))]))
+    t = times(case, trajectory)
     motion, state = trajectory.at(t), law.at(t)
     shares = [
         np.abs(motion.qd) / limits.velocity,
@@ -77,6 +97,17 @@ def dense_usage(case: Nasty, trajectory) -> float:
         state[1] / run.speed_cap(state[0]),
     ]
     return float(max(share.max() for share in shares))
+
+
+def times(case: Nasty, trajectory):
+    """Many times, close together about the places where something happens."""
+    law, run = trajectory.laws[0], trajectory.axis_path.runs[0]
+    t = np.sort(np.random.default_rng(0).uniform(0.0, trajectory.duration, 2000))
+    if case.places:
+        away = np.concatenate([[0.0], *(sign * np.logspace(-15, -2, 53) for sign in (1.0, -1.0))])
+        s = np.add.outer(np.array(case.places), away * (run.s1 - run.s0)).ravel()
+        t = np.unique(np.concatenate([t, *times_at(law, np.unique(np.clip(s, run.s0, run.s1)))]))
+    return t
 
 
 def times_at(law, s):

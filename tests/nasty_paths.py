@@ -136,9 +136,9 @@ def coarse(random) -> Nasty:
 
 
 def pole(random) -> Nasty:
-    """The tool axis of an A/C trunnion passes its pole at a micrometre to a centimetre per metre; the C axis turns."""
+    """The tool axis of an A/C trunnion passes its pole at 1e-8 to 1e-2; there C makes half a turn."""
     machine = Machine.load(str(random.choice(["xyzac-trunnion", "xyzbc-trunnion", "xyzbc-head"])))
-    past, angle = logarithmic(random, -6, -2), random.uniform(0, 2 * np.pi)
+    past, angle = logarithmic(random, -8, -2), random.uniform(0, 2 * np.pi)
     reach, sway = random.uniform(0.05, 0.5), random.normal(size=3) * 0.02
     middle = random.uniform(0.3, 0.7)
     still = random.random() < 0.3

@@ -43,7 +43,7 @@ class Course(OnMesh):
         """(n,) about when the nodes are passed [s]."""
         self.ramp = 8.0
         """Time in which an acceleration builds up [s]."""
-        self._whole = discretise(run, limits, nodes, *ends) if len(nodes) <= KEPT else None
+        self._whole = discretise(run, limits, nodes, *ends, highest) if len(nodes) <= KEPT else None
 
     @property
     def is_long(self) -> bool:

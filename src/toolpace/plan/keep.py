@@ -23,6 +23,8 @@ EASE_BY = 1.05
 """How far the motion is slowed down about a place, as a multiple of what the place needs."""
 EASE_RAMPS, EASE_SLOPE = 20.0, 5e-6
 """How far that reaches in ramp times, at least, and most of z that is lost in one: no other limit shall feel it."""
+TOO_SLOW = 0.9
+"""Share of z at the limits from which a motion that uses none of them is sped up as a whole."""
 NOTHING = 1e-3
 """Share of z at the nodes of a cell below which it has fallen to nothing inside: there a parabola touches zero, and
 is not told from it by cutting the cell."""
@@ -35,13 +37,15 @@ def kept(course: Course, law: SplineLaw, crew: Crew) -> SplineLaw:
     """The law within the guarantee: slowed down about the places that pass it, so gently that nothing else does.
 
     Where that does not do, or is no better, it is slowed down as a whole; with an end in motion it cannot be: Stalled.
+    One that could not be solved, and so uses no limit anywhere, is sped up.
     """
     law = without_dips(law)
     peak = cell_peaks(course, law, crew=crew)
+    rests = law.rest[0] > 0.0 and law.rest[1] > 0.0
     if peak.max() <= GUARANTEE:
-        return law
+        return law.slowed(scale(peak)) if rests and 0.0 < scale(peak) < TOO_SLOW else law
     finite = bool(np.isfinite(peak).all())
-    slowed = law.slowed(slowing(peak)) if finite and law.rest[0] > 0.0 and law.rest[1] > 0.0 else None
+    slowed = law.slowed(slowing(peak)) if finite and rests else None
     if finite:
         eased = SplineLaw(law.nodes, law.c * easing(law, peak, course.ramp), law.rest)
         better = slowed is None or eased.duration < slowed.duration
@@ -53,10 +57,15 @@ def kept(course: Course, law: SplineLaw, crew: Crew) -> SplineLaw:
     return slowed
 
 
-def slowing(peak: Floats) -> float:
-    """By how much z must be divided for the peaks (cells, 3) of speed, acceleration and jerk to come down to 1."""
+def scale(peak: Floats) -> float:
+    """By how much z must be divided for the peaks (cells, 3) of speed, acceleration and jerk to come to 1."""
     speed, acceleration, jerk = peak.max(axis=0)
-    return float(max(1.0, speed**2, acceleration, jerk ** (2.0 / 3.0)))
+    return float(max(speed**2, acceleration, jerk ** (2.0 / 3.0)))
+
+
+def slowing(peak: Floats) -> float:
+    """The same, where anything must be slowed down; else 1."""
+    return max(1.0, scale(peak))
 
 
 def worth(law: SplineLaw, peak: Floats, ramp: float) -> float:

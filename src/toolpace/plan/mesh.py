@@ -32,6 +32,8 @@ ROUGH, ROUGH_BY = 0.05, 1.5
 SAMPLES = 4000
 MOST_PLACES = 4_000_000
 """Intervals that are looked at, and most places."""
+FLEETING = 1e-5
+"""Share of the time in which the whole run would be passed at the highest ds/dt of a guess: more would gain nothing."""
 NODES_A_FALL = 1.0
 """Fewest nodes while z falls or grows by the factor e: where the motion nearly stops, steps in time are too long."""
 ONE_PLACE = 1e-4
@@ -78,7 +80,10 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
         steady[~finite] = 1e6 * (steady[finite].max() if finite.any() else (length / 1e-6) ** 2)
     third = np.where(np.isfinite(third), third, 1e6 * np.min(third, initial=length / 1e-9))
     z = envelope.ramped(s, steady, third, ends[0], ends[1])
-    return Guess(s, z, envelope.times(s, z), highest, closer)
+    # where nothing moves, or nearly so, ds/dt would be without bounds
+    fastest = (length / (FLEETING * envelope.times(s, z)[-1])) ** 2
+    z = np.minimum(z, fastest)
+    return Guess(s, z, envelope.times(s, z), min(highest, fastest), closer)
 
 
 def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
