@@ -137,9 +137,10 @@ def picture(figures: dict[tuple[int, str], Figures], out: File) -> None:
     right.loglog(SIZES, [rows[0]["loaded"]] * len(SIZES), "--", color="0.6", label="code alone")
     right.axhline(MOST_MEMORY, color="0.3", linewidth=1.0)
     right.text(SIZES[0], MOST_MEMORY * 1.05, "target: below 2 GB", va="bottom", color="0.3", fontsize="small")
-    left.set(xlabel="mesh points", ylabel="microseconds a point", ylim=(0.0, None))
+    # room for the legend above the lines
+    left.set(xlabel="mesh points", ylabel="microseconds a point", ylim=(0.0, 1.5 * left.get_ylim()[1]))
     right.set(xlabel="mesh points", ylabel="peak memory of the process [MB]", ylim=(100.0, 4000.0))
-    left.legend(frameon=False, fontsize="small")
+    left.legend(frameon=False, fontsize="small", loc="upper left", ncols=2)
     right.legend(frameon=False, fontsize="small", loc="center left")
     figure.savefig(out, dpi=130)
 
@@ -152,6 +153,11 @@ def main() -> None:
     out = File(sys.argv[1]) if len(sys.argv) > 1 else RESULTS
     figures = {(size, kind): in_own_process(size, kind) for size in SIZES for kind in KINDS}
     whole = {kind: in_own_process(COMPARED, kind, one_piece=True) for kind in ("unguarded", "guarded")}
+    written(figures, whole, out)
+
+
+def written(figures: dict[tuple[int, str], Figures], whole: dict[str, Figures], out: File) -> None:
+    """Print the tables and write scaling.md and scaling.png."""
     table, loss = scaling_table(figures), loss_table(figures, whole)
     table.show()
     loss.show()
@@ -162,7 +168,9 @@ def main() -> None:
         f"Written by `python -m benchmarks.scaling` on {datetime.date.today().isoformat()}: {platform.system()}"
         f" {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. One random smooth run of"
         " five joints from rest to rest, a feature for every 50 mesh cells (`benchmarks/longpath.py`), planned in one"
-        " call with `mesh` fixed. The machine was shared: each time is the least of up to five, trust ratios.\n"
+        " call with `mesh` fixed. Each time is the least of up to five. The machine was shared (mean load of the last"
+        f" quarter of an hour: {os.getloadavg()[2]:.1f}): where CPU time is less than wall time, others had the"
+        " cores.\n"
         f"Targets (! misses): at {SIZES[-1]} points at"
         f" most {MOST_RATIO} times the time a point at {REFERENCE}, and less than {MOST_MEMORY:.0f} MB; windows lose"
         f" at most {MOST_LOSS:g} against one piece.\nRuns of up to 12 000 points are solved in one piece, by one core;"
