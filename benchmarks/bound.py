@@ -16,6 +16,7 @@ from benchmarks.paths import Case, all_cases
 from benchmarks.tables import Table
 from toolpace.errors import ToolpaceError
 from toolpace.plan.bound import Bound, bound_run
+from toolpace.plan.continuous import continuous_bound
 from toolpace.plan.optimal import plan_run
 from toolpace.plan.prove import prove_run
 
@@ -99,11 +100,31 @@ def proofs(cases: list[Case]) -> Table:
     return table
 
 
+def unmeshed(cases: list[Case]) -> Table:
+    """The bound of the continuous problem, of guarded plans on the default mesh."""
+    table = Table(
+        "Bound of the continuous problem: no motion that keeps the limits all along the path is faster",
+        ["case", "duration of the plan [s]", "bound [s]", "at most to gain [%]", "CPU time [s]"],
+    )
+    gaps = []
+    for case in track(cases, "continuous", transient=True):
+        law, _ = plan_run(case.run, case.limits)
+        spent = time.process_time()
+        found = continuous_bound(case.run, case.limits, law)
+        spent = time.process_time() - spent
+        gaps.append(100.0 * (law.duration / found - 1.0))
+        table.lines.append([
+            case.name, f"{law.duration:.6f}", f"{found:.6f}", f"{gaps[-1]:.4f}", f"{spent:.2f}",
+        ])  # fmt: skip
+    table.lines.append(["median, worst", "", "", f"{np.median(gaps):.4f}, {max(gaps):.4f}", ""])
+    return table
+
+
 def main() -> None:
     """The tables, on the terminal and in benchmarks/results."""
     cases = all_cases()
     measure(cases[-1], 200, True)
-    shown = [*gaps(cases), proofs(cases)]
+    shown = [*gaps(cases), proofs(cases), unmeshed(cases)]
     for one in shown:
         one.show()
     head = f"# The lower bound\n\nWritten by `python -m benchmarks.bound`. Machine: {machine_in_words()}.\n\n"

@@ -107,6 +107,8 @@ class Trajectory:
     planner: str = "optimal"
     lower_bound: float = 0.0
     """No motion within the limits is faster than this [s]; 0 when unknown."""
+    continuous_bound: float = 0.0
+    """No motion that keeps the limits all along the path, on no mesh, is faster than this [s]; 0 when unknown."""
     open_places: tuple[OpenPlace, ...] = ()
     """Where most of the gap between duration and lower bound lies, in the order of time."""
     mesh_points: int = 0

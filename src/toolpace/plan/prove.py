@@ -12,10 +12,12 @@ import numpy.typing as npt
 from toolpace.axispath import AxisRun
 from toolpace.errors import UsageError
 from toolpace.limits import Limits
-from toolpace.plan.bound import STANDS_STILL, Bound, Relaxed, bound_run, coefficients, problem_of, relaxed, summed
+from toolpace.plan.bound import STANDS_STILL, Bound, Relaxed, coefficients, problem_of, relaxed, summed
+from toolpace.plan.continuous import continuous_bound
 from toolpace.plan.crew import Crew, Tally, Tell, part_of, untold
 from toolpace.plan.endstate import AT_REST, EndState
 from toolpace.plan.knots import Knots
+from toolpace.plan.longbound import bound_long_run
 from toolpace.plan.mesh import ramp_time
 from toolpace.plan.places import Place, losses_by_knot, open_places, settled
 from toolpace.plan.problem import Problem
@@ -41,6 +43,7 @@ def prove(
 ) -> Trajectory:
     """The same motion with its lower bound raised, until it is no more than `gap` from the best or `within` [s] is up.
 
+    Its bound of the continuous problem is worked out too, where there is one (see `toolpace.plan.continuous`).
     For plans of the optimal planner. What is proved before the time is up counts. `progress` is called with the share
     of the gap that is closed. Raises UsageError for the motion of another planner.
     """
@@ -51,7 +54,9 @@ def prove(
     laws = [law for law in trajectory.laws if isinstance(law, SplineLaw)]
     tally = Tally(progress, [1.0])
     crew = Crew(tally)
-    bounds = crew.each(lambda k: bound_run(runs[k], limits, laws[k], *end_states(laws[k])), range(len(runs)))
+    bounds = crew.each(
+        lambda k: bound_long_run(runs[k], limits, laws[k], *end_states(laws[k]), crew=crew), range(len(runs))
+    )
     open_ = np.array([bound.duration - bound.seconds for bound in bounds])
     total = max(float(open_.sum()), 1e-300)
     done = 0.0
@@ -61,9 +66,16 @@ def prove(
             tell = part_of(tally.of(0), done, done + share)
             bounds[k] = prove_run(runs[k], limits, laws[k], gap, until, *end_states(laws[k]), crew=crew, tell=tell)
         done += open_[k] / total
+    unmeshed = crew.each(lambda k: continuous_bound(runs[k], limits, laws[k]), range(len(runs)))
+    dwells = trajectory.axis_path.first_dwell + sum(run.dwell for run in runs)
     tally.of(0)(1.0)
     lower_bound, open_places = summed(trajectory.axis_path, laws, bounds)
-    return replace(trajectory, lower_bound=max(lower_bound, trajectory.lower_bound), open_places=open_places)
+    return replace(
+        trajectory,
+        lower_bound=max(lower_bound, trajectory.lower_bound),
+        continuous_bound=sum(unmeshed) + dwells if all(seconds > 0.0 for seconds in unmeshed) else 0.0,
+        open_places=open_places,
+    )
 
 
 def end_states(law: SplineLaw) -> tuple[EndState, EndState]:

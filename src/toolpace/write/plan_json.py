@@ -85,6 +85,8 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True):
     """Whether the motion passed its verification; null where none was made."""
     dialect: str | None = None
     """The dialect that was named for the program; null where its name and content told."""
+    continuous_bound_s: float | None = None
+    """No motion that keeps the limits all along the path, on no mesh, is shorter; null where it was not asked for."""
     open_places: list[OpenPlaceRecord] = []
     """Where most of the gap lies, in the order of time."""
     step_s: dict[str, float] = {}
@@ -145,6 +147,7 @@ def plan_record(
         program_file=program_file,
         verified=verification.ok if verification is not None else None,
         dialect=dialect,
+        continuous_bound_s=trajectory.continuous_bound or None,
         open_places=[
             OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
         ],
