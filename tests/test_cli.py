@@ -115,6 +115,27 @@ def test_second_order_says_that_jerk_limits_are_not_held(planned, capsys):
     assert {line.split()[0] for line in failed} == {"jerk", "rest"}
 
 
+def test_prove_raises_the_bound_and_says_where_it_stays_open(planned, capsys):
+    out = planned / "proved"
+    assert main(["plan", str(planned / "blade.ngc"), "-m", "xyzac-trunnion", "--prove", "--prove-within", "5s", "--out",
+                 str(out)]) == 0  # fmt: skip
+    output = capsys.readouterr().out
+    assert re.search(r"proving .* gap [\d.]+%, now [\d.]+%", output) and "on no mesh at all" in output
+    before, after = (json.loads((planned / name / "plan.json").read_text()) for name in ("plan", "proved"))
+    assert before["lower_bound_s"] <= after["lower_bound_s"] <= after["duration_s"] == before["duration_s"]
+    assert before["continuous_bound_s"] is None and 0.0 < after["continuous_bound_s"] <= after["duration_s"]
+    assert all(place["from_s"] <= place["to_s"] and place["gain_s"] >= 0.0 for place in before["open_places"])
+    assert main(["verify", str(out)]) == 0
+
+
+def test_prove_goes_with_the_optimal_planner_only(planned, capsys):
+    words = ["plan", str(planned / "blade.ngc"), "-m", "xyzac-trunnion", "--prove"]
+    assert main([*words, "--planner", "genetic"]) == 2
+    assert "optimal" in capsys.readouterr().err
+    assert main([*words, "--prove-within", "soon"]) == 2
+    assert "time" in capsys.readouterr().err
+
+
 def test_feed_options_rank_as_they_should(planned, capsys):
     durations = {}
     for feed in ("none", "120%", "1500mm/min"):
