@@ -12,6 +12,7 @@ from toolpace.limits import Limits
 from toolpace.machine import Machine
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
+from toolpace.trajectory import OpenPlace
 
 RADIUS = 0.02
 LENGTHS = (0.04, np.pi * RADIUS)
@@ -201,6 +202,8 @@ class Trajectory:
     """The motion with the face of a planned one."""
 
     planner, mesh_points, solve_seconds = "analytic", 42, 0.01
+    continuous_bound = 2.4
+    open_places = (OpenPlace(0.5, 0.7, 0.1, 3),)
 
     def __init__(self, lower_bound=2.5):
         self.laws = [Ramp(length) for length in LENGTHS]

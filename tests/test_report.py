@@ -50,6 +50,12 @@ def test_says_what_a_machinist_asks(html):
     assert "70.0 %" in text
 
 
+def test_says_where_the_proof_leaves_room(html):
+    text = html.read_text(encoding="utf-8")
+    assert "where the proof leaves room" in text and "<td>0.50 s to 0.70 s</td><td>3</td><td>100 ms</td>" in text
+    assert "by the bound on no mesh" in text
+
+
 def test_curves_are_the_set_points(html):
     data = embedded(html.read_text(encoding="utf-8"))
     points = TRAJECTORY.sample()

@@ -32,6 +32,8 @@ CONTRACT = {
     "machine": str,
     "program": str,
     "toolpace_version": str,
+    "continuous_bound_s": float,
+    "open_places": list,
 }
 TRAJECTORY = motions.Trajectory()
 POINTS = TRAJECTORY.sample()
@@ -57,6 +59,7 @@ def test_plan_json_keeps_the_contract(tmp_path, program):
     plan = json.loads((tmp_path / "out" / "plan.json").read_text())
     for key, kind in CONTRACT.items():
         assert isinstance(plan[key], kind), key
+    assert plan["open_places"] == [{"from_s": 0.5, "to_s": 0.7, "gain_s": 0.1, "block": 3}]
     assert set(plan["usage"]) == {"feed", "velocity", "acceleration", "jerk"}
     for kind in ("velocity", "acceleration", "jerk"):
         assert set(plan["usage"][kind]) == set(POINTS.joints)
