@@ -155,14 +155,14 @@ def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bo
     rest = node - sign * length
     share = np.linspace(0.0, 1.0, REST_STATES)
     # both sides of the breaks in it too
-    inside = np.clip((run.breaks - rest) * sign / length, 0.0, 1.0)
-    inside = np.cbrt(inside[(inside > 0.0) & (inside < 1.0)])
+    breaks = run.breaks[(run.breaks > min(rest, node)) & (run.breaks < max(rest, node))]
+    inside = np.cbrt((breaks - rest) * sign / length)
     side = np.concatenate([np.where((share == 1.0) == forth, 0.0, 1.0), np.zeros(len(inside)), np.ones(len(inside))])
     share = np.concatenate([share, inside, inside])
     third = 2.0 / (9.0 * length**2)
     t = 3.0 * length * share
     state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
-    state[0, REST_STATES:] = np.tile(rest + sign * length * inside**3, 2)
+    state[0, REST_STATES:] = np.tile(breaks, 2)
     ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
     m = len(limits)
     return float(
