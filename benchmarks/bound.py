@@ -11,7 +11,7 @@ import time
 import numpy as np
 from rich.progress import track
 
-from benchmarks.__main__ import RESULTS, machine_in_words
+from benchmarks.machine import RESULTS, machine_in_words
 from benchmarks.paths import Case, all_cases
 from benchmarks.tables import Table
 from toolpace.errors import ToolpaceError

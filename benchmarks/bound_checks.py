@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.__main__ import RESULTS, machine
+from benchmarks.machine import RESULTS, machine
 from benchmarks.peers import ipopt
 from benchmarks.peers.ours import mesh_problem, objective, start_point
 from benchmarks.tables import Table

@@ -14,7 +14,7 @@ from pathlib import Path as File
 
 import numpy as np
 
-from benchmarks.__main__ import RESULTS, machine
+from benchmarks.machine import RESULTS, machine
 from benchmarks.tables import Table
 
 sys.path.insert(0, str(File(__file__).parents[1] / "tests"))

@@ -9,7 +9,7 @@ import datetime
 import statistics
 from collections.abc import Callable
 
-from benchmarks.__main__ import RESULTS, machine_in_words
+from benchmarks.machine import RESULTS, machine_in_words
 from benchmarks.paths import Case, all_cases
 from benchmarks.peers import copp_second_order, second_order, toppra
 from benchmarks.tables import Table, text

@@ -11,7 +11,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from benchmarks.__main__ import RESULTS
+from benchmarks.machine import RESULTS
 from benchmarks.paths import Case, fan, flank, paper_arc, random_case
 from benchmarks.peers import Outcome, failed, ours, usage
 from benchmarks.tables import Table, text
