@@ -14,7 +14,7 @@ from scipy import sparse
 
 from test_oracle import harmonics, random_limits
 from toolpace.axispath import AxisPath
-from toolpace.kernels import speed
+from toolpace.kernels import newton
 from toolpace.limits import Limits
 from toolpace.plan.bound import bound_run, coefficients, lower_bound
 from toolpace.plan.endstate import AT_REST, EndState
@@ -116,7 +116,7 @@ def test_never_above_ipopts_optimum_on_the_same_mesh(seed):
     from benchmarks.peers import ipopt
 
     problem, c = solved(seed)
-    best, note = ipopt.minimise(problem, c * np.where(problem.end[0] == speed.REST, 0.5, 1.0))
+    best, note = ipopt.minimise(problem, c * np.where(problem.end[0] == newton.REST, 0.5, 1.0))
     assert note == "Solve_Succeeded"
     knots = Knots(problem)
     assert lower_bound(problem, law_of(problem, c)).mesh_bound <= mesh_time(knots, best) * (1.0 + 1e-9)
@@ -152,7 +152,7 @@ def conic_optimum(knots, c, low=None, high=None):
         right += [-np.ones(len(some)), np.ones(len(some)), top * unit]
     ties, given_ = [], []
     for k, (one, two) in enumerate(((0, 1), (m - 1, m - 2))):
-        rest = knots.end[k] == speed.REST
+        rest = knots.end[k] == newton.REST
         for i in (two,) if rest else (one, two):
             tie = np.zeros(m + n)
             tie[i] = 1.0
@@ -238,7 +238,7 @@ def of_values(knots, z):
         matrix[k + 1, k : k + 3] = knots.basis[k, 0]
     right[1:-1] = z
     for k, (one, two) in enumerate(((0, 1), (n + 1, n))):
-        if knots.end[k] == speed.REST:
+        if knots.end[k] == newton.REST:
             matrix[one, two], matrix[one, one] = 1.0, -knots.ratio[k]
         else:
             matrix[two] = 0.0
@@ -262,7 +262,7 @@ def test_dual_value_is_the_least_lagrangian(number):
         z = np.where(theta > 0.0, (np.maximum(kappa, 0.0) / (2.0 * theta)) ** (2.0 / 3.0), np.inf)
     z = np.clip(z, 1e-6 * knots.cap, knots.cap)
     for k, place in ((0, 0), (1, -1)):
-        if knots.end[k] == speed.MOVING:
+        if knots.end[k] == newton.MOVING:
             z[place] = knots.fixed[3 * k]
     least = lagrangian(knots, dual, of_values(knots, z))
     scale = abs(lagrangian(knots, np.abs(dual), of_values(knots, z))) + float(dual.sum())
@@ -270,9 +270,9 @@ def test_dual_value_is_the_least_lagrangian(number):
     rng = np.random.default_rng(number)
     for _ in range(50):
         other = np.where(rng.uniform(size=len(z)) < 0.5, z, knots.cap * rng.uniform(1e-9, 1.0, len(z)))
-        if knots.end[0] == speed.MOVING:
+        if knots.end[0] == newton.MOVING:
             other[0] = z[0]
-        if knots.end[1] == speed.MOVING:
+        if knots.end[1] == newton.MOVING:
             other[-1] = z[-1]
         assert value <= lagrangian(knots, dual, of_values(knots, other)) + 1e-9 * scale
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from toolpace.kernels.jit import jit
-from toolpace.kernels.speed import REST
+from toolpace.kernels.newton import REST
 
 UNIT = 2.0**-53
 """Largest relative error of one rounding."""

@@ -34,6 +34,27 @@ def pointwise(q: Any, velocity: Any, acceleration: Any, jerk: Any, speed_cap: An
 
 
 @jit()
+def unseen(low: Any, high: Any, length: Any, z: Any, velocity: Any, acceleration: Any, jerk: Any) -> Any:
+    """(n,) largest share of a limit that (ds/dt)^2 = z would ask for between two points, unseen at both.
+
+    `low` and `high` (4, n, m) hold position and derivatives at the two, `length` (n,) their distance.
+    """
+    n, m = low.shape[1], low.shape[2]
+    worst = np.zeros(n)
+    for i in range(n):
+        speed = np.sqrt(z[i]) if z[i] < np.inf else 0.0
+        for j in range(m):
+            # what the value of one order changes by, beyond what the next order tells
+            by0 = abs((high[0, i, j] - low[0, i, j]) / length[i] - (low[1, i, j] + high[1, i, j]) / 2.0)
+            by1 = abs((high[1, i, j] - low[1, i, j]) / length[i] - (low[2, i, j] + high[2, i, j]) / 2.0)
+            by2 = abs((high[2, i, j] - low[2, i, j]) / length[i] - (low[3, i, j] + high[3, i, j]) / 2.0)
+            worst[i] = max(worst[i], by0 * speed / velocity[j])
+            worst[i] = max(worst[i], by1 * speed**2 / acceleration[j])
+            worst[i] = max(worst[i], by2 * speed**3 / jerk[j])
+    return worst
+
+
+@jit()
 def ramped(s: Any, steady: Any, third: Any, z0: Any, z1: Any) -> Any:
     """(n,) z below `steady` whose ramps respect d3s/dt3 <= `third` as if from rest, starting at z0 and ending at z1."""
     n = len(s)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,27 +23,46 @@ FINEST = 1e-13
 MOST_POINTS = 20_000
 
 
+class Seen(NamedTuple):
+    """What the limits allow at places along a run, at the worse side of a break."""
+
+    s: Floats
+    steady: Floats
+    """(n,) z = (ds/dt)^2 at steady speed."""
+    third: Floats
+    """(n,) d3s/dt3 at rest."""
+
+
 def detail(run: AxisRun, limits: Limits, s: Floats) -> Floats:
-    """(k,) points between those of the grid s (n,), which holds the breaks, where the path needs a closer look.
+    """(k,) points between those of the grid s (n,), which holds the breaks, where the path needs a closer look."""
+    return closer_look(run, limits, s)[1].s
+
+
+def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[Seen, Seen]:
+    """What there is at the grid s (n,), which holds the breaks, and at points between where that does not tell enough.
 
     The grid is halved where the path does not go on as its derivatives say: something happens between two points if
     position, slope or curvature changes by another amount than the next derivative at both points tells. A cusp shows
     like this in any grid, however sharp it is.
     """
-    q, before = run.evaluate(s), s[1:].copy()
-    before[np.isin(before, run.breaks)] = np.nextafter(before[np.isin(before, run.breaks)], -np.inf)
-    ends = q[:, 1:].copy()
-    at = np.flatnonzero(before != s[1:])
+    q = run.evaluate(s)
+    steady, third = allowed(run, limits, s, q)
+    low, high, of_low, of_high, slow = s[:-1], s[1:], q[:, :-1], q[:, 1:], np.minimum(steady[:-1], steady[1:])
+    at = np.flatnonzero(np.isin(s[1:], run.breaks)) if len(run.breaks) else np.empty(0, dtype=np.int64)
     if len(at):
-        ends[:, at] = run.evaluate(before[at])
-    z = envelope.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s))[1]
-    low, high, of_low, of_high = s[:-1], s[1:], q[:, :-1], ends
-    slow = np.minimum(z[:-1], z[1:])
+        before = np.nextafter(s[1 + at], -np.inf)
+        of_high = of_high.copy()
+        of_high[:, at] = run.evaluate(before)
+        steady_before, third_before = allowed(run, limits, before, of_high[:, at])
+        steady[1 + at] = np.minimum(steady[1 + at], steady_before)
+        third[1 + at] = np.minimum(third[1 + at], third_before)
+    grid = Seen(s, steady, third)
     shortest = max(FINEST * (run.s1 - run.s0), 4.0 * float(np.spacing(max(abs(run.s0), abs(run.s1)))))
-    found: list[Floats] = []
+    found = []
     count = 0
     for level in itertools.count(1):
-        marked = (hidden(limits, high - low, of_low, of_high, slow) > UNSEEN) & (high - low > 2.0 * shortest)
+        unseen = envelope.unseen(of_low, of_high, high - low, slow, limits.velocity, limits.acceleration, limits.jerk)
+        marked = (unseen > UNSEEN) & (high - low > 2.0 * shortest)
         count += int(marked.sum())
         if not marked.any() or count > MOST_POINTS:
             break
@@ -50,28 +70,19 @@ def detail(run: AxisRun, limits: Limits, s: Floats) -> Floats:
         of_low, of_high = of_low[:, marked], of_high[:, marked]
         middle = (low + high) / 2.0
         of_middle = run.evaluate(middle)
-        z = envelope.pointwise(of_middle, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(middle))[1]
+        steady, third = allowed(run, limits, middle, of_middle)
         if level > SETTLED:
-            found.append(middle)
+            found.append((middle, steady, third))
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         of_low, of_high = np.concatenate([of_low, of_middle], axis=1), np.concatenate([of_middle, of_high], axis=1)
-        slow = np.minimum(np.tile(slow, 2), np.tile(z, 2))
-    return np.sort(np.concatenate(found)) if found else np.empty(0)
+        slow = np.minimum(np.tile(slow, 2), np.tile(steady, 2))
+    if not found:
+        return grid, Seen(np.empty(0), np.empty(0), np.empty(0))
+    between = np.concatenate(found, axis=1)
+    return grid, Seen(*between[:, np.argsort(between[0])])
 
 
-def hidden(limits: Limits, h: Floats, low: Floats, high: Floats, z: Floats) -> Floats:
-    """(n,) largest share of a limit that (ds/dt)^2 = z would ask for between two points h apart, unseen at both.
-
-    `low` and `high` (4, n, m) hold position and derivatives there.
-    """
-    change = np.abs((high[:3] - low[:3]) / h[:, None] - (low[1:] + high[1:]) / 2.0)
-    speed = np.sqrt(np.where(np.isfinite(z), z, 0.0))[:, None]
-    worst: Floats = np.max(
-        [
-            (change[0] * speed / limits.velocity).max(axis=1),
-            (change[1] * speed**2 / limits.acceleration).max(axis=1),
-            (change[2] * speed**3 / limits.jerk).max(axis=1),
-        ],
-        axis=0,
-    )
-    return worst
+def allowed(run: AxisRun, limits: Limits, s: Floats, q: Floats) -> tuple[Floats, Floats]:
+    """(n,) z at steady speed and (n,) d3s/dt3 at rest that the limits allow at s, from the derivatives q there."""
+    _, steady, third = envelope.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s))
+    return steady, third

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.kernels import bound, relaxation, speed
+from toolpace.kernels import bound, newton, relaxedrows
 from toolpace.plan.problem import Problem
 
 Floats = npt.NDArray[np.float64]
@@ -44,7 +44,7 @@ class Knots:
     def state(self, c: Floats) -> Floats:
         """(n, 3) z, z', z'' at the knots."""
         out = np.empty((len(self.weight), 3))
-        relaxation.at_knots(self.basis, c, out)
+        relaxedrows.at_knots(self.basis, c, out)
         return out
 
     def dual(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> tuple[float, Floats, Floats]:
@@ -126,7 +126,7 @@ class Knots:
         part.basis, part.weight = self.basis[low : high + 1], self.weight[low : high + 1].copy()
         part.price, part.cap = self.price[low : high + 3].copy(), self.cap[low : high + 1].copy()
         part.rows = self.rows[self.first[low] : self.first[high + 1]]
-        part.end, part.ratio = np.where(ends, self.end, speed.MOVING), self.ratio
+        part.end, part.ratio = np.where(ends, self.end, newton.MOVING), self.ratio
         part.fixed = np.where(np.repeat(ends, 2), self.fixed, c[[low, low + 1, high + 1, high + 2]])
         for place in np.array([0, -1])[~ends]:
             part.cap[place] = max(part.cap[place], 1e3 * part.fixed.max())
@@ -139,9 +139,9 @@ def start_within(
     """Coefficients well inside, about `share` of c, and the reliefs (n, 4) that they need."""
     place = np.arange(len(c), dtype=np.float64)
     far = np.full(len(c), np.inf)
-    if knots.end[0] == speed.MOVING:
+    if knots.end[0] == newton.MOVING:
         far = np.minimum(far, place - 1.0)
-    if knots.end[1] == speed.MOVING:
+    if knots.end[1] == newton.MOVING:
         far = np.minimum(far, place[::-1] - 1.0)
     inside = np.clip(far / SETTLE_KNOTS, 0.0, 1.0)
     start: Floats = c * (1.0 - (1.0 - share) * inside * inside * (3.0 - 2.0 * inside))
@@ -156,10 +156,10 @@ def start_within(
     used = np.zeros(len(u))
     np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
     relief = np.zeros((len(u), 4))
-    relief[:, relaxation.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
-    relief[:, relaxation.RELIEF_ACCELERATION] = relief_of(used)
+    relief[:, relaxedrows.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
+    relief[:, relaxedrows.RELIEF_ACCELERATION] = relief_of(used)
     floor = low > 0.0
-    relief[floor, relaxation.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
+    relief[floor, relaxedrows.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief
 
 

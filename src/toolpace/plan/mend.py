@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.kernels import speed
+from toolpace.kernels import newton
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tell, part_of, untold
 from toolpace.plan.solve import Stalled, slower, solve
@@ -138,6 +138,6 @@ def mend_one(course: Course, c: Floats, out: Floats, part: Stretch, loss: float,
     if least > 0.0 and (mended < least * mine).any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
         raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]), "some limit")
-    first = 0 if piece.end[0] == speed.REST else 2
-    last = len(mended) - (0 if piece.end[1] == speed.REST else 2)
+    first = 0 if piece.end[0] == newton.REST else 2
+    last = len(mended) - (0 if piece.end[1] == newton.REST else 2)
     out[part.low + first : part.low + last] = mended[first:last]

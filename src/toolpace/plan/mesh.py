@@ -10,7 +10,7 @@ import numpy.typing as npt
 from toolpace.axispath import AxisRun
 from toolpace.kernels import envelope
 from toolpace.limits import Limits
-from toolpace.plan.detail import detail
+from toolpace.plan.detail import allowed, closer_look
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -67,13 +67,12 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
     keep |= np.isin(s, run.breaks)
     s = s[keep]
     s[-1] = run.s1
-    closer = np.concatenate([detail(run, limits, s[i : i + CHUNK + 1]) for i in range(0, len(s) - 1, CHUNK)])
-    s = np.union1d(s, closer)
-    steady, third = steady_speed(run, limits, s)
-    if len(run.breaks):
-        before, third_before = steady_speed(run, limits, np.nextafter(run.breaks, -np.inf))
-        at = np.searchsorted(s, run.breaks)
-        steady[at], third[at] = np.minimum(steady[at], before), np.minimum(third[at], third_before)
+    looks = [closer_look(run, limits, s[i : i + CHUNK + 1]) for i in range(0, len(s) - 1, CHUNK)]
+    closer = np.concatenate([between.s for _, between in looks])
+    # the last point of a chunk is the first of the next, where its left side is not seen any more
+    s, first = np.unique(np.concatenate([part.s for look in looks for part in look]), return_index=True)
+    steady = np.concatenate([part.steady for look in looks for part in look])[first]
+    third = np.concatenate([part.third for look in looks for part in look])[first]
     highest = highest_of(steady, length)
     finite = np.isfinite(steady)
     if not finite.all():
@@ -91,9 +90,7 @@ def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Float
     steady, third = np.empty(len(s)), np.empty(len(s))
     for i in range(0, len(s), CHUNK):
         part = s[i : i + CHUNK]
-        _, steady[i : i + CHUNK], third[i : i + CHUNK] = envelope.pointwise(
-            run.evaluate(part), limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(part)
-        )
+        steady[i : i + CHUNK], third[i : i + CHUNK] = allowed(run, limits, part, run.evaluate(part))
     return steady, third
 
 

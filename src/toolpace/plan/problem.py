@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.axispath import AxisRun
-from toolpace.kernels import cubic, envelope, speed
+from toolpace.kernels import cubic, envelope, newton, rows
 from toolpace.limits import Limits
 from toolpace.plan.endstate import EndState
 from toolpace.plan.mesh import highest_of
@@ -34,7 +34,7 @@ class OnMesh:
 
     def __init__(self, nodes: Floats, rest: tuple[float, float], ends: tuple[EndState, EndState]) -> None:
         self.nodes, self.rest = nodes, rest
-        self.end = np.array([speed.REST if state.at_rest else speed.MOVING for state in ends])
+        self.end = np.array([newton.REST if state.at_rest else newton.MOVING for state in ends])
         first, last = (nodes[1] - nodes[0]) / 3.0, (nodes[-1] - nodes[-2]) / 3.0
         self.ratio = np.array(
             [
@@ -86,7 +86,7 @@ class Problem(OnMesh):
         part.nodes, part.rest, part.lowered = self.nodes[low : high + 1], self.rest, self.lowered[low : high + 1]
         part.node, part.basis, part.weight = self.node[mine] - low, self.basis[mine], self.weight[mine]
         part.cap, part.rows, part.ratio, part.fixed = self.cap[mine], self.rows[mine], self.ratio, self.fixed
-        part.end = np.where([low == 0, high == len(self.nodes) - 1], self.end, speed.MOVING)
+        part.end = np.where([low == 0, high == len(self.nodes) - 1], self.end, newton.MOVING)
         return part
 
 
@@ -104,16 +104,11 @@ def discretise(
     q = run.evaluate(point)
     problem = Problem(inner, rest, node, (start, end))
     cap, steady, _ = envelope.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(point))
-    jerk = np.stack([q[3], 1.5 * q[2], q[1] / 2.0], axis=-1)
-    acceleration = np.stack([q[2], q[1] / 2.0, np.zeros_like(q[1])], axis=-1)
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
-    acceleration += ahead[:, None, None] * jerk
+    problem.rows = rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
     half = len(limits)
-    problem.rows = np.empty((len(point), 2 * half, 3))
-    np.divide(acceleration, limits.acceleration[:, None], out=problem.rows[:, :half])
-    np.divide(jerk, limits.jerk[:, None], out=problem.rows[:, half:])
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
             cap[place] = min(cap[place], rest_cap(run, limits, inner[place], rest[k], forth=k == 0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.kernels import cubic, speed
+from toolpace.kernels import cubic, newton, rows, speed
 from toolpace.plan.problem import OnMesh, Problem
 
 Floats = npt.NDArray[np.float64]
@@ -46,7 +46,7 @@ def start_from(mesh: OnMesh, s: Floats, z: Floats, share: float) -> Floats:
 def pinned(mesh: OnMesh, c: Floats) -> Floats:
     """The coefficients with those at the ends of the run as rest, or the state given there, asks for."""
     for k, (one, two) in enumerate(((0, 1), (-1, -2))):
-        if mesh.end[k] == speed.REST:
+        if mesh.end[k] == newton.REST:
             c[two] = c[one] * mesh.ratio[k]
         else:
             c[one], c[two] = mesh.fixed[0 if k == 0 else 3], mesh.fixed[1 if k == 0 else 2]
@@ -62,7 +62,7 @@ def slower(mesh: OnMesh, c: Floats, loss: float, taper: tuple[int, int] | None =
     length = taper or (len(c) // 2, len(c) // 2)
     share = np.ones(len(c))
     for k, distance in enumerate((far, far[::-1])):
-        if mesh.end[k] == speed.MOVING:
+        if mesh.end[k] == newton.MOVING:
             share = np.minimum(share, np.clip((distance - 1.0) / max(length[k], 1), 0.0, 1.0))
     return c * (1.0 - loss * share * share * (3.0 - 2.0 * share))
 
@@ -75,7 +75,7 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
     """
     best: Floats | None = None
     least, stall = np.inf, Stalled(float(problem.nodes[0]), "some limit")
-    rests = bool((problem.end == speed.REST).all())
+    rests = bool((problem.end == newton.REST).all())
     starts = [(slower(problem, c, loss), first_gap) for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0))]
     if rests:
         starts.append((within(problem, c), 1.0))
@@ -115,20 +115,15 @@ def within(problem: Problem, c: Floats) -> Floats:
 
 
 def usage(problem: Problem, c: Floats) -> Floats:
-    """(points, 3) largest value over limit of cap, acceleration and jerk rows; c (n,) with z > 0 at the points."""
-    u = np.einsum("pij,pj->pi", problem.basis, c[problem.node[:, None] + np.arange(3)])
-    if not (u[:, 0] > 0.0).all():
-        return np.full((len(u), 3), np.inf)
-    half = problem.rows.shape[1] // 2
-    value = np.abs(np.einsum("pri,pi->pr", problem.rows, u))
-    jerk = value[:, half:].max(axis=1) * np.sqrt(u[:, 0])
-    return np.stack([u[:, 0] / problem.cap, value[:, :half].max(axis=1), jerk], axis=1)
+    """(points, 3) largest value over limit of cap, acceleration and jerk rows; c (n,); infinite where z <= 0."""
+    used: Floats = rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)[0]
+    return used
 
 
 def reliefs(problem: Problem, c: Floats) -> Floats:
     """(points, 3) by how much cap, acceleration and jerk rows must be relaxed for c to lie inside them."""
-    z = np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.node[:, None] + np.arange(3)])
+    used, z = rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)
     natural = np.stack([problem.cap, np.ones_like(z), 1.0 / np.sqrt(np.maximum(z, 1e-300))], axis=1)
-    excess = usage(problem, c) - (1.0 - MARGIN)
+    excess = used - (1.0 - MARGIN)
     relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0) * natural
     return relief

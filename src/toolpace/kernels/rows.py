@@ -1,0 +1,54 @@
+"""The rows of the optimal planner's problem: from a path's derivatives, and what a z makes of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolpace.kernels.jit import jit
+
+
+@jit()
+def rows_of(q: Any, ahead: Any, acceleration: Any, jerk: Any) -> Any:
+    """(points, 2 m, 3) rows r of acceleration, then of jerk, as multiples of their limits: r . (z, z', z'').
+
+    From the derivatives q (4, points, m) of the path. Acceleration is held at `ahead` (points,) beyond a point, by its
+    slope there, which is that of jerk.
+    """
+    points, m = q.shape[1], q.shape[2]
+    rows = np.empty((points, 2 * m, 3))
+    for p in range(points):
+        for j in range(m):
+            j0, j1, j2 = q[3, p, j], 1.5 * q[2, p, j], q[1, p, j] / 2.0
+            rows[p, j, 0] = (q[2, p, j] + ahead[p] * j0) / acceleration[j]
+            rows[p, j, 1] = (j2 + ahead[p] * j1) / acceleration[j]
+            rows[p, j, 2] = ahead[p] * j2 / acceleration[j]
+            rows[p, m + j, 0], rows[p, m + j, 1], rows[p, m + j, 2] = j0 / jerk[j], j1 / jerk[j], j2 / jerk[j]
+    return rows
+
+
+@jit()
+def usage(basis: Any, node: Any, cap: Any, rows: Any, c: Any) -> Any:
+    """(points, 3) largest value over limit of cap, acceleration and jerk rows, and (points,) z, from coefficients c.
+
+    Infinite where z is not positive.
+    """
+    points, count = rows.shape[0], rows.shape[1]
+    used, z = np.zeros((points, 3)), np.empty(points)
+    for p in range(points):
+        k = node[p]
+        u0 = basis[p, 0, 0] * c[k] + basis[p, 0, 1] * c[k + 1] + basis[p, 0, 2] * c[k + 2]
+        u1 = basis[p, 1, 0] * c[k] + basis[p, 1, 1] * c[k + 1] + basis[p, 1, 2] * c[k + 2]
+        u2 = basis[p, 2, 0] * c[k] + basis[p, 2, 1] * c[k + 1] + basis[p, 2, 2] * c[k + 2]
+        z[p] = u0
+        if not u0 > 0.0:
+            used[p] = np.inf
+            continue
+        used[p, 0] = u0 / cap[p]
+        for i in range(count):
+            value = abs(rows[p, i, 0] * u0 + rows[p, i, 1] * u1 + rows[p, i, 2] * u2)
+            kind = 1 if i < count // 2 else 2
+            used[p, kind] = max(used[p, kind], value)
+        used[p, 2] *= np.sqrt(u0)
+    return used, z

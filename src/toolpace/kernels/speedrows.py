@@ -1,0 +1,275 @@
+"""The passes over the rows of the optimal planner's problem: all that `toolpace.kernels.speed` does row by row.
+
+Points are kept in tiles of TILE, those of a tile side by side in memory, so that vector instructions work on several
+of them at once: what belongs to points is an array (tiles, ..., TILE), of which the last tile is partly empty. Sums and
+peaks are kept lane by lane, one for each place in a tile, and gathered at the end.
+
+A row bounds value = r . (z, z', z'') by `limit` from above and below: 1 for acceleration; for jerk the pace
+1 / sqrt(z), whose slope is -`fall`. `extra` relaxes both bounds. With the slacks of a row, up = limit + extra - value
+and down = limit + extra + value, go the multipliers above and below.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolpace.kernels.jit import jit
+from toolpace.kernels.newton import add_curvature, add_slope
+
+TILE = 64
+MOST_FALL = 0.6
+"""Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""
+KEEP_CURVATURE = 0.05
+CAP, ACCELERATION, JERK = 0, 1, 2
+"""What the columns of a relief are for."""
+LIMIT, FALL, EXTRA = 0, 2, 4
+"""Bounds of the rows of a tile: that of acceleration, and next to it that of jerk."""
+
+
+@jit()
+def tiled(values: Any) -> Any:
+    """(tiles, width, TILE) of values (points, width); zeros beyond the last point."""
+    points, width = values.shape
+    out = np.zeros(((points + TILE - 1) // TILE, width, TILE))
+    for p in range(points):
+        for i in range(width):
+            out[p // TILE, i, p % TILE] = values[p, i]
+    return out
+
+
+@jit()
+def spread(basis: Any, node: Any, c: Any, out: Any) -> Any:
+    """out (tiles, 3, TILE): z, z', z'' at the points from the coefficients c."""
+    for p in range(len(node)):
+        k = node[p]
+        for d in range(3):
+            out[p // TILE, d, p % TILE] = basis[p, d, 0] * c[k] + basis[p, d, 1] * c[k + 1] + basis[p, d, 2] * c[k + 2]
+
+
+@jit(reorder=True)
+def _bounds(z: Any, relief: Any, tau: Any, lanes: Any, out: Any) -> Any:
+    """out (6, TILE): limit, fall and extra of the rows of acceleration and of jerk."""
+    for p in range(lanes):
+        pace = 1.0 / np.sqrt(z[p])
+        out[LIMIT, p], out[LIMIT + 1, p] = 1.0, pace
+        out[FALL, p], out[FALL + 1, p] = 0.0, 0.5 * pace / z[p]
+        out[EXTRA, p], out[EXTRA + 1, p] = tau * relief[ACCELERATION, p], tau * relief[JERK, p]
+
+
+@jit(reorder=True)
+def start(points: Any, cap: Any, rows: Any, relief: Any, u: Any, centre: Any, dual: Any, dual_cap: Any) -> Any:
+    """Multipliers that make every product of slack and multiplier equal to `centre`."""
+    half = rows.shape[1] // 2
+    bounds = np.empty((6, TILE))
+    for t in range(len(rows)):
+        lanes = min(TILE, points - t * TILE)
+        _bounds(u[t, 0], relief[t], 1.0, lanes, bounds)
+        for p in range(lanes):
+            dual_cap[t, p] = centre / (cap[t, p] - u[t, 0, p] + relief[t, CAP, p])
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            for p in range(lanes):
+                value = rows[t, i, 0, p] * u[t, 0, p] + rows[t, i, 1, p] * u[t, 1, p] + rows[t, i, 2, p] * u[t, 2, p]
+                room = bounds[LIMIT + kind, p] + bounds[EXTRA + kind, p]
+                dual[t, i, 0, p] = centre / (room - value)
+                dual[t, i, 1, p] = centre / (room + value)
+
+
+M00, M01, M02, M11, M12, M22, G0, G1, G2, L0, L1, L2, REVERSE = range(13)
+"""Sums of a point: second derivatives, right-hand side, gradient, and all multipliers of its jerk rows."""
+
+
+@jit(reorder=True)
+def newton_system(
+    basis: Any, node: Any, weight: Any, cap: Any, rows: Any, relief: Any, tau: Any, u: Any, dual: Any, dual_cap: Any,
+    matrix: Any, rhs: Any, gradient: Any,
+) -> Any:  # fmt: skip
+    """Newton matrix, right-hand side for a centring of zero, gradient of the Lagrangian; returns gap and time."""
+    half = rows.shape[1] // 2
+    matrix[:] = 0.0
+    rhs[:] = 0.0
+    gradient[:] = 0.0
+    sums, bounds, gaps, times = np.empty((13, TILE)), np.empty((6, TILE)), np.zeros(TILE), np.zeros(TILE)
+    for t in range(len(rows)):
+        lanes = min(TILE, len(node) - t * TILE)
+        _bounds(u[t, 0], relief[t], tau, lanes, bounds)
+        sums[:] = 0.0
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            jerk = 0.0 if i < half else 1.0
+            for p in range(lanes):
+                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
+                fall, extra = bounds[FALL + kind, p], bounds[EXTRA + kind, p]
+                value, room = r0 * u[t, 0, p] + r1 * u[t, 1, p] + r2 * u[t, 2, p], bounds[LIMIT + kind, p] + extra
+                up, down = room - value, room + value
+                inverse = 1.0 / (up * down)
+                above, below = dual[t, i, 0, p], dual[t, i, 1, p]
+                stiff_up, stiff_down = above * inverse * down, below * inverse * up
+                both, odd = stiff_up + stiff_down, stiff_up - stiff_down
+                total, difference = above + below, above - below
+                h0, push = both * r0 + odd * fall, odd * r0 + both * fall
+                sums[M00, p] += h0 * r0 + push * fall
+                sums[M01, p] += h0 * r1
+                sums[M02, p] += h0 * r2
+                sums[M11, p] += both * r1 * r1
+                sums[M12, p] += both * r1 * r2
+                sums[M22, p] += both * r2 * r2
+                sums[G0, p] += extra * push
+                sums[G1, p] += extra * odd * r1
+                sums[G2, p] += extra * odd * r2
+                sums[L0, p] += difference * r0 + total * fall
+                sums[L1, p] += difference * r1
+                sums[L2, p] += difference * r2
+                sums[REVERSE, p] += jerk * total
+                gaps[p] += up * above + down * below
+        for p in range(lanes):
+            z, w, fall = u[t, 0, p], weight[t, p], bounds[FALL + 1, p]
+            relaxed = tau * relief[t, CAP, p]
+            slack = cap[t, p] - z + relaxed
+            stiff = dual_cap[t, p] / slack
+            sums[M00, p] += stiff + 1.5 * fall / z * max(w - sums[REVERSE, p], KEEP_CURVATURE * w)
+            sums[G0, p] += stiff * relaxed - w * fall
+            sums[L0, p] += dual_cap[t, p] - w * fall
+            gaps[p] += slack * dual_cap[t, p]
+            times[p] += w * bounds[LIMIT + 1, p]
+        for p in range(lanes):
+            at = t * TILE + p
+            k = node[at]
+            add_curvature(
+                basis, at, k, sums[M00, p], sums[M01, p], sums[M02, p], sums[M11, p], sums[M12, p], sums[M22, p], matrix
+            )
+            add_slope(basis, at, k, -sums[G0, p], -sums[G1, p], -sums[G2, p], rhs)
+            add_slope(basis, at, k, sums[L0, p], sums[L1, p], sums[L2, p], gradient)
+    return gaps.sum(), times.sum()
+
+
+A0, A1, A2, C0, C1, C2 = range(6)
+"""Sums of a point: what centring and the second-order terms take from the right-hand side."""
+FALLS, GROWS, LINEAR, SQUARE = range(4)
+"""Of a lane: largest relative falls and growths of slacks; sums of slack times multiplier times such a change or its
+square."""
+
+
+@jit(reorder=True)
+def predict(
+    basis: Any, node: Any, cap: Any, rows: Any, relief: Any, tau: Any, u: Any, dual: Any, dual_cap: Any, gap: Any,
+    affine: Any, centring: Any, second: Any,
+) -> Any:  # fmt: skip
+    """What the predictor's primal step `affine` teaches the corrector.
+
+    The corrector's right-hand side is the predictor's, less `second` (n,), the second-order terms, and less
+    `centring` (n,) times the product aimed at. Returns the share of the gap that the longest such step leaves.
+    Without centring the relative changes of a slack and of its multiplier sum to -1, so that the slacks tell all.
+    """
+    half = rows.shape[1] // 2
+    centring[:] = 0.0
+    second[:] = 0.0
+    sums, bounds, lane = np.empty((6, TILE)), np.empty((6, TILE)), np.zeros((4, TILE))
+    for t in range(len(rows)):
+        lanes = min(TILE, len(node) - t * TILE)
+        _bounds(u[t, 0], relief[t], tau, lanes, bounds)
+        for p in range(lanes):
+            move = affine[t, 0, p]
+            relaxed = tau * relief[t, CAP, p]
+            inverse = 1.0 / (cap[t, p] - u[t, 0, p] + relaxed)
+            change = -(move + relaxed) * inverse
+            sums[A0, p], sums[A1, p], sums[A2, p] = inverse, 0.0, 0.0
+            sums[C0, p], sums[C1, p], sums[C2, p] = dual_cap[t, p] * (1.0 + change) * change, 0.0, 0.0
+            product = dual_cap[t, p] / inverse * change
+            lane[LINEAR, p] += product
+            lane[SQUARE, p] += product * change
+            lane[FALLS, p] = max(lane[FALLS, p], max(-change, -move / u[t, 0, p]))
+            lane[GROWS, p] = max(lane[GROWS, p], change)
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            for p in range(lanes):
+                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
+                fall, extra = bounds[FALL + kind, p], bounds[EXTRA + kind, p]
+                value, room = r0 * u[t, 0, p] + r1 * u[t, 1, p] + r2 * u[t, 2, p], bounds[LIMIT + kind, p] + extra
+                move = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
+                common = -fall * affine[t, 0, p] - extra
+                up, down = room - value, room + value
+                inverse = 1.0 / (up * down)
+                inverse_up, inverse_down = inverse * down, inverse * up
+                change_up, change_down = (common - move) * inverse_up, (common + move) * inverse_down
+                above, below = dual[t, i, 0, p] * change_up, dual[t, i, 1, p] * change_down
+                lane[LINEAR, p] += above * up + below * down
+                lane[SQUARE, p] += above * up * change_up + below * down * change_down
+                lane[FALLS, p] = max(lane[FALLS, p], max(-change_up, -change_down))
+                lane[GROWS, p] = max(lane[GROWS, p], max(change_up, change_down))
+                both, odd = inverse_up + inverse_down, inverse_up - inverse_down
+                sums[A0, p] += odd * r0 + both * fall
+                sums[A1, p] += odd * r1
+                sums[A2, p] += odd * r2
+                above, below = above * (1.0 + change_up), below * (1.0 + change_down)
+                sums[C0, p] += (above - below) * r0 + (above + below) * fall
+                sums[C1, p] += (above - below) * r1
+                sums[C2, p] += (above - below) * r2
+        for p in range(lanes):
+            at = t * TILE + p
+            add_slope(basis, at, node[at], sums[A0, p], sums[A1, p], sums[A2, p], centring)
+            add_slope(basis, at, node[at], sums[C0, p], sums[C1, p], sums[C2, p], second)
+    go, go_dual = min(1.0, 1.0 / lane[FALLS].max()), min(1.0, 1.0 / (1.0 + lane[GROWS].max()))
+    linear, square = lane[LINEAR].sum(), lane[SQUARE].sum()
+    return 1.0 + (go * linear - go_dual * (gap + linear) - go * go_dual * (square + linear)) / gap
+
+
+LOSS, LOSS_DUAL, STEP_UP, STEP_DOWN = range(4)
+"""Peaks and results of a lane."""
+
+
+@jit(reorder=True)
+def correct(
+    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, u: Any, dual: Any, dual_cap: Any, affine: Any, du: Any,
+    centre: Any, step: Any, step_cap: Any,
+) -> Any:  # fmt: skip
+    """Steps of the multipliers for the corrector's primal step du; `affine` is the predictor's.
+
+    Returns the largest relative losses of slack and of multiplier.
+    """
+    half = rows.shape[1] // 2
+    bounds, lane = np.empty((6, TILE)), np.zeros((4, TILE))
+    for t in range(len(rows)):
+        lanes = min(TILE, points - t * TILE)
+        _bounds(u[t, 0], relief[t], tau, lanes, bounds)
+        for p in range(lanes):
+            relaxed = tau * relief[t, CAP, p]
+            inverse = 1.0 / (cap[t, p] - u[t, 0, p] + relaxed)
+            change, before = -(du[t, 0, p] + relaxed) * inverse, -(affine[t, 0, p] + relaxed) * inverse
+            multiplier = dual_cap[t, p]
+            grow = centre * inverse / multiplier + before * (1.0 + before) - change - 1.0
+            step_cap[t, p] = multiplier * grow
+            lane[LOSS, p] = max(lane[LOSS, p], max(-change, -du[t, 0, p] / (MOST_FALL * u[t, 0, p])))
+            lane[LOSS_DUAL, p] = max(lane[LOSS_DUAL, p], -grow)
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            for p in range(lanes):
+                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
+                fall, extra = bounds[FALL + kind, p], bounds[EXTRA + kind, p]
+                value, room = r0 * u[t, 0, p] + r1 * u[t, 1, p] + r2 * u[t, 2, p], bounds[LIMIT + kind, p] + extra
+                move = r0 * du[t, 0, p] + r1 * du[t, 1, p] + r2 * du[t, 2, p]
+                first = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
+                common, common_first = -fall * du[t, 0, p] - extra, -fall * affine[t, 0, p] - extra
+                up, down, above, below = room - value, room + value, dual[t, i, 0, p], dual[t, i, 1, p]
+                inverse, inverse_dual = 1.0 / (up * down), centre / (above * below)
+                inverse_up, inverse_down = inverse * down, inverse * up
+                change_up, change_down = (common - move) * inverse_up, (common + move) * inverse_down
+                before_up, before_down = (common_first - first) * inverse_up, (common_first + first) * inverse_down
+                grow_up = inverse_dual * below * inverse_up + before_up * (1.0 + before_up) - change_up - 1.0
+                grow_down = inverse_dual * above * inverse_down + before_down * (1.0 + before_down) - change_down - 1.0
+                lane[STEP_UP, p], lane[STEP_DOWN, p] = above * grow_up, below * grow_down
+                lane[LOSS, p] = max(lane[LOSS, p], max(-change_up, -change_down))
+                lane[LOSS_DUAL, p] = max(lane[LOSS_DUAL, p], max(-grow_up, -grow_down))
+            for p in range(lanes):
+                step[t, i, 0, p], step[t, i, 1, p] = lane[STEP_UP, p], lane[STEP_DOWN, p]
+    return lane[LOSS].max(), lane[LOSS_DUAL].max()
+
+
+@jit(reorder=True)
+def advance(dual: Any, step: Any, go: Any) -> Any:
+    """Go the share `go` of the multipliers' steps."""
+    values, steps = dual.reshape(-1), step.reshape(-1)
+    for i in range(len(values)):
+        values[i] += go * steps[i]
