@@ -18,6 +18,7 @@ from pathlib import Path as File
 import numpy as np
 
 import toolpace
+from benchmarks import published
 from toolpace import deflect
 from toolpace.deflect.detour import DetourRun, tip_velocity
 from toolpace.errors import InfeasibleError
@@ -26,9 +27,6 @@ from toolpace.path import Path
 from toolpace.plan import plan
 from toolpace.quinticpath import quintic_through
 from toolpace.trajectory import Trajectory
-
-sys.path.insert(0, str(File(__file__).parents[1] / "tests"))
-import published
 
 PLANNERS = ("optimal", "genetic")
 
