@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.jets import harmonics, path_of
 from benchmarks.machine import RESULTS, machine
 from benchmarks.peers import ipopt
 from benchmarks.peers.ours import mesh_problem, objective, start_point
 from benchmarks.tables import Table
-from toolpace.axispath import AxisPath
 from toolpace.limits import Limits
 from toolpace.plan.bound import lower_bound
 from toolpace.plan.problem import Problem
@@ -58,13 +58,7 @@ def random_problem(seed: int) -> tuple[Problem, np.ndarray, np.ndarray, int, int
     """A smooth random path of one to seven joints on 20 to 100 cells; jerk tight or loose, a third with feed jumps."""
     rng = np.random.default_rng([seed, 20090610])
     joints, cells, modes = int(rng.integers(1, 8)), int(rng.integers(20, 101)), int(rng.integers(1, 6))
-    number = np.pi * np.arange(1, modes + 1)
-    a, b = rng.normal(size=(2, modes, joints)) / np.arange(1, modes + 1)[:, None] ** 1.5
-
-    def f(s: np.ndarray, order: int) -> np.ndarray:
-        angle = s[:, None] * number + 0.5 * np.pi * order
-        return (np.sin(angle) * number**order) @ a + (np.cos(angle) * number**order) @ b
-
+    jets = harmonics(rng, joints, modes)
     jerk = rng.uniform(10.0, 40.0, joints) * 10.0 ** rng.uniform(-1.5, 1.0)
     limits = Limits(rng.uniform(0.5, 2.0, joints), rng.uniform(1.5, 6.0, joints), jerk)
     options = {}
@@ -72,7 +66,7 @@ def random_problem(seed: int) -> tuple[Problem, np.ndarray, np.ndarray, int, int
         low, high = np.sort(rng.uniform(0.1, 0.9, 2))
         slow, fast = 10.0 ** rng.uniform(-2.0, 0.0, 2)
         options = {"breaks": [low, high], "speed_cap": lambda s: np.where((s >= low) & (s < high), slow, fast)}
-    problem, s, z = mesh_problem(AxisPath.from_callable(f, **options), limits, cells)
+    problem, s, z = mesh_problem(path_of(jets, **options), limits, cells)
     return problem, s, z, joints, cells
 
 
