@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from benchmarks.longpath import long_path
 
-from test_optimal import GUARANTEE, dense_usage, line
+from judge import GUARANTEE
+from test_optimal import dense_usage, line
 from test_oracle import harmonics, random_limits
 from toolpace import demo
 from toolpace.axispath import AxisPath
@@ -136,7 +137,8 @@ def test_any_multipliers_of_pieces_give_a_bound(seed, short_windows, monkeypatch
     monkeypatch.setattr(bounds, "MOST_STEPS", 3 + seed)
     path, limits = long_path(CELLS)
     law, _ = plan_run(path.runs[0], limits, cells=CELLS, guard=False)
-    assert bound_long_run(path.runs[0], limits, law).mesh_bound <= law.duration
+    found = bound_long_run(path.runs[0], limits, law)
+    assert found.mesh_bound <= found.mesh_duration
 
 
 def test_gathered_multipliers_keep_kappa_positive_when_mixed():
