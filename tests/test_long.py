@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import signal
 import subprocess
 import sys
@@ -20,7 +19,9 @@ from toolpace import demo
 from toolpace.axispath import AxisPath
 from toolpace.kernels import bound as kernel
 from toolpace.limits import Limits
-from toolpace.plan import plan
+from toolpace.plan import bound as bounds
+from toolpace.plan import course, longbound, mend, plan
+from toolpace.plan import crew as crews
 from toolpace.plan.bound import bound_run
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tally
@@ -32,9 +33,6 @@ from toolpace.plan.mesh import first_mesh, places
 from toolpace.plan.optimal import plan_run
 from toolpace.plan.peaks import cell_peaks
 from toolpace.timelaw import SplineLaw
-
-# `toolpace.plan` is the function as well as the package
-course, mend, longbound = (importlib.import_module(f"toolpace.plan.{name}") for name in ("course", "mend", "longbound"))
 
 CELLS = 9000
 
@@ -133,7 +131,6 @@ def test_bound_from_pieces_is_never_above_the_best(seed, short_windows):
 @pytest.mark.parametrize("seed", range(4))
 def test_any_multipliers_of_pieces_give_a_bound(seed, short_windows, monkeypatch):
     """Pieces that give up at once are joined to a bound too, a weak one."""
-    bounds = importlib.import_module("toolpace.plan.bound")
     monkeypatch.setattr(bounds, "MOST_STEPS", 3 + seed)
     path, limits = long_path(CELLS)
     law, _ = plan_run(path.runs[0], limits, cells=CELLS, guard=False)
@@ -216,7 +213,9 @@ def test_a_callers_function_is_asked_by_one_thread_at_a_time(short_windows):
 
 
 @pytest.mark.parametrize("bound", [False, True])
-def test_progress_within_a_run(bound, short_windows):
+def test_progress_within_a_run(bound, short_windows, monkeypatch):
+    # however fast the machine is, it shall be heard of everything
+    monkeypatch.setattr(crews, "BREATH", 1e-4)
     seen, threads = [], set()
 
     def tell(share):
@@ -270,7 +269,9 @@ def test_an_error_of_the_progress_callback_is_the_callers():
 INTERRUPTED = """
 import sys, threading, time
 from benchmarks.longpath import long_path
-from toolpace.plan import plan
+from toolpace.plan import bound as bounds
+from toolpace.plan import course, longbound, mend, plan
+from toolpace.plan import crew as crews
 warm, limits = long_path(1000)
 plan(warm, limits, mesh=1000)
 path, limits = long_path(1_000_000)
@@ -321,7 +322,9 @@ def test_memory_of_a_long_run():
     script = """
 import resource
 from benchmarks.longpath import long_path
-from toolpace.plan import plan
+from toolpace.plan import bound as bounds
+from toolpace.plan import course, longbound, mend, plan
+from toolpace.plan import crew as crews
 def most(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 for cells in (20_000, 200_000):
     path, limits = long_path(cells)
