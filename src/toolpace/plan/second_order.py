@@ -51,12 +51,11 @@ def even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells:
     pilot = np.union1d(pilot, closer)
     rows = Cells(run, limits, pilot)
     z, status, _ = rows.solve(*ends)
-    if status != reachable.FEASIBLE or not (z[1:-1] > 0.0).all():
-        return with_breaks(with_breaks(np.linspace(run.s0, run.s1, wanted + 1), closer, 0.0), knots)
-    law = LinearLaw(pilot, z)
-    measure = law.times / law.duration + (pilot - run.s0) / (run.s1 - run.s0)
-    nodes = np.interp(np.linspace(0.0, 2.0, wanted + 1), measure, pilot)
-    nodes[0], nodes[-1] = run.s0, run.s1
+    nodes = np.linspace(run.s0, run.s1, wanted + 1)
+    if status == reachable.FEASIBLE and (z[1:-1] > 0.0).all():
+        law = LinearLaw(pilot, z)
+        measure = law.times / law.duration + (pilot - run.s0) / (run.s1 - run.s0)
+        nodes[1:-1] = np.interp(np.linspace(0.0, 2.0, wanted + 1)[1:-1], measure, pilot)
     return with_breaks(with_breaks(nodes, closer, 0.0), knots)
 
 
@@ -166,7 +165,7 @@ def plan_second_order(
         tally.of(k)(1.0)
         return law
 
-    laws = crew.each(one, range(len(runs)))
+    laws = crew.aside(lambda: crew.each(one, range(len(runs))))
     return Trajectory(
         axis_path, limits, tuple(laws), planner="second-order", mesh_points=sum(len(law.nodes) for law in laws),
         solve_seconds=time.perf_counter() - began,
