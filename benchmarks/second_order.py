@@ -33,9 +33,8 @@ def measure(case: Case, n: int) -> Figures:
     theirs = toppra.solve(path, limits, n, judge=False)
     for outcome in (ours, guarded, copp, theirs):
         assert outcome.ok, outcome.note
-    takes: dict[str, list[float]] = {}
-    for name in ("ours", "copp", "copp passes", "toppra", "passes", "guarded"):
-        takes[name] = []
+    names = ("ours", "copp", "copp passes", "toppra", "passes", "guarded")
+    takes: dict[str, list[float]] = {name: [] for name in names}
     forget = case.run.f.forget
     for _ in range(REPEATS):
         forget()
