@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.progress import Progress
 
 from benchmarks import tables
-from benchmarks.machine import RESULTS, machine, machine_in_words
+from benchmarks.machine import RESULTS, machine, written_by
 from benchmarks.measure import MESHES, VERY_FINE, Row, measure, row
 from benchmarks.memory import peaks
 from benchmarks.paths import RANDOM_CASES, all_cases
@@ -57,10 +57,9 @@ def main() -> None:
     out.mkdir(parents=True, exist_ok=True)
     about = {"date": datetime.date.today().isoformat(), "machine": machine()}
     (out / "planner.json").write_text(json.dumps({**about, "rows": rows}, indent=1) + "\n")
-    words = machine_in_words()
     head = (
         "# The planner beside its peers\n\n"
-        f"Written by `make bench` on {about['date']}. Machine: {words}. One thread each; times are CPU times of the\n"
+        f"{written_by('make bench')} One thread each; times are CPU times of the\n"
         "process, from the bare callable to the law of motion; medians of seven runs for toolpace and toppra in turn,\n"
         "single runs for the others. Compare ratios, not microseconds: the machine was not idle.\n\n"
         "`time / IPOPT's` compares what both minimise, the time of the discretised problem; IPOPT has the same nodes,\n"

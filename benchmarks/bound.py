@@ -11,7 +11,7 @@ import time
 import numpy as np
 from rich.progress import track
 
-from benchmarks.machine import RESULTS, machine_in_words
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.paths import Case, all_cases
 from benchmarks.tables import Table
 from toolpace.errors import ToolpaceError
@@ -127,7 +127,7 @@ def main() -> None:
     shown = [*gaps(cases), proofs(cases), unmeshed(cases)]
     for one in shown:
         one.show()
-    head = f"# The lower bound\n\nWritten by `python -m benchmarks.bound`. Machine: {machine_in_words()}.\n\n"
+    head = f"# The lower bound\n\n{written_by('python -m benchmarks.bound')}\n\n"
     (RESULTS / "bound.md").write_text(head + "\n".join(one.markdown() for one in shown))
 
 

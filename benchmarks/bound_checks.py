@@ -8,22 +8,21 @@ counted as the mesh problem counts time, the sum over its nodes. Writes benchmar
 
 from __future__ import annotations
 
-import datetime
 import sys
 import time
 from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.machine import RESULTS, machine
+from benchmarks.jets import harmonics, path_of
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.peers import ipopt
-from benchmarks.peers.ours import mesh_problem, objective, start_point
+from benchmarks.peers.ours import mesh_problem, objective
 from benchmarks.tables import Table
-from toolpace.axispath import AxisPath
 from toolpace.limits import Limits
 from toolpace.plan.bound import lower_bound
 from toolpace.plan.problem import Problem
-from toolpace.plan.solve import Stalled, solve
+from toolpace.plan.solve import Stalled, solve, start_from
 from toolpace.timelaw import SplineLaw
 
 STARTS = (0.4, 0.1, 0.8)
@@ -58,13 +57,7 @@ def random_problem(seed: int) -> tuple[Problem, np.ndarray, np.ndarray, int, int
     """A smooth random path of one to seven joints on 20 to 100 cells; jerk tight or loose, a third with feed jumps."""
     rng = np.random.default_rng([seed, 20090610])
     joints, cells, modes = int(rng.integers(1, 8)), int(rng.integers(20, 101)), int(rng.integers(1, 6))
-    number = np.pi * np.arange(1, modes + 1)
-    a, b = rng.normal(size=(2, modes, joints)) / np.arange(1, modes + 1)[:, None] ** 1.5
-
-    def f(s: np.ndarray, order: int) -> np.ndarray:
-        angle = s[:, None] * number + 0.5 * np.pi * order
-        return (np.sin(angle) * number**order) @ a + (np.cos(angle) * number**order) @ b
-
+    jets = harmonics(rng, joints, modes)
     jerk = rng.uniform(10.0, 40.0, joints) * 10.0 ** rng.uniform(-1.5, 1.0)
     limits = Limits(rng.uniform(0.5, 2.0, joints), rng.uniform(1.5, 6.0, joints), jerk)
     options = {}
@@ -72,7 +65,7 @@ def random_problem(seed: int) -> tuple[Problem, np.ndarray, np.ndarray, int, int
         low, high = np.sort(rng.uniform(0.1, 0.9, 2))
         slow, fast = 10.0 ** rng.uniform(-2.0, 0.0, 2)
         options = {"breaks": [low, high], "speed_cap": lambda s: np.where((s >= low) & (s < high), slow, fast)}
-    problem, s, z = mesh_problem(AxisPath.from_callable(f, **options), limits, cells)
+    problem, s, z = mesh_problem(path_of(jets, **options), limits, cells)
     return problem, s, z, joints, cells
 
 
@@ -82,7 +75,7 @@ def check(seed: int) -> Check:
     answers: list[np.ndarray | None] = []
     for share in STARTS:
         try:
-            answers.append(solve(problem, start_point(problem, s, z, share), spread=1.0))
+            answers.append(solve(problem, start_from(problem, s, z, share), spread=1.0))
         except Stalled:
             answers.append(None)
     times = [np.inf if c is None else objective(problem, c) for c in answers]
@@ -92,7 +85,7 @@ def check(seed: int) -> Check:
     bound = lower_bound(problem, SplineLaw(problem.nodes, first, problem.rest)).mesh_bound
     theirs = np.inf
     for share in ipopt.STARTS:
-        c, note = ipopt.minimise(problem, start_point(problem, s, z, share))
+        c, note = ipopt.minimise(problem, start_from(problem, s, z, share))
         if note in CONVERGED:
             theirs = objective(problem, c)
             break
@@ -136,11 +129,9 @@ def main(count: int = 1000, seed: int = 0) -> None:
         ])  # fmt: skip
     for shown in (table, worst):
         shown.show()
-    words = ", ".join(f"{key} {value}" for key, value in machine().items())
     head = (
         "# The lower bound against everybody's best\n\n"
-        f"Written by `python -m benchmarks.bound_checks {count} {seed}` on {datetime.date.today().isoformat()}, "
-        f"{seconds:.0f} s of CPU time. Machine: {words}.\n\n"
+        f"{written_by(f'python -m benchmarks.bound_checks {count} {seed}', f'{seconds:.0f} s of CPU time')}\n\n"
         "Random smooth paths of 1 to 7 joints on 20 to 100 cells, jerk limits over two and a half orders of\n"
         "magnitude, a third with jumps of the feed. Unguarded: what is compared is the sum over the nodes of the\n"
         "same mesh problem. Ours: the planner's core from 0.4 of its guess, its own start, and from 0.1 and 0.8.\n\n"

@@ -13,11 +13,12 @@ import platform
 import sys
 import time
 from dataclasses import dataclass
-from pathlib import Path as File
 
 import numpy as np
 
 import toolpace
+from benchmarks import published
+from benchmarks.machine import RESULTS, processor
 from toolpace import deflect
 from toolpace.deflect.detour import DetourRun, tip_velocity
 from toolpace.errors import InfeasibleError
@@ -26,9 +27,6 @@ from toolpace.path import Path
 from toolpace.plan import plan
 from toolpace.quinticpath import quintic_through
 from toolpace.trajectory import Trajectory
-
-sys.path.insert(0, str(File(__file__).parents[1] / "tests"))
-import published
 
 PLANNERS = ("optimal", "genetic")
 
@@ -147,18 +145,9 @@ def main(count: int = 1000, seed: int = 2009) -> None:
         "toolpace": toolpace.__version__, "python": platform.python_version(),
         "machine": f"{platform.machine()}, {processor()}", "seed": seed, "rows": rows,
     }  # fmt: skip
-    out = File(__file__).parent / "results" / "deflections.json"
+    out = RESULTS / "deflections.json"
     out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     print(out)
-
-
-def processor() -> str:
-    """The name of the processor."""
-    try:
-        lines = File("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or "unknown processor"
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.paths import Remembered
+from benchmarks.jets import path_of
 from toolpace.axispath import AxisPath
 from toolpace.kernels.spline import jets
 from toolpace.limits import Limits
@@ -42,7 +42,5 @@ def long_path(cells: int, hints: bool = False) -> tuple[AxisPath, Limits]:
     control = random.normal(size=(features + 5, JOINTS))
     pieces = np.stack([np.einsum("pk,kj->pj", PIECE, control[i : i + 6]) for i in range(features)])
     knots = np.arange(features + 1.0)
-    path = AxisPath.from_callable(
-        Remembered(lambda s: jets(knots, pieces, s)), 0.0, float(features), hints=knots if hints else ()
-    )
+    path = path_of(lambda s: jets(knots, pieces, s), 0.0, float(features), hints=knots if hints else ())
     return path, limits

@@ -10,6 +10,7 @@ import numpy as np
 
 from benchmarks.paths import Case
 from benchmarks.peers import Outcome, copp, ipopt, lp, ours, ruckig, toppra
+from benchmarks.tables import Row
 from toolpace.errors import ToolpaceError
 from toolpace.plan.optimal import plan_run
 
@@ -35,7 +36,6 @@ PEERS = (
     Peer("linear program", lp.solve, 1000, 1000),
     Peer("ruckig", ruckig.solve, 1000, 1000),
 )
-Row = dict[str, object]
 
 
 def measure(case: Case, n: int, quick: bool = False) -> Iterator[tuple[str, Outcome]]:

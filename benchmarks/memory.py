@@ -6,12 +6,11 @@ python -m benchmarks.memory PLANNER CASE N        prints the most memory before 
 from __future__ import annotations
 
 import json
-import resource
 import subprocess
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
+from benchmarks.machine import most_memory
 from benchmarks.measure import PEERS
 from benchmarks.paths import all_cases
 from benchmarks.peers import ipopt, ours, toppra
@@ -25,14 +24,6 @@ PLANNERS = {
 }
 SMALL = 50
 """Cells of a first plan, which loads libraries and code."""
-
-
-def most_memory() -> float:
-    """Of this process so far [MB]. What `resource` says counts the parent that started it, too."""
-    status = Path("/proc/self/status")
-    if status.exists():
-        return float(status.read_text().split("VmHWM:")[1].split()[0]) / 1024.0
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
 def peaks(case: str, meshes: Sequence[int]) -> dict[tuple[str, int], tuple[float, float]]:

@@ -7,14 +7,13 @@ The families are those of tests/nasty_paths.py, judged by tests/judge.py. Writes
 
 from __future__ import annotations
 
-import datetime
 import sys
 import time
 from pathlib import Path as File
 
 import numpy as np
 
-from benchmarks.machine import RESULTS, machine
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 
 sys.path.insert(0, str(File(__file__).parents[1] / "tests"))
@@ -61,11 +60,9 @@ def main(count: int = 300, seed: int = 100_000) -> None:
     table.show()
     for line in wrong:
         print(line)
-    words = ", ".join(f"{key} {value}" for key, value in machine().items())
     head = (
         "# Random and nasty paths\n\n"
-        f"Written by `python -m benchmarks.robustness {count} {seed}` on {datetime.date.today().isoformat()}. "
-        f"Machine: {words}.\n\n"
+        f"{written_by(f'python -m benchmarks.robustness {count} {seed}')}\n\n"
         "What the families are is said in tests/nasty_paths.py, what is judged in tests/judge.py. Refusals are\n"
         "counted as such only where they are justified; all else is wrong. The gap is that to the lower bound.\n\n"
     )

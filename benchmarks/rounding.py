@@ -19,6 +19,7 @@ from pathlib import Path as File
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.machine import RESULTS
 from benchmarks.tables import Table
 from toolpace.axispath import AxisPath
 from toolpace.machine import Machine
@@ -31,7 +32,6 @@ Floats = npt.NDArray[np.float64]
 Curve = Callable[[Floats], tuple[Floats, Floats]]
 """u (n,) to tip (4, n, 3) [m] and rotary joints (4, n, 2) [rad], with derivatives."""
 
-RESULTS = File(__file__).parent / "results"
 MACHINE = "xyzac-trunnion"
 FEED = 0.05
 COUNT = 12

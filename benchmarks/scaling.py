@@ -10,22 +10,22 @@ repetitions is kept. Prints the table and writes scaling.md and scaling.png.
 from __future__ import annotations
 
 import datetime
-import importlib
 import json
 import os
 import platform
-import resource
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path as File
 from typing import Any
+from unittest.mock import patch
 
 from benchmarks.longpath import long_path
+from benchmarks.machine import RESULTS, most_memory
 from benchmarks.tables import Table
-from toolpace.plan import plan
+from toolpace.plan import course, plan
 
-RESULTS = File(__file__).parent / "results"
 SIZES = (10**3, 10**4, 10**5, 10**6)
 REFERENCE = 10**4
 COMPARED = 10**5
@@ -41,18 +41,8 @@ MOST_RATIO, MOST_MEMORY, MOST_LOSS = 1.3, 2000.0, 1e-5
 Figures = dict[str, Any]
 
 
-def most_memory() -> float:
-    """Most memory that the process has had so far [MB]."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-
-
-def measured(cells: int, kind: str, one_piece: bool) -> Figures:
+def measured(cells: int, kind: str) -> Figures:
     """Figures of one plan in this process."""
-    if one_piece:
-        for name in ("course", "longbound"):
-            importlib.import_module(f"toolpace.plan.{name}")
-        # windows begin where the problem of a whole run is no longer kept
-        sys.modules["toolpace.plan.course"].KEPT = 10**9  # type: ignore[attr-defined]
     path, limits = long_path(1000)
     plan(path, limits, mesh=1000).usage()
     loaded = most_memory()
@@ -148,7 +138,10 @@ def picture(figures: dict[tuple[int, str], Figures], out: File) -> None:
 def main() -> None:
     """The command."""
     if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(measured(int(sys.argv[2]), sys.argv[3], sys.argv[4] == "1")))
+        cells, kind, one_piece = int(sys.argv[2]), sys.argv[3], sys.argv[4] == "1"
+        # windows begin where the problem of a whole run is no longer kept
+        with patch.object(course, "KEPT", 10**9) if one_piece else nullcontext():
+            print(json.dumps(measured(cells, kind)))
         return
     out = File(sys.argv[1]) if len(sys.argv) > 1 else RESULTS
     figures = {(size, kind): in_own_process(size, kind) for size in SIZES for kind in KINDS}

@@ -5,11 +5,10 @@ python -m benchmarks.second_order        writes benchmarks/results/second-order.
 
 from __future__ import annotations
 
-import datetime
 import statistics
 from collections.abc import Callable
 
-from benchmarks.machine import RESULTS, machine_in_words
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.paths import Case, all_cases
 from benchmarks.peers import copp_second_order, second_order, toppra
 from benchmarks.tables import Table, text
@@ -34,9 +33,8 @@ def measure(case: Case, n: int) -> Figures:
     theirs = toppra.solve(path, limits, n, judge=False)
     for outcome in (ours, guarded, copp, theirs):
         assert outcome.ok, outcome.note
-    takes: dict[str, list[float]] = {}
-    for name in ("ours", "copp", "copp passes", "toppra", "passes", "guarded"):
-        takes[name] = []
+    names = ("ours", "copp", "copp passes", "toppra", "passes", "guarded")
+    takes: dict[str, list[float]] = {name: [] for name in names}
     forget = case.run.f.forget
     for _ in range(REPEATS):
         forget()
@@ -140,10 +138,9 @@ def main() -> None:
     tables = [summary(rows), loss_of_mesh(cases), price_of_jerk(cases), by_case(rows)]
     for table in tables:
         table.show()
-    words = machine_in_words()
     head = (
         "# The second-order planner beside its peers\n\n"
-        f"Written by `python -m benchmarks.second_order` on {datetime.date.today().isoformat()}. Machine: {words}.\n"
+        f"{written_by('python -m benchmarks.second_order')}\n"
         "One thread each; CPU times a cell, medians of seven runs taken in turn. `ours`, `copp`, `toppra`: from the\n"
         "bare callable to the speeds at the nodes; `passes`: the two passes alone, everything else being known.\n"
         f"`off`: difference of the durations, relative (target, COPP: {SAME:g}); `/ copp`: target {MOST_OF_COPP:g}.\n"

@@ -190,7 +190,7 @@ def published(results: Results, names: list[str]) -> Table:
 
 
 def memory(peaks: dict[tuple[str, int], tuple[float, float]], case: str) -> Table:
-    """Most memory of a process that plans a case, by planner and n; in brackets what was loaded before."""
+    """Most memory of a process that plans a case, by planner and n; in brackets beyond what was loaded before."""
     meshes = sorted({n for _, n in peaks})
     table = Table(
         f"Most memory of a process that plans {case} [MB] (beyond what its libraries and code take)",

@@ -36,7 +36,7 @@ def verdict(case: Nasty) -> Verdict:
             return Verdict(refusal(case, str(error)))
         except Exception as error:
             return Verdict(f"{type(error).__name__}: {error}")
-        worst = max(trajectory.usage().worst, dense_usage(case, trajectory))
+        worst = float(np.maximum(trajectory.usage().worst, usage_at(trajectory, times(case, trajectory))))
         if case.expected == REFUSAL:
             return Verdict(f"was planned, with usage {worst:.6f}; should be refused for {case.names}", worst)
         return Verdict("; ".join(faults(case, trajectory, worst)) or "answer", worst, trajectory.gap)
@@ -85,10 +85,9 @@ def position_jumps(case: Nasty, trajectory) -> bool:
     return bool((np.abs(np.diff(q, axis=0)) > most).any())
 
 
-def dense_usage(case: Nasty, trajectory) -> float:
-    """Largest value over limit at those times."""
+def usage_at(trajectory, t) -> float:
+    """Largest value over limit at times t (n,) of a path of one run: limits of joints, and the cap on ds/dt."""
     law, run, limits = trajectory.laws[0], trajectory.axis_path.runs[0], trajectory.limits
-    t = times(case, trajectory)
     motion, state = trajectory.at(t), law.at(t)
     shares = [
         np.abs(motion.qd) / limits.velocity,
@@ -96,7 +95,7 @@ def dense_usage(case: Nasty, trajectory) -> float:
         np.abs(motion.qddd) / limits.jerk,
         state[1] / run.speed_cap(state[0]),
     ]
-    return float(max(share.max() for share in shares))
+    return float(np.max([share.max() for share in shares]))
 
 
 def times(case: Nasty, trajectory):

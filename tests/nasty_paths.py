@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from benchmarks.jets import Jets, along, beside, harmonics, path_of, standing, straight
 
 from toolpace.axispath import AxisPath, CallableRun
 from toolpace.limits import Limits
@@ -40,66 +41,19 @@ class Nasty:
     seed: int = 0
 
 
-def harmonics(random, joints=None, modes=4):
-    """jets(s (n,)) -> (4, n, joints) of a smooth random path."""
-    joints = joints or int(random.integers(1, 7))
-    number = np.pi * np.arange(1, modes + 1)
-    a, b = random.normal(size=(2, modes, joints)) / np.arange(1, modes + 1)[:, None] ** 1.5
-
-    def jets(s):
-        angle = s[:, None] * number
-        turned = [angle + 0.5 * np.pi * order for order in range(4)]
-        return np.stack([(np.sin(t) * number**k) @ a + (np.cos(t) * number**k) @ b for k, t in enumerate(turned)])
-
-    return jets
+def some_harmonics(random) -> Jets:
+    """A smooth path of one to six joints."""
+    return harmonics(random, int(random.integers(1, 7)))
 
 
-def line(random, joints=3):
-    """jets of a straight line."""
-    way = random.normal(size=joints)
-
-    def jets(s):
-        out = np.zeros((4, len(s), joints))
-        out[0], out[1] = s[:, None] * way, way
-        return out
-
-    return jets
+def some_line(random, joints=3) -> Jets:
+    """A straight line in any direction."""
+    return straight(random.normal(size=joints))
 
 
-def along(jets, g):
-    """jets of a path whose parameter is g(s): g gives (4, n). The chain rule to third order."""
-
-    def composed(s):
-        f, (x, x1, x2, x3) = jets, g(s)
-        q = f(x)
-        d1, d2, d3 = x1[:, None], x2[:, None], x3[:, None]
-        return np.stack(
-            [
-                q[0],
-                q[1] * d1,
-                q[2] * d1**2 + q[1] * d2,
-                q[3] * d1**3 + 3.0 * q[2] * d1 * d2 + q[1] * d3,
-            ]
-        )
-
-    return composed
-
-
-def beside(*parts):
-    """jets of all joints of several paths."""
-    return lambda s: np.concatenate([part(s) for part in parts], axis=2)
-
-
-def path_of(jets, s0=0.0, s1=1.0, **options) -> AxisPath:
-    """An AxisPath; all orders at the same s are worked out once."""
-    last: dict[str, Any] = {"s": None}
-
-    def f(s, order):
-        if last["s"] is None or not np.array_equal(s, last["s"]):
-            last["s"], last["jets"] = np.array(s), jets(s)
-        return last["jets"][order]
-
-    return AxisPath.from_callable(f, s0, s1, **options)
+def joints_of(jets) -> int:
+    """The number of joints of a path."""
+    return jets(np.zeros(1)).shape[2]
 
 
 def limits_for(random, joints, tight=None) -> Limits:
@@ -117,9 +71,6 @@ def mesh(random, meshes=MESHES):
 def logarithmic(random, low, high, size=None):
     """10 to a power between low and high."""
     return 10.0 ** random.uniform(low, high, size)
-
-
-# ---------------------------------------------------------------------------------------------------- families
 
 
 def smooth(random) -> Nasty:
@@ -200,7 +151,7 @@ def cusp(random) -> Nasty:
         return np.stack([r, x / r, e * e / r**3, -3.0 * e * e * x / r**5])[:, :, None]
 
     joints = int(random.integers(1, 4))
-    jets = beside(corner, harmonics(random, joints) if random.random() < 0.5 else line(random, joints))
+    jets = beside(corner, harmonics(random, joints) if random.random() < 0.5 else some_line(random, joints))
     options = mesh(random, (50, 100, 300, None))
     return Nasty(path_of(jets), limits_for(random, joints + 1), options, places=(middle,))
 
@@ -227,16 +178,16 @@ def infinite_limits(random) -> Nasty:
 
 def lengths(random) -> Nasty:
     """Joints that move by a nanometre up to a hundred kilometres within limits of metres."""
-    jets = harmonics(random) if random.random() < 0.7 else line(random)
-    joints = jets(np.zeros(1)).shape[2]
+    jets = some_harmonics(random) if random.random() < 0.7 else some_line(random)
+    joints = joints_of(jets)
     size = logarithmic(random, -9, 5)
     return Nasty(path_of(lambda s: size * jets(s)), limits_for(random, joints), mesh(random))
 
 
 def parameters(random) -> Nasty:
     """The parameter scaled by 1e-6 to 1e6, counted from far away from zero."""
-    jets = harmonics(random)
-    joints = jets(np.zeros(1)).shape[2]
+    jets = some_harmonics(random)
+    joints = joints_of(jets)
     k = logarithmic(random, -6, 6)
     s0 = 0.0 if random.random() < 0.4 else k * random.choice([-1.0, 1.0]) * logarithmic(random, 0, 6)
 
@@ -248,8 +199,8 @@ def parameters(random) -> Nasty:
 
 def slow_spots(random) -> Nasty:
     """A parameter like s^3 about one to three places: q' nearly vanishes there, and ds/dt must be large."""
-    jets = harmonics(random) if random.random() < 0.7 else line(random)
-    joints = jets(np.zeros(1)).shape[2]
+    jets = some_harmonics(random) if random.random() < 0.7 else some_line(random)
+    joints = joints_of(jets)
     places = random.uniform(0.0, 1.0, int(random.integers(1, 4)))
     flat, width = logarithmic(random, -6, -1), random.uniform(0.05, 0.3)
 
@@ -279,8 +230,8 @@ class Hinted(CallableRun):
 
 def crowded(random) -> Nasty:
     """Breaks and hints that are given twice, or lie 1e-15 to 1e-6 of the run apart, or next to its ends."""
-    jets = harmonics(random)
-    joints = jets(np.zeros(1)).shape[2]
+    jets = some_harmonics(random)
+    joints = joints_of(jets)
     places = random.uniform(0.0, 1.0, int(random.integers(1, 5)))
     near = [places, places, places + logarithmic(random, -15, -6, len(places)), np.nextafter(places, 1.0)]
     near.append(logarithmic(random, -15, -3, 2))
@@ -310,8 +261,8 @@ def kinks(random) -> Nasty:
 
 def caps_that_jump(random) -> Nasty:
     """A feed cap that jumps up and down by up to a thousand times, one to thirty times."""
-    jets = harmonics(random)
-    joints = jets(np.zeros(1)).shape[2]
+    jets = some_harmonics(random)
+    joints = joints_of(jets)
     breaks = np.sort(random.uniform(0.0, 1.0, int(random.integers(1, 31))))
     caps = logarithmic(random, -3, 0, len(breaks) + 1)
     caps[random.random(len(caps)) < 0.2] = np.inf
@@ -321,7 +272,7 @@ def caps_that_jump(random) -> Nasty:
 
 def standing_joints(random) -> Nasty:
     """Joints that never move, or stand on a part of the path; at times all of them stand there."""
-    jets, moving = harmonics(random), int(random.integers(1, 4))
+    jets, moving = some_harmonics(random), int(random.integers(1, 4))
     still = int(random.integers(0, 3))
     low, high = np.sort(random.uniform(0.1, 0.9, 2))
     inner = harmonics(random, moving)
@@ -337,26 +288,26 @@ def standing_joints(random) -> Nasty:
         parts.append(jets)
     constant = random.normal(size=still)
     if still:
-        parts.append(lambda s: np.stack([np.tile(constant, (len(s), 1)), *np.zeros((3, len(s), still))]))
+        parts.append(standing(constant))
     whole = beside(*parts)
     path = path_of(whole, breaks=[low, high])
-    limits = limits_for(random, whole(np.zeros(1)).shape[2])
+    limits = limits_for(random, joints_of(whole))
     return Nasty(path, limits, mesh(random, (50, 100, 300, None)), places=(low, high))
 
 
 def nothing_moves(random) -> Nasty:
     """A constant path, with or without a feed cap: no joint asks for time."""
     joints = int(random.integers(1, 4))
-    constant = random.normal(size=joints)
+    place = random.normal(size=joints)
     cap = np.inf if random.random() < 0.5 else logarithmic(random, -3, 3)
-    path = path_of(lambda s: np.stack([np.tile(constant, (len(s), 1)), *np.zeros((3, len(s), joints))]), speed_cap=cap)
+    path = path_of(standing(place), speed_cap=cap)
     return Nasty(path, limits_for(random, joints), mesh(random, (50, 100, None)), EITHER)
 
 
 def nothing_limits(random) -> Nasty:
     """No limit at all on what moves, with or without a feed cap."""
-    jets = harmonics(random)
-    joints = jets(np.zeros(1)).shape[2]
+    jets = some_harmonics(random)
+    joints = joints_of(jets)
     cap = np.inf if random.random() < 0.5 else logarithmic(random, -3, 3)
     limits = Limits(*(np.full(joints, np.inf),) * 3)
     return Nasty(path_of(jets, speed_cap=cap), limits, mesh(random, (50, 100, None)), EITHER)
@@ -369,12 +320,11 @@ def stopping(random) -> Nasty:
     needed = speed * (speed / a + a / j if speed * j >= a * a else 2.0 * np.sqrt(speed / j)) / 2.0
     longer = float(random.choice([-0.1, -0.01, 0.01, 0.02, 0.1, 1.0]))
     length = needed * (1.0 + longer)
-    jets = lambda s: np.stack([s, np.ones(len(s)), np.zeros(len(s)), np.zeros(len(s))])[:, :, None]  # noqa: E731
     end = str(random.choice(["start", "end"]))
     options = {**mesh(random, (100, 300, None)), end: EndState(speed, 0.0)}
     # so little room is lost on a mesh that is fixed
     expected = REFUSAL if longer < 0.0 else ANSWER if longer >= 0.1 or options["mesh"] is None else EITHER
-    return Nasty(path_of(jets, 0.0, length), Limits([v], [a], [j]), options, expected, "s =")
+    return Nasty(path_of(straight([1.0]), 0.0, length), Limits([v], [a], [j]), options, expected, "s =")
 
 
 def at_the_limit(random) -> Nasty:
@@ -382,7 +332,6 @@ def at_the_limit(random) -> Nasty:
     share = float(random.choice([0.9, 0.999, 1.0, 1.0 + 1e-5, 1.001, 1.1, 10.0]))
     kind = str(random.choice(["velocity", "feed", "acceleration"]))
     cap = 0.7 if kind == "feed" else np.inf
-    jets = lambda s: np.stack([s, np.ones(len(s)), np.zeros(len(s)), np.zeros(len(s))])[:, :, None]  # noqa: E731
     end = str(random.choice(["start", "end"]))
     sign = 1.0 if end == "start" else -1.0
     state = EndState(share * (0.7 if kind == "feed" else 1.0), 0.0)
@@ -393,15 +342,16 @@ def at_the_limit(random) -> Nasty:
     names = {"velocity": "the velocity limit of q1", "feed": "the feed cap",
              "acceleration": "the acceleration limit of q1"}[kind]  # fmt: skip
     expected = ANSWER if share <= 1.0 + 1e-5 else REFUSAL
-    return Nasty(path_of(jets, 0.0, 3.0, speed_cap=cap), Limits([1.0], [3.0], [20.0]), options, expected, names)
+    path = path_of(straight([1.0]), 0.0, 3.0, speed_cap=cap)
+    return Nasty(path, Limits([1.0], [3.0], [20.0]), options, expected, names)
 
 
 def in_motion(random) -> Nasty:
     """A piece of a path from and to states that the motion along the whole path passes, slowed down or not."""
     from toolpace.plan import plan
 
-    jets = harmonics(random)
-    joints = jets(np.zeros(1)).shape[2]
+    jets = some_harmonics(random)
+    joints = joints_of(jets)
     limits = limits_for(random, joints)
     whole = plan(path_of(jets), limits, mesh=200, bound=False)
     low, high = np.sort(random.uniform(0.02, 0.98, 2))

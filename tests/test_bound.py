@@ -306,8 +306,8 @@ def test_of_a_guarded_plan_is_by_the_limits_as_they_are():
     free, _ = plan_run(run, limits, cells=80, guard=False)
     held, _ = plan_run(run, limits, cells=80, guard=True)
     a, b = bound_run(run, limits, free), bound_run(run, limits, held)
-    if np.array_equal(free.nodes, held.nodes):
-        assert b.mesh_bound == pytest.approx(a.mesh_bound, rel=3e-5)
+    assert np.array_equal(free.nodes, held.nodes)
+    assert b.mesh_bound == pytest.approx(a.mesh_bound, rel=3e-5)
     assert b.seconds <= held.duration and b.gap >= a.gap - 3e-5
 
 

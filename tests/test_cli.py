@@ -211,7 +211,8 @@ def test_output_into_a_closed_pipe_is_no_error():
     assert done.stderr == "" and done.stdout.startswith("linuxcnc")
 
 
-def test_ctrl_c_leaves_nothing(tmp_path):
+@pytest.mark.parametrize("done", ["reading", "fitting"])
+def test_ctrl_c_after_a_step_leaves_nothing(done, tmp_path):
     program = tmp_path / "blade.ngc"
     program.write_text(demo.spiral_program(20_000))
     process = subprocess.Popen(
@@ -223,10 +224,12 @@ def test_ctrl_c_leaves_nothing(tmp_path):
     )
     assert process.stdout is not None
     for line in process.stdout:
-        if line.startswith("reading"):
+        if line.startswith(done):
             break
     time.sleep(0.5)
     process.send_signal(signal.SIGINT)
+    began = time.perf_counter()
     _, error = process.communicate(timeout=120)
     assert process.returncode == 130 and error == "error: interrupted; nothing was written\n"
     assert [path.name for path in tmp_path.iterdir()] == ["blade.ngc"]
+    assert time.perf_counter() - began < 10.0

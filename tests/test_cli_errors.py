@@ -153,8 +153,11 @@ def test_fault_of_our_own_is_one_line(monkeypatch, capsys):
     )
 
 
-def test_interrupt_ends_with_130(monkeypatch, capsys):
+@pytest.mark.parametrize("wrapped", [False, True], ids=["plain", "met by compiled code"])
+def test_interrupt_ends_with_130(wrapped, monkeypatch, capsys):
     def interrupted() -> tuple[str, ...]:
+        if wrapped:
+            raise SystemError from KeyboardInterrupt()
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Machine, "names", interrupted)

@@ -7,32 +7,13 @@ import pytest
 from benchmarks.paths import all_cases
 
 import toolpace as tp
+from test_optimal import line, s_curve
 from test_oracle import harmonics, random_limits
 from toolpace.axispath import AxisPath
 from toolpace.limits import Limits
 from toolpace.plan.continuous import continuous_bound, gauss
 from toolpace.plan.endstate import EndState
 from toolpace.plan.optimal import plan_run
-
-
-def line(s, order):
-    return np.stack([s, np.ones_like(s), np.zeros_like(s), np.zeros_like(s)])[order][:, None]
-
-
-def seven_phases(length, velocity, acceleration, jerk):
-    """Least time over a length from rest to rest: jerk, constant acceleration, jerk, cruise, and back."""
-    ramp = acceleration / jerk
-    if 2.0 * acceleration * ramp**2 >= length and 4.0 * jerk * (velocity / jerk) ** 1.5 / 2.0 >= length:
-        return 4.0 * np.cbrt(length / (2.0 * jerk))
-    if velocity * jerk < acceleration**2:
-        up = 2.0 * np.sqrt(velocity / jerk)
-    else:
-        up = velocity / acceleration + ramp
-    if velocity * up <= length:
-        return 2.0 * up + (length - velocity * up) / velocity
-    # no cruise: acceleration is reached, velocity is not
-    v = 0.5 * acceleration * (-ramp + np.sqrt(ramp**2 + 4.0 * length / acceleration))
-    return 2.0 * (v / acceleration + ramp)
 
 
 @pytest.mark.parametrize(
@@ -42,8 +23,8 @@ def seven_phases(length, velocity, acceleration, jerk):
 )
 def test_straight_line_in_closed_form(limits):
     velocity, acceleration, jerk = limits
-    best = seven_phases(1.0, *limits)
-    run = AxisPath.from_callable(line).runs[0]
+    best = s_curve(1.0, *limits)
+    run = line().runs[0]
     bounds = Limits([velocity], [acceleration], [jerk])
     law, _ = plan_run(run, bounds)
     assert law.duration == pytest.approx(best, rel=2e-4)
@@ -54,9 +35,9 @@ def test_straight_line_in_closed_form(limits):
 
 def test_holds_whatever_the_plan():
     """Any law gives multipliers: a bound by a slow or crude one is lower, never above the optimum."""
-    run = AxisPath.from_callable(line).runs[0]
+    run = line().runs[0]
     limits = Limits([1.0], [1.0], [10.0])
-    best = seven_phases(1.0, 1.0, 1.0, 10.0)
+    best = s_curve(1.0, 1.0, 1.0, 10.0)
     for cells in (8, 12, 20, 60):
         law, _ = plan_run(run, limits, cells=cells)
         for by in (1.0, 1.3, 3.0):
@@ -106,7 +87,7 @@ def test_a_proved_trajectory_has_it():
 
 
 def test_none_for_ends_in_motion():
-    run = AxisPath.from_callable(line).runs[0]
+    run = line().runs[0]
     limits = Limits([1.0], [1.0], [10.0])
     law, _ = plan_run(run, limits, start=EndState(0.3))
     assert continuous_bound(run, limits, law) == 0.0

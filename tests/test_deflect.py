@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from benchmarks import published
 
-import published
 from toolpace import deflect
 from toolpace.axispath import AxisPath
 from toolpace.deflect.detour import DetourRun

@@ -6,8 +6,8 @@ import itertools
 
 import numpy as np
 import pytest
+from benchmarks import published
 
-import published
 from toolpace.axispath import AxisPath
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.kernels import interval

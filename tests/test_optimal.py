@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from judge import GUARANTEE, usage_at
 from test_oracle import harmonics, random_limits
 from toolpace.axispath import AxisPath
 from toolpace.errors import InfeasibleError, ToolpaceError
@@ -15,8 +16,6 @@ from toolpace.machine import Machine
 from toolpace.path import Path
 from toolpace.plan import plan
 from toolpace.plan.endstate import EndState
-
-GUARANTEE = 1.0 + 1e-4
 
 
 def polynomials(*coefficients):
@@ -30,17 +29,8 @@ def line(length=1.0, **options):
 
 
 def dense_usage(trajectory, samples=20_000, seed=0):
-    """Largest value over limit at random times of a path of one run: limits of joints, and the cap on ds/dt."""
-    t = np.sort(np.random.default_rng(seed).uniform(0.0, trajectory.duration, samples))
-    motion, limits = trajectory.at(t), trajectory.limits
-    worst = max(
-        float((np.abs(value) / limit).max())
-        for value, limit in (
-            (motion.qd, limits.velocity), (motion.qdd, limits.acceleration), (motion.qddd, limits.jerk),
-        )
-    )  # fmt: skip
-    state = trajectory.laws[0].at(t)
-    return max(worst, float((state[1] / trajectory.axis_path.runs[0].speed_cap(state[0])).max()))
+    """Largest value over limit at random times of a path of one run."""
+    return usage_at(trajectory, np.sort(np.random.default_rng(seed).uniform(0.0, trajectory.duration, samples)))
 
 
 def s_curve(length, v, a, j):

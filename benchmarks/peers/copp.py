@@ -63,14 +63,14 @@ def loop(axis_path: AxisPath, limits: Limits, n: int) -> Outcome:
     return solve(axis_path, limits, n, passes=PASSES)
 
 
-def model(run: AxisRun, limits: Limits, s: np.ndarray) -> copp.Robot:
-    """Path derivatives and limits at the stations s (n,)."""
-    n, m = len(s), len(limits)
-    q = [np.ascontiguousarray(value) for value in run.evaluate(s)]
-    robot = copp.Robot(m, capacity=n)
+def model(run: AxisRun, limits: Limits, s: np.ndarray, order: int = 3) -> copp.Robot:
+    """Path derivatives and limits at the stations s (n,), up to jerk, or to acceleration with `order` 2."""
+    n = len(s)
+    q = [np.ascontiguousarray(value) for value in run.evaluate(s)[: order + 1]]
+    robot = copp.Robot(len(limits), capacity=n)
     robot.append_s(s)
-    robot.set_q(q[0], q[1], q[2], 0, dddq=q[3])
-    for kind in ("velocity", "acceleration", "jerk"):
+    robot.set_q(q[0], q[1], q[2], 0, dddq=q[3] if order == 3 else None)
+    for kind in ("velocity", "acceleration", "jerk")[:order]:
         limit = np.minimum(getattr(limits, kind), UNLIMITED)
         getattr(robot, f"add_{kind}_limits")(limit, -limit, start_idx_s=0, length=n)
     cap = run.speed_cap(s) ** 2

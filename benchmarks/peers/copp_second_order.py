@@ -9,26 +9,9 @@ import copp_py as copp
 import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed
-from toolpace.axispath import AxisPath, AxisRun
+from benchmarks.peers.copp import model
+from toolpace.axispath import AxisPath
 from toolpace.limits import Limits
-
-UNLIMITED = 1e6
-
-
-def model(run: AxisRun, limits: Limits, s: np.ndarray) -> copp.Robot:
-    """Path derivatives and limits at the stations s (n,), without jerk."""
-    n = len(s)
-    q = [np.ascontiguousarray(value) for value in run.evaluate(s)[:3]]
-    robot = copp.Robot(len(limits), capacity=n)
-    robot.append_s(s)
-    robot.set_q(q[0], q[1], q[2], 0)
-    for kind in ("velocity", "acceleration"):
-        limit = np.minimum(getattr(limits, kind), UNLIMITED)
-        getattr(robot, f"add_{kind}_limits")(limit, -limit, start_idx_s=0, length=n)
-    cap = run.speed_cap(s) ** 2
-    if np.isfinite(cap).any():
-        robot.constraints.add_constraint_1st(np.minimum(cap, UNLIMITED)[:, None], 0)
-    return robot
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int) -> tuple[Outcome, float]:
@@ -37,7 +20,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int) -> tuple[Outcome, float]:
     watch = Stopwatch()
     s = np.linspace(run.s0, run.s1, n + 1)
     try:
-        robot = model(run, limits, s)
+        robot = model(run, limits, s, order=2)
         alone = Stopwatch()
         z = copp.solver.topp2_ra.solve(copp.solver.topp2_ra.Problem(robot.constraints, (0, n), (0.0, 0.0)))
         of_solve = alone()

@@ -11,11 +11,12 @@ import numpy as np
 from scipy import sparse
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
-from benchmarks.peers.ours import mesh_problem, objective, start_point
+from benchmarks.peers.ours import mesh_problem, objective
 from toolpace.axispath import AxisPath
 from toolpace.limits import Limits
 from toolpace.plan.endstate import AT_REST, EndState
 from toolpace.plan.problem import Problem
+from toolpace.plan.solve import start_from
 from toolpace.timelaw import SplineLaw
 
 TOLERANCE = 1e-9
@@ -32,7 +33,7 @@ def solve(
     problem, s, z = mesh_problem(axis_path, limits, n, start, end)
     note = ""
     for share in STARTS:
-        c, note = minimise(problem, start_point(problem, s, z, share))
+        c, note = minimise(problem, start_from(problem, s, z, share))
         if note == "Solve_Succeeded":
             break
     seconds = watch()

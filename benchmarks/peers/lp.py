@@ -13,9 +13,10 @@ from scipy.optimize import linprog
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from benchmarks.peers.ipopt import ends
-from benchmarks.peers.ours import mesh_problem, objective, start_point
+from benchmarks.peers.ours import mesh_problem, objective
 from toolpace.axispath import AxisPath
 from toolpace.limits import Limits
+from toolpace.plan.solve import start_from
 from toolpace.timelaw import SplineLaw
 
 FLOOR = 1e-3
@@ -27,7 +28,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int) -> Outcome:
     run = axis_path.runs[0]
     watch = Stopwatch()
     problem, s, z = mesh_problem(axis_path, limits, n)
-    first = start_point(problem, s, z, 1.0)
+    first = start_from(problem, s, z, 1.0)
     expand, _ = ends(problem, first)
     count, half = len(problem.node), problem.rows.shape[1] // 2
     place = (np.repeat(np.arange(count), 3), (problem.node[:, None] + np.arange(3)).ravel())

@@ -7,7 +7,6 @@ import numpy as np
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from toolpace.axispath import AxisPath
 from toolpace.errors import ToolpaceError
-from toolpace.kernels import cubic
 from toolpace.limits import Limits
 from toolpace.plan.endstate import AT_REST, EndState
 from toolpace.plan.mesh import first_mesh
@@ -52,14 +51,3 @@ def objective(problem: Problem, c: np.ndarray) -> float:
     """Time as the problem sums it [s]."""
     z = np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.node[:, None] + np.arange(3)])
     return float((problem.weight / np.sqrt(z)).sum())
-
-
-def start_point(problem: Problem, s: np.ndarray, z: np.ndarray, share: float) -> np.ndarray:
-    """Coefficients below the guess (s, z), with the ends as the problem ties them."""
-    c = share * np.interp(cubic.control_points(problem.nodes), s, z**0.75) ** (4.0 / 3.0)
-    for k, (one, two) in enumerate(((0, 1), (-1, -2))):
-        if problem.end[k] == 0:
-            c[two] = c[one] * problem.ratio[k]
-        else:
-            c[one], c[two] = problem.fixed[0 if k == 0 else 3], problem.fixed[1 if k == 0 else 2]
-    return c

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.alone import Alone
 from toolpace.errors import PathError, UsageError
+from toolpace.lock import Lock
 from toolpace.toolpath import ToolPath
 
 if TYPE_CHECKING:
@@ -119,10 +119,10 @@ class CallableRun(AxisRun):
         places = places[(places > s0) & (places < s1)]
         self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
         # a caller's function may remember what it was asked last
-        self.alone = Alone()
+        self.lock = Lock()
 
     def evaluate(self, s: Floats) -> Floats:
-        with self.alone:
+        with self.lock:
             values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
         for order, value in enumerate(values):
             if value.ndim != 2 or value.shape != (len(s), values[0].shape[-1]):
@@ -136,7 +136,7 @@ class CallableRun(AxisRun):
 
     def speed_cap(self, s: Floats) -> Floats:
         if callable(self.cap):
-            with self.alone:
+            with self.lock:
                 cap = self.cap(s)
         else:
             cap = self.cap

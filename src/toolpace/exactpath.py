@@ -8,8 +8,8 @@ from typing import TypedDict
 
 import numpy as np
 
-from toolpace.alone import Alone
 from toolpace.errors import PathError
+from toolpace.lock import Lock
 from toolpace.pathrun import Floats, Ints, PathJet, PathRun, unit_jets
 
 Curve = Callable[[Floats, int], tuple[Floats, Floats]]
@@ -21,12 +21,12 @@ class CallableRun(PathRun):
     """A run whose derivatives a function knows."""
 
     curve: Curve
-    alone: Alone = field(default_factory=Alone, repr=False, compare=False)
+    lock: Lock = field(default_factory=Lock, repr=False, compare=False)
 
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives at s (n,), as the function gives them."""
         s = np.asarray(s, dtype=np.float64)
-        with self.alone:
+        with self.lock:
             parts = [self.curve(s, order) for order in range(4)]
         tip = np.stack([np.broadcast_to(np.asarray(part[0], dtype=np.float64), (len(s), 3)) for part in parts])
         axis = np.stack([np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts])

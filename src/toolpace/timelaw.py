@@ -52,6 +52,11 @@ class TimeLaw(ABC):
         """States between which nothing is hidden, in pieces that do not take much memory."""
 
 
+def probes_a_cell(nodes: int) -> int:
+    """At how many places each cell of a law with so many nodes is probed."""
+    return int(np.clip(PROBES // nodes, FEWEST_PROBES, MOST_PROBES))
+
+
 class SplineLaw(TimeLaw):
     """(ds/dt)^2 a twice differentiable cubic spline of s; next to rest, ds/dt has a constant third derivative.
 
@@ -63,8 +68,7 @@ class SplineLaw(TimeLaw):
         from toolpace.kernels import speedlaw
 
         self.nodes, self.c, self.rest = nodes, c, rest
-        count = int(np.clip(PROBES // len(nodes), FEWEST_PROBES, MOST_PROBES))
-        self.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, count))) / 2.0
+        self.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, probes_a_cell(len(nodes))))) / 2.0
         """(k,) shares of a cell at which it is probed: closer together next to the nodes, where peaks hide."""
         self.cells = speedlaw.polynomials(nodes, c)
         """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""

@@ -41,8 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail("out of memory; split the program, or take a longer --dt", 2)
     except Exception as error:
-        if isinstance(error, SystemError) and isinstance(error.__cause__, KeyboardInterrupt):
-            # compiled code was running when Ctrl-C came
+        from toolpace.plan.crew import interrupted
+
+        if interrupted(error):
             return _fail("interrupted; nothing was written", INTERRUPTED)
         if os.environ.get("TOOLPACE_DEBUG"):
             raise

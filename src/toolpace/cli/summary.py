@@ -92,7 +92,7 @@ def limits_in_words(shares: dict[str, float]) -> str:
 
 
 def places_in_words(places: list[OpenPlaceRecord]) -> str:
-    """ "of that, 0.04 s at 0:00:05.3 (block 120), ..., and 2 places more"; the largest first."""
+    """ "mostly 0.04 s at 0:00:05.3 (block 120), ..., the rest at 2 more places"; the largest first."""
     largest = sorted(places, key=lambda place: -place.gain_s)[:PLACES_SHOWN]
     words = [
         f"{format_time(place.gain_s)} at {clock(place.from_s)}" + (f" (block {place.block})" if place.block else "")

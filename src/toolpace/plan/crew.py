@@ -74,10 +74,11 @@ class Helper:
             self._done.set()
 
     def wait(self, pulse: Callable[[], None] = lambda: None) -> None:
-        """Wait for its end, with a pulse from time to time."""
+        """Wait for its end, with a pulse from time to time, and when it has come."""
         while not self._done.wait(BREATH):
             pulse()
         self._thread.join()
+        pulse()
 
 
 def interrupted(error: BaseException) -> bool:
@@ -111,7 +112,6 @@ class Crew:
         worker = Helper(go)
         try:
             worker.wait(self._pulse)
-            self._pulse()
         except BaseException:
             self.stopped = True
             worker.wait()

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from toolpace.plan.course import Course
 from toolpace.plan.crew import Crew, Tell, part_of, untold
-from toolpace.plan.keep import kept, too_short, worth
+from toolpace.plan.dips import too_short
+from toolpace.plan.keep import kept, worth
 from toolpace.plan.mend import mend, solve_run, stretches
 from toolpace.plan.peaks import cell_peaks
 from toolpace.plan.problem import ALLOWED

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.timelaw import CELLS_AT_A_TIME, FEWEST_PROBES, MOST_PROBES, PROBES, Probe, TimeLaw
+from toolpace.timelaw import CELLS_AT_A_TIME, Probe, TimeLaw, probes_a_cell
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -29,7 +29,7 @@ class LinearLaw(TimeLaw):
         """(n - 1,) d2s/dt2 in the cells."""
         self.times = np.concatenate([[0.0], np.cumsum(periods)])
         """(n,) when the nodes are passed [s]."""
-        self.inside = np.linspace(0.0, 1.0, int(np.clip(PROBES // len(nodes), FEWEST_PROBES, MOST_PROBES)))
+        self.inside = np.linspace(0.0, 1.0, probes_a_cell(len(nodes)))
         """(k,) shares of a cell at which it is probed."""
         for value in vars(self).values():
             value.flags.writeable = False

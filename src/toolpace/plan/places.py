@@ -69,13 +69,12 @@ def open_places(marked: npt.NDArray[np.bool_], losses: Floats, clock: Floats, ra
     """The places where the marked knots are, the most open ones first; those whose parts overlap are one."""
     merged: list[Place] = []
     knots = np.flatnonzero(marked)
-    for k, low, high in zip(
-        knots.tolist(), *(side.tolist() for side in surroundings(clock, knots, PLACE_RAMPS * ramp))
-    ):
-        if merged and low <= merged[-1].high:
-            merged[-1] = merged[-1]._replace(high=high, last=k)
+    low, high = surroundings(clock, knots, PLACE_RAMPS * ramp)
+    for k, first, last in zip(knots.tolist(), low.tolist(), high.tolist()):
+        if merged and first <= merged[-1].high:
+            merged[-1] = merged[-1]._replace(high=last, last=k)
         else:
-            merged.append(Place(low, high, k, k, 0.0))
+            merged.append(Place(first, last, k, k, 0.0))
     places = [place._replace(open=float(losses[place.low : place.high + 1].sum())) for place in merged]
     places.sort(key=lambda place: -place.open)
     return [place for place in places if place.open > IN_GAP * losses.sum()]

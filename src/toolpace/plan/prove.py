@@ -69,12 +69,12 @@ def prove(
     unmeshed = crew.each(lambda k: continuous_bound(runs[k], limits, laws[k]), range(len(runs)))
     dwells = trajectory.axis_path.first_dwell + sum(run.dwell for run in runs)
     tally.of(0)(1.0)
-    lower_bound, open_places = summed(trajectory.axis_path, laws, bounds)
+    lower_bound, places = summed(trajectory.axis_path, laws, bounds)
     return replace(
         trajectory,
         lower_bound=max(lower_bound, trajectory.lower_bound),
         continuous_bound=sum(unmeshed) + dwells if all(seconds > 0.0 for seconds in unmeshed) else 0.0,
-        open_places=open_places,
+        open_places=places,
     )
 
 

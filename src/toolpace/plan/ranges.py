@@ -145,9 +145,8 @@ class Near:
         """
         low, high, z = self.low[self.k], self.high[self.k], self.z
         if upper:
-            return self.beyond(
-                z + NEXT_UP * (high - z) if low > 0.0 else min(FIRST_UP * z, 0.5 * (z + high)), True, enough
-            )
+            above = z + NEXT_UP * (high - z) if low > 0.0 else min(FIRST_UP * z, 0.5 * (z + high))
+            return self.beyond(above, True, enough)
         if low > 0.0:
             return self.beyond(z - NEXT_DOWN * (z - low), False, enough)
         border = self.beyond(FIRST_DOWN * z, False, enough)

@@ -14,16 +14,19 @@ import numpy.typing as npt
 
 from toolpace.axispath import AxisPath, AxisRun
 from toolpace.errors import InfeasibleError
-from toolpace.kernels import reachable, usage
+from toolpace.kernels import reachable
 from toolpace.limits import Limits
-from toolpace.plan.blame import refusal
 from toolpace.plan.cells import BOTH_ENDS, FIVE, Cells
 from toolpace.plan.crew import Crew, Tally
 from toolpace.plan.detail import detail
 from toolpace.plan.endstate import AT_REST, EndState, check_state
+from toolpace.plan.keep import GUARANTEE
 from toolpace.plan.linearlaw import LinearLaw
 from toolpace.plan.mesh import split, with_breaks
-from toolpace.trajectory import Trajectory, limit_ratios
+from toolpace.plan.peaks import CHUNK, peaks_of
+from toolpace.plan.problem import ALLOWED
+from toolpace.plan.refusal import refusal
+from toolpace.trajectory import Trajectory
 
 Floats = npt.NDArray[np.float64]
 
@@ -32,15 +35,9 @@ PILOT = 400
 DEFAULT_CELLS = 4000
 CELLS_A_HINT = 4
 """Fewest cells of a run, and between two hints, such as the knots of a fitted path."""
-ALLOWED = 1.0 + 5e-5
-"""Usage between nodes that is left alone."""
-GUARANTEE = 1.0 + 9e-5
-"""Usage that is never passed, a rounding below what is promised."""
 REFINE_ABOVE = 1.0003
 """Usage from which a cell is halved rather than its limits lowered."""
 REFINE_ROUNDS, MOST_ROUNDS = 6, 20
-CHUNK = 5_000
-"""Cells whose usage is worked out at a time, to keep memory low."""
 OVERSHOOT = 1.2
 """How far a limit is lowered, as a multiple of how far it was passed."""
 
@@ -54,12 +51,11 @@ def even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells:
     pilot = np.union1d(pilot, closer)
     rows = Cells(run, limits, pilot)
     z, status, _ = rows.solve(*ends)
-    if status != reachable.FEASIBLE or not (z[1:-1] > 0.0).all():
-        return with_breaks(with_breaks(np.linspace(run.s0, run.s1, wanted + 1), closer, 0.0), knots)
-    law = LinearLaw(pilot, z)
-    measure = law.times / law.duration + (pilot - run.s0) / (run.s1 - run.s0)
-    nodes = np.interp(np.linspace(0.0, 2.0, wanted + 1), measure, pilot)
-    nodes[0], nodes[-1] = run.s0, run.s1
+    nodes = np.linspace(run.s0, run.s1, wanted + 1)
+    if status == reachable.FEASIBLE and (z[1:-1] > 0.0).all():
+        law = LinearLaw(pilot, z)
+        measure = law.times / law.duration + (pilot - run.s0) / (run.s1 - run.s0)
+        nodes[1:-1] = np.interp(np.linspace(0.0, 2.0, wanted + 1)[1:-1], measure, pilot)
     return with_breaks(with_breaks(nodes, closer, 0.0), knots)
 
 
@@ -138,14 +134,9 @@ def guarded(
 
 def cell_peaks(run: AxisRun, limits: Limits, law: LinearLaw) -> Floats:
     """(n, 2) largest usage in each cell: of velocity limits and feed, and of acceleration limits."""
-    m, count = len(limits), len(law.acceleration)
-    peak = np.empty((count, 2))
-    for first in range(0, count, CHUNK):
-        cells = np.arange(first, min(first + CHUNK, count))
-        of_cell = usage.peaks(law.inside, limit_ratios(run, limits, *law.states_within(cells)))
-        peak[cells, 0] = of_cell[:, : 1 + m].max(axis=1)
-        peak[cells, 1] = of_cell[:, 1 + m : 1 + 2 * m].max(axis=1)
-    return peak
+    every = np.arange(len(law.acceleration))
+    parts = [every[first : first + CHUNK] for first in range(0, len(every), CHUNK)]
+    return np.concatenate([peaks_of(run, limits, law, part)[:, :2] for part in parts])
 
 
 def plan_second_order(
@@ -174,7 +165,7 @@ def plan_second_order(
         tally.of(k)(1.0)
         return law
 
-    laws = crew.each(one, range(len(runs)))
+    laws = crew.aside(lambda: crew.each(one, range(len(runs))))
     return Trajectory(
         axis_path, limits, tuple(laws), planner="second-order", mesh_points=sum(len(law.nodes) for law in laws),
         solve_seconds=time.perf_counter() - began,

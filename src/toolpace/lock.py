@@ -1,11 +1,11 @@
-"""A lock for functions that were given by others."""
+"""A lock for functions that callers give, which can be copied and sent to other processes with them."""
 
 from __future__ import annotations
 
 import threading
 
 
-class Alone:
+class Lock:
     """Held while a caller's function runs: it may remember what it was asked last, and is not asked twice at once.
 
     A copy has a lock of its own.
@@ -20,5 +20,5 @@ class Alone:
     def __exit__(self, *_: object) -> None:
         self._lock.release()
 
-    def __reduce__(self) -> tuple[type[Alone], tuple[()]]:
-        return Alone, ()
+    def __reduce__(self) -> tuple[type[Lock], tuple[()]]:
+        return Lock, ()
