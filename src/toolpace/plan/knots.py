@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from toolpace.kernels import bound, newton, relaxedrows
 from toolpace.plan.problem import Problem
+from toolpace.plan.solve import relief_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -16,8 +17,6 @@ SETTLE_KNOTS = 30
 """Knots over which that share is reached from an end in motion."""
 PADDING = 40
 """Knots over which a change of the spline dies away: to a quarter at each, so to less than a rounding."""
-MARGIN = 0.01
-"""A start closer than this share to a limit has that limit relaxed at first."""
 
 
 class Knots:
@@ -161,10 +160,3 @@ def start_within(
     floor = low > 0.0
     relief[floor, relaxedrows.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief
-
-
-def relief_of(used: Floats) -> Floats:
-    """By how much a limit that is used so much must be relaxed, relative to it."""
-    excess = used - (1.0 - MARGIN)
-    relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0)
-    return relief

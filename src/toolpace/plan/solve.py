@@ -124,6 +124,12 @@ def reliefs(problem: Problem, c: Floats) -> Floats:
     """(points, 3) by how much cap, acceleration and jerk rows must be relaxed for c to lie inside them."""
     used, z = rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)
     natural = np.stack([problem.cap, np.ones_like(z), 1.0 / np.sqrt(np.maximum(z, 1e-300))], axis=1)
+    relief: Floats = relief_of(used) * natural
+    return relief
+
+
+def relief_of(used: Floats) -> Floats:
+    """By how much a limit that is used so much must be relaxed, relative to it."""
     excess = used - (1.0 - MARGIN)
-    relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0) * natural
+    relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0)
     return relief
