@@ -46,6 +46,10 @@ def test_reading_and_machines_need_neither_scipy_nor_plotly():
     assert python(code) == "[]"
 
 
+def test_deflect_is_reached_as_an_attribute():
+    assert python("import toolpace as tp; print(tp.deflect.replan.__name__)") == "replan"
+
+
 @pytest.mark.parametrize(
     "first, second", [("plan", "read"), ("read", "verify"), ("verify", "report"), ("report", "plan")]
 )

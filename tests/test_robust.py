@@ -19,6 +19,7 @@ from toolpace.plan.detail import detail
 from toolpace.plan.mesh import with_breaks
 from toolpace.plan.problem import sides
 from toolpace.read import read_text
+from toolpace.trajectory import limit_ratios
 
 MACHINE = "xyzac-trunnion"
 SEEDS = 7
@@ -68,6 +69,27 @@ def test_a_tool_axis_that_passes_its_pole_closely_keeps_its_solution(past):
     turn = np.diff(q[0], axis=0)[:, 3:]
     assert np.abs(turn - (q[1, 1:, 3:] + q[1, :-1, 3:]) / 2.0 * np.diff(s)[:, None]).max() < 0.05
     assert abs(q[0, -1, 4] - q[0, 0, 4]) == pytest.approx(np.pi, abs=0.02)
+
+
+@pytest.mark.parametrize("curved", [0.0, 0.2, -3.0])
+def test_a_tool_axis_that_passes_right_through_its_pole_keeps_the_limits(curved):
+    """The first joint goes on smoothly there; its derivatives next to the pole are rounding, which is no motion."""
+
+    def f(s, order):
+        x = s - 0.5037
+        lean, tip = np.zeros((4, len(s), 3)), np.zeros((len(s), 3))
+        lean[0] = np.stack([0.3 * x, curved * x * x, np.ones(len(s))], axis=1)
+        lean[1, :, 0], lean[1, :, 1], lean[2, :, 1] = 0.3, 2.0 * curved * x, 2.0 * curved
+        tip[:, 0] = [0.05 * s, 0.05 + 0.0 * s, 0.0 * s, 0.0 * s][order]
+        return tip, unit_jets(lean)[order]
+
+    trajectory = plan(Path.from_callable(f), Machine.load(MACHINE))
+    law = trajectory.laws[0]
+    t = np.linspace(0.0, law.duration, 200_001)
+    near = np.logspace(-14, -3, 5000)
+    every = np.concatenate([t, np.interp(0.5037 + np.concatenate([-near, near]), law.at(t)[0], t)])
+    used = limit_ratios(trajectory.axis_path.runs[0], trajectory.limits, law.at(every), np.ones(len(every)))
+    assert used.max() <= GUARANTEE
 
 
 def cusp(width, place=0.5123):

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from toolpace import deflect
     from toolpace.axispath import AxisPath
     from toolpace.errors import ToolpaceError
     from toolpace.limits import Limits
@@ -50,6 +51,7 @@ __all__ = [
     "Verification",
     "__version__",
     "apply_feed",
+    "deflect",
     "plan",
     "prove",
     "read",
@@ -78,9 +80,13 @@ _HOME = {
     "verify": "verify",
 }
 """Public name to the module that defines it."""
+_MODULES = ("deflect",)
+"""Public modules that are reached as attributes."""
 
 
 def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return importlib.import_module(f"toolpace.{name}")
     home = _HOME.get(name)
     if home is None:
         raise AttributeError(f"module 'toolpace' has no attribute '{name}'; it has {', '.join(__all__)}")

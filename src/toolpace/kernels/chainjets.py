@@ -15,6 +15,9 @@ from toolpace.kernels.chain import dot, reciprocal, second_angle, solve_rotary, 
 from toolpace.kernels.jit import jit
 from toolpace.kernels.taylor import sine_term, split, turn_constant, turn_jet
 
+NOISE = 64.0 * 2.0**-52
+"""Rounding of a tool axis and of what is made of it: a derivative of the first joint below it is taken for none."""
+
 
 @jit()
 def load_angle(rotary: Any, i: int, joint: int, angle: Any, sine: Any, cosine: Any) -> None:
@@ -134,11 +137,28 @@ def nearest(solutions: Any, near: Any) -> int:
 
 
 @jit()
+def drop_noise(axis: Any, off: float, first: Any) -> None:
+    """Set those Taylor coefficients (4,) of the first angle to zero that are rounding, `off` the sine from the pole.
+
+    The rounding of an axis with the coefficients (4, 3) grows with each order as fast as the direction from the pole.
+    """
+    rate = 0.0
+    for k in range(1, 4):
+        rate = max(rate, (math.sqrt(dot(axis[k], axis[k])) / off) ** (1.0 / k))
+    noise = NOISE / off
+    for k in range(1, 4):
+        noise *= rate
+        if abs(first[k]) < noise:
+            first[k] = 0.0
+
+
+@jit()
 def rotary_jets(frame: Any, pole_tolerance: float, axis: Any, near: Any, out: Any) -> None:
     """Derivatives (4, n, 2) of the rotary joints from those of the axis (4, n, 3), nearest to `near` (n, 2).
 
     The k-th coefficient of R1 R2 a0 is linear in the k-th coefficients of the angles: two unknowns, three
-    equations of rank two. At the pole the first angle keeps the value of `near` and rests. Where the two
+    equations of rank two. At the pole the first angle keeps the value of `near` and rests; next to it its
+    derivatives are none where they would be rounding only, as on an axis that passes right through. Where the two
     solutions meet away from the pole (the edge of reach) no finite derivative exists, and the result is
     nan.
     """
@@ -208,6 +228,8 @@ def rotary_jets(frame: Any, pole_tolerance: float, axis: Any, near: Any, out: An
             for d in range(3):
                 inner[k, d] = k2[k] * parts[1, d] + s2[k] * parts[2, d]
             split(u1, inner[k], split1[k, 0], split1[k, 1], split1[k, 2])
+        if not pole:
+            drop_noise(a, math.sqrt(g11), t1)
         factorial = 1.0
         for k in range(4):
             factorial *= max(k, 1)
