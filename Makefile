@@ -33,6 +33,7 @@ check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.second_order
+	$(BIN)/python -m benchmarks.scaling
 
 clean:  ## remove what was made
 	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
