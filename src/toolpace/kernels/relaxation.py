@@ -22,10 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from toolpace.kernels import relaxedrows
+from toolpace.kernels import relaxedknots, relaxedrows
 from toolpace.kernels.bound import dual_value
 from toolpace.kernels.jit import jit
 from toolpace.kernels.newton import factor_tied, solve_tied
+from toolpace.kernels.speedrows import TILE, advance, share_left, tiled
 
 CONVERGED, STALLED, BROKEN = 0, 1, 2
 BACK_OFF = 0.99
@@ -51,42 +52,57 @@ def relax(
     Returns the bound, its multipliers (points, 2 m, 2), the waits (n,), the least value, status and steps.
     """
     points, count, knots, n = rows.shape[0], rows.shape[1], len(weight), len(c)
-    ranged = 0
+    knot = np.empty(points, dtype=np.int64)
     for k in range(knots):
-        ranged += low[k] > 0.0
-    products = 2 * points * count + 2 * knots + 2 * ranged
-    u, du, affine = np.empty((knots, 3)), np.zeros((knots, 3)), np.zeros((knots, 3))
-    wait, dwait, affine_wait = np.empty(knots), np.zeros(knots), np.zeros(knots)
-    dual, step, best = np.zeros((points, count, 2)), np.zeros((points, count, 2)), np.zeros((points, count, 2))
-    single, step_single, chord = np.zeros((knots, 4)), np.zeros((knots, 4)), np.zeros((knots, 2))
-    mean, stiff, pull = np.empty((knots, 3)), np.empty(knots), np.empty(knots)
+        knot[first[k] : first[k + 1]] = k
+    active = np.empty((knots, 4), dtype=np.bool_)
+    products = 2 * points * count + relaxedknots.own_rows(first, low, active)
+    tiles = tiled(rows.reshape(points, 3 * count)).reshape(-1, count, 3, TILE)
+    dual, step = np.zeros((len(tiles), count, 2, TILE)), np.zeros((len(tiles), count, 2, TILE))
+    at, mean_at = np.zeros((len(tiles), 6, TILE)), np.zeros((len(tiles), 3, TILE))
+    affine_at, change_at = np.zeros((len(tiles), 4, TILE)), np.zeros((len(tiles), 4, TILE))
+    of_point, best = np.empty((points, 4)), np.zeros((points, count, 2))
+    by_point = np.zeros((points, count, 2))
+    state, affine, change = np.empty((knots, 6)), np.empty((knots, 4)), np.empty((knots, 4))
+    slack, slope, relaxed = np.empty((knots, 4)), np.empty((knots, 4)), np.empty((knots, 4))
+    wait, single, step_single = np.empty(knots), np.zeros((knots, 4)), np.zeros((knots, 4))
+    chord, mean, stiff, pull = np.zeros((knots, 2)), np.empty((knots, 3)), np.empty(knots), np.empty(knots)
+    pull_centring, pull_second = np.empty(knots), np.empty(knots)
     matrix, spare = np.empty((3, n)), np.empty((3, n))
-    rhs, direction = np.empty(n), np.empty(n)
-    relaxedrows.chords(first, low, cap, chord)
-    bound, _, _ = dual_value(basis, first, weight, price, low, cap, rows, dual, end, ratio, fixed)
-    relaxedrows.at_knots(basis, c, u)
+    rhs, direction, centring, second = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    relaxedknots.chords(first, low, cap, chord)
+    bound, _, _ = dual_value(basis, first, weight, price, low, cap, rows, best, end, ratio, fixed)
+    relaxedknots.at_knots(basis, c, state)
     scale = 0.0
     for k in range(knots):
-        scale += weight[k] / np.sqrt(u[k, 0])
-    relaxedrows.first_multipliers(
-        first, weight, low, cap, chord, rows, relief, u, spread * scale / products, wait, dual, single
-    )  # fmt: skip
+        scale += weight[k] / np.sqrt(state[k, 0])
+    centre = spread * scale / products
+    relaxedknots.first_waits(first, weight, low, chord, rows, relief, state, centre, wait)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     least = np.inf
     near = NEAR if enough == np.inf else NEAR_ENOUGH
     status, steps = STALLED, most_steps
     for number in range(most_steps + 1):
-        gap, least = relaxedrows.newton_system(
-            basis, first, weight, low, cap, chord, rows, relief, tau, u, wait, dual, single, matrix, rhs, mean, stiff,
-            pull, step,
-        )  # fmt: skip
+        relaxedknots.states(low, cap, chord, relief, tau, wait, state, slack, slope, relaxed)
+        relaxedrows.at_points(first, state, at)
+        if number == 0:
+            relaxedknots.start(first, weight, active, slack, centre, single)
+            relaxedrows.start(points, tiles, at, centre, dual)
+        matrix[:] = 0.0
+        rhs[:] = -price
+        relaxedrows.wait_system(points, tiles, at, dual, of_point)
+        own, least = relaxedknots.eliminate_waits(
+            basis, first, weight, active, state, slack, slope, relaxed, single, of_point, matrix, rhs, mean, stiff, pull
+        )
+        relaxedrows.at_points(first, mean, mean_at)
+        gap = own + relaxedrows.newton_system(basis, knot, tiles, at, mean_at, dual, matrix, rhs)
         least += c @ price
-        rhs -= price
         if gap < near * scale or number == most_steps:
-            value, _, _ = dual_value(basis, first, weight, price, low, cap, rows, dual, end, ratio, fixed)
+            relaxedrows.by_point(dual, by_point)
+            value, _, _ = dual_value(basis, first, weight, price, low, cap, rows, by_point, end, ratio, fixed)
             if value > bound:
                 bound = value
-                best[:] = dual
+                best[:] = by_point
             if bound >= enough or (least - bound < tolerance * scale and tau < 1e-9):
                 status, steps = CONVERGED, number
                 break
@@ -98,39 +114,46 @@ def relax(
         if not factor_tied(matrix, end, ratio, spare):
             status, steps = BROKEN, number
             break
+        # predictor: straight at the optimum, to learn how far one can go
         direction[:] = rhs
         solve_tied(matrix, end, ratio, direction)
-        relaxedrows.at_knots(basis, direction, affine)
-        relaxedrows.waits(mean, stiff, pull, affine, affine_wait)
-        loss, loss_dual, sum_s, sum_l, sum_sl = relaxedrows.dual_step(
-            first, low, cap, chord, rows, relief, tau, u, wait, dual, single, affine, affine_wait, affine, affine_wait,
-            0.0, False, step, step_single,
+        relaxedknots.at_knots(basis, direction, affine)
+        relaxedknots.waits(mean, stiff, pull, affine)
+        relaxedrows.at_points(first, affine, affine_at)
+        centring[:], second[:], pull_centring[:], pull_second[:] = 0.0, 0.0, 0.0, 0.0
+        falls, grows, linear, square = relaxedknots.predict(
+            basis, active, state, slack, slope, relaxed, single, mean, affine, centring, second, pull_centring,
+            pull_second,
         )  # fmt: skip
-        go, go_dual = min(1.0, 1.0 / loss), min(1.0, 1.0 / loss_dual)
-        reached = (gap + go_dual * sum_s + go * sum_l + go * go_dual * sum_sl) / gap
-        centre = gap / products * max(min(reached, 1.0) ** 3, 1e-8)
-        relaxedrows.correct(
-            basis, first, low, cap, chord, rows, relief, tau, u, affine, wait, affine_wait, step, step_single, centre,
-            mean, rhs, pull,
-        )  # fmt: skip
-        direction[:] = rhs
+        falls_rows, grows_rows, linear_rows, square_rows = relaxedrows.predict(
+            basis, knot, tiles, at, mean_at, affine_at, dual, centring, second, pull_centring, pull_second
+        )
+        left = share_left(
+            gap, max(falls, falls_rows), max(grows, grows_rows), linear + linear_rows, square + square_rows
+        )
+        centre = gap / products * max(min(left, 1.0) ** 3, 1e-8)
+        # corrector: centred, with the second-order terms that the predictor revealed
+        direction[:] = rhs - centre * centring - second
+        pull -= centre * pull_centring + pull_second
         solve_tied(matrix, end, ratio, direction)
-        relaxedrows.at_knots(basis, direction, du)
-        relaxedrows.waits(mean, stiff, pull, du, dwait)
-        loss, loss_dual, sum_s, sum_l, sum_sl = relaxedrows.dual_step(
-            first, low, cap, chord, rows, relief, tau, u, wait, dual, single, du, dwait, affine, affine_wait, centre,
-            True, step, step_single,
-        )  # fmt: skip
-        go, go_dual = min(1.0, BACK_OFF / loss), min(1.0, BACK_OFF / loss_dual)
-        if ranged:
-            go = relaxedrows.within_chords(low, chord, relief, tau, u, wait, du, dwait, go)
+        relaxedknots.at_knots(basis, direction, change)
+        relaxedknots.waits(mean, stiff, pull, change)
+        relaxedrows.at_points(first, change, change_at)
+        loss, loss_dual = relaxedknots.correct(
+            active, state, slack, slope, relaxed, single, affine, change, centre, step_single
+        )
+        loss_rows, loss_dual_rows = relaxedrows.correct(points, tiles, at, affine_at, change_at, dual, centre, step)
+        go = min(1.0, BACK_OFF / max(loss, loss_rows))
+        go_dual = min(1.0, BACK_OFF / max(loss_dual, loss_dual_rows))
+        go = relaxedknots.within_chords(active, chord, relief, tau, state, wait, change, go)
         if not (go > 0.0 and go_dual > 0.0):
             status, steps = BROKEN, number
             break
         c += go * direction
-        relaxedrows.at_knots(basis, c, u)
-        wait += go * dwait
-        dual += go_dual * step
-        single += go_dual * step_single
+        relaxedknots.at_knots(basis, c, state)
+        for k in range(knots):
+            wait[k] += go * change[k, 3]
+        advance(dual, step, go_dual)
+        advance(single, step_single, go_dual)
         tau *= 1.0 - go
     return bound, best, wait, least, status, steps

@@ -145,6 +145,17 @@ def newton_system(
     return gaps.sum(), times.sum()
 
 
+@jit()
+def share_left(gap: Any, falls: Any, grows: Any, linear: Any, square: Any) -> Any:
+    """Share of the gap that is left after the longest predictor's step, primal and dual apart.
+
+    From the largest relative fall and growth of a slack, and the sums of slack times multiplier times relative change
+    of the slack, or its square. Without centring the relative changes of a slack and of its multiplier sum to -1.
+    """
+    go, go_dual = min(1.0, 1.0 / falls), min(1.0, 1.0 / (1.0 + grows))
+    return 1.0 + (go * linear - go_dual * (gap + linear) - go * go_dual * (square + linear)) / gap
+
+
 A0, A1, A2, C0, C1, C2 = range(6)
 """Sums of a point: what centring and the second-order terms take from the right-hand side."""
 FALLS, GROWS, LINEAR, SQUARE = range(4)
@@ -211,9 +222,7 @@ def predict(
             at = t * TILE + p
             add_slope(basis, at, node[at], sums[A0, p], sums[A1, p], sums[A2, p], centring)
             add_slope(basis, at, node[at], sums[C0, p], sums[C1, p], sums[C2, p], second)
-    go, go_dual = min(1.0, 1.0 / lane[FALLS].max()), min(1.0, 1.0 / (1.0 + lane[GROWS].max()))
-    linear, square = lane[LINEAR].sum(), lane[SQUARE].sum()
-    return 1.0 + (go * linear - go_dual * (gap + linear) - go * go_dual * (square + linear)) / gap
+    return share_left(gap, lane[FALLS].max(), lane[GROWS].max(), lane[LINEAR].sum(), lane[SQUARE].sum())
 
 
 LOSS, LOSS_DUAL, STEP_UP, STEP_DOWN = range(4)

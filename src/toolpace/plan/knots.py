@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.kernels import bound, newton, relaxedrows
+from toolpace.kernels import bound, newton, relaxedknots
 from toolpace.plan.problem import Problem
 from toolpace.plan.solve import relief_of
 
@@ -43,7 +43,7 @@ class Knots:
     def state(self, c: Floats) -> Floats:
         """(n, 3) z, z', z'' at the knots."""
         out = np.empty((len(self.weight), 3))
-        relaxedrows.at_knots(self.basis, c, out)
+        relaxedknots.at_knots(self.basis, c, out)
         return out
 
     def dual(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> tuple[float, Floats, Floats]:
@@ -155,8 +155,8 @@ def start_within(
     used = np.zeros(len(u))
     np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
     relief = np.zeros((len(u), 4))
-    relief[:, relaxedrows.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
-    relief[:, relaxedrows.RELIEF_ACCELERATION] = relief_of(used)
+    relief[:, relaxedknots.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
+    relief[:, relaxedknots.RELIEF_ACCELERATION] = relief_of(used)
     floor = low > 0.0
-    relief[floor, relaxedrows.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
+    relief[floor, relaxedknots.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief
