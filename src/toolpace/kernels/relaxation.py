@@ -26,7 +26,8 @@ from toolpace.kernels import relaxedknots, relaxedrows
 from toolpace.kernels.bound import dual_value
 from toolpace.kernels.jit import jit
 from toolpace.kernels.newton import factor_tied, solve_tied
-from toolpace.kernels.speedrows import TILE, advance, share_left, tiled
+from toolpace.kernels.speedrows import share_left
+from toolpace.kernels.tiles import TILE, advance, tiled
 
 CONVERGED, STALLED, BROKEN = 0, 1, 2
 BACK_OFF = 0.99

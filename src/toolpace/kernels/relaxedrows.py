@@ -1,9 +1,9 @@
 """The passes over the rows of the relaxed problem: all that `toolpace.kernels.relaxation` does row by row.
 
-As in `toolpace.kernels.speedrows` points are kept in tiles, so that vector instructions work on several at once, and
-sums and peaks are kept lane by lane. What belongs to the knots of the points comes spread out to them: `at` their
-states (see `toolpace.kernels.relaxedknots`), `mean` how their waits follow (z, z', z''), `affine` and `change` steps of
-(z, z', z'', wait). The bound of a row is 1, relaxed by `extra`, for acceleration; for jerk pace and wait together.
+As in `toolpace.kernels.speedrows` points are kept in tiles, sums and peaks lane by lane. What belongs to the knots of
+the points comes spread out to them: `at` their states (see `toolpace.kernels.relaxedknots`), `mean` how their waits
+follow (z, z', z''), `affine` and `change` steps of (z, z', z'', wait). The bound of a row is 1, relaxed by `extra`, for
+acceleration; for jerk pace and wait together.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from toolpace.kernels.jit import jit
 from toolpace.kernels.newton import add_curvature, add_slope
 from toolpace.kernels.relaxedknots import EXTRA, FALL, LIMIT, TOTAL, V0, V1, V2, Z1, Z2, Z
-from toolpace.kernels.speedrows import TILE
+from toolpace.kernels.tiles import TILE
 
 BOUND, RELAXED, LEAN, MEAN1, MEAN2, COMMON, FIRST = range(0, 14, 2)
 """Of the rows of a tile, those of acceleration, and next to it those of jerk: bound and its relief, how value and wait
@@ -41,6 +41,7 @@ def by_point(tiles: Any, out: Any) -> Any:
 
 @jit(reorder=True)
 def _bounds(at: Any, lanes: Any, out: Any) -> Any:
+    """Set bound and relief of the rows of a tile."""
     for p in range(lanes):
         out[BOUND, p], out[BOUND + 1, p] = 1.0, at[LIMIT, p]
         out[RELAXED, p], out[RELAXED + 1, p] = at[EXTRA, p], 0.0
@@ -48,6 +49,7 @@ def _bounds(at: Any, lanes: Any, out: Any) -> Any:
 
 @jit(reorder=True)
 def _means(at: Any, mean: Any, lanes: Any, out: Any) -> Any:
+    """Set what the waits do to the rows of a tile."""
     for p in range(lanes):
         out[LEAN, p], out[LEAN + 1, p] = 0.0, at[FALL, p] - mean[0, p]
         out[MEAN1, p], out[MEAN1 + 1, p] = 0.0, mean[1, p]
@@ -56,6 +58,7 @@ def _means(at: Any, mean: Any, lanes: Any, out: Any) -> Any:
 
 @jit(reorder=True)
 def _step(at: Any, change: Any, column: Any, lanes: Any, out: Any) -> Any:
+    """Set what a step takes from the slacks of the rows of a tile above and below alike."""
     for p in range(lanes):
         out[column, p], out[column + 1, p] = -at[EXTRA, p], change[3, p] - at[FALL, p] * change[0, p]
 

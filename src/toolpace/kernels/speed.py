@@ -23,7 +23,7 @@ import numpy as np
 from toolpace.kernels import speedrows
 from toolpace.kernels.jit import jit
 from toolpace.kernels.newton import factor_tied, solve_tied, tie_vector
-from toolpace.kernels.speedrows import TILE, tiled
+from toolpace.kernels.tiles import TILE, advance, tiled
 
 OPTIMAL, STALLED, BROKEN = 0, 1, 2
 BACK_OFF = 0.99
@@ -103,7 +103,7 @@ def maximise_speed(
             return c, BROKEN, steps, gap / time, residual / time
         c += go * direction
         speedrows.spread(basis, node, c, u)
-        speedrows.advance(dual, step, go_dual)
-        speedrows.advance(dual_cap, step_cap, go_dual)
+        advance(dual, step, go_dual)
+        advance(dual_cap, step_cap, go_dual)
         tau *= 1.0 - go
     return c, STALLED, most_steps, gap / time, residual / time

@@ -1,8 +1,7 @@
 """The passes over the rows of the optimal planner's problem: all that `toolpace.kernels.speed` does row by row.
 
-Points are kept in tiles of TILE, those of a tile side by side in memory, so that vector instructions work on several
-of them at once: what belongs to points is an array (tiles, ..., TILE), of which the last tile is partly empty. Sums and
-peaks are kept lane by lane, one for each place in a tile, and gathered at the end.
+Points are kept in tiles (see `toolpace.kernels.tiles`), so that vector instructions work on several of them at once.
+Sums and peaks are kept lane by lane, one for each place in a tile, and gathered at the end.
 
 A row bounds value = r . (z, z', z'') by `limit` from above and below: 1 for acceleration; for jerk the pace
 1 / sqrt(z), whose slope is -`fall`. `extra` relaxes both bounds. With the slacks of a row, up = limit + extra - value
@@ -17,8 +16,8 @@ import numpy as np
 
 from toolpace.kernels.jit import jit
 from toolpace.kernels.newton import add_curvature, add_slope
+from toolpace.kernels.tiles import TILE
 
-TILE = 64
 MOST_FALL = 0.6
 """Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""
 KEEP_CURVATURE = 0.05
@@ -26,17 +25,6 @@ CAP, ACCELERATION, JERK = 0, 1, 2
 """What the columns of a relief are for."""
 LIMIT, FALL, EXTRA = 0, 2, 4
 """Bounds of the rows of a tile: that of acceleration, and next to it that of jerk."""
-
-
-@jit()
-def tiled(values: Any) -> Any:
-    """(tiles, width, TILE) of values (points, width); zeros beyond the last point."""
-    points, width = values.shape
-    out = np.zeros(((points + TILE - 1) // TILE, width, TILE))
-    for p in range(points):
-        for i in range(width):
-            out[p // TILE, i, p % TILE] = values[p, i]
-    return out
 
 
 @jit()
@@ -274,11 +262,3 @@ def correct(
             for p in range(lanes):
                 step[t, i, 0, p], step[t, i, 1, p] = lane[STEP_UP, p], lane[STEP_DOWN, p]
     return lane[LOSS].max(), lane[LOSS_DUAL].max()
-
-
-@jit(reorder=True)
-def advance(dual: Any, step: Any, go: Any) -> Any:
-    """Go the share `go` of the multipliers' steps."""
-    values, steps = dual.reshape(-1), step.reshape(-1)
-    for i in range(len(values)):
-        values[i] += go * steps[i]
