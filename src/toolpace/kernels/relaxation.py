@@ -22,11 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from toolpace.kernels import relaxedknots, relaxedrows
+from toolpace.kernels import multipliers, relaxedknots, relaxedrows
 from toolpace.kernels.bound import dual_value
 from toolpace.kernels.jit import jit
+from toolpace.kernels.multipliers import STATES, share_left
 from toolpace.kernels.newton import factor_tied, solve_tied
-from toolpace.kernels.speedrows import share_left
 from toolpace.kernels.tiles import TILE, advance, tiled
 
 CONVERGED, STALLED, BROKEN = 0, 1, 2
@@ -60,11 +60,11 @@ def relax(
     products = 2 * points * count + relaxedknots.own_rows(first, low, active)
     tiles = tiled(rows.reshape(points, 3 * count)).reshape(-1, count, 3, TILE)
     dual, step = np.zeros((len(tiles), count, 2, TILE)), np.zeros((len(tiles), count, 2, TILE))
-    at, mean_at = np.zeros((len(tiles), 6, TILE)), np.zeros((len(tiles), 3, TILE))
+    at, mean_at = np.zeros((len(tiles), STATES, TILE)), np.zeros((len(tiles), 3, TILE))
     affine_at, change_at = np.zeros((len(tiles), 4, TILE)), np.zeros((len(tiles), 4, TILE))
     of_point, best = np.empty((points, 4)), np.zeros((points, count, 2))
     by_point = np.zeros((points, count, 2))
-    state, affine, change = np.empty((knots, 6)), np.empty((knots, 4)), np.empty((knots, 4))
+    state, affine, change = np.empty((knots, STATES)), np.empty((knots, 4)), np.empty((knots, 4))
     slack, slope, relaxed = np.empty((knots, 4)), np.empty((knots, 4)), np.empty((knots, 4))
     wait, single, step_single = np.empty(knots), np.zeros((knots, 4)), np.zeros((knots, 4))
     chord, mean, stiff, pull = np.zeros((knots, 2)), np.empty((knots, 3)), np.empty(knots), np.empty(knots)
@@ -88,7 +88,7 @@ def relax(
         relaxedrows.at_points(first, state, at)
         if number == 0:
             relaxedknots.start(first, weight, active, slack, centre, single)
-            relaxedrows.start(points, tiles, at, centre, dual)
+            multipliers.start(points, tiles, at, centre, dual)
         matrix[:] = 0.0
         rhs[:] = -price
         relaxedrows.wait_system(points, tiles, at, dual, of_point)
@@ -143,7 +143,7 @@ def relax(
         loss, loss_dual = relaxedknots.correct(
             active, state, slack, slope, relaxed, single, affine, change, centre, step_single
         )
-        loss_rows, loss_dual_rows = relaxedrows.correct(points, tiles, at, affine_at, change_at, dual, centre, step)
+        loss_rows, loss_dual_rows = multipliers.correct(points, tiles, at, affine_at, change_at, dual, centre, step)
         go = min(1.0, BACK_OFF / max(loss, loss_rows))
         go_dual = min(1.0, BACK_OFF / max(loss_dual, loss_dual_rows))
         go = relaxedknots.within_chords(active, chord, relief, tau, state, wait, change, go)

@@ -17,15 +17,13 @@ from typing import Any
 import numpy as np
 
 from toolpace.kernels.jit import jit
+from toolpace.kernels.multipliers import EXTRA, EXTRA_JERK, FALL, LIMIT, Z
 from toolpace.kernels.newton import add_curvature, add_slope
 
 CAP, WAIT, FLOOR, CHORD = range(4)
 PUSH = (0.0, 1.0, 0.0, -1.0)
 RELIEF_CAP, RELIEF_ACCELERATION, RELIEF_FLOOR, RELIEF_CHORD = range(4)
 """Columns of a relief; a wait needs none."""
-Z, Z1, Z2, LIMIT, FALL, EXTRA = range(6)
-"""State of a knot: z, z', z'', the bound of its jerk rows, the negative slope of 1 / sqrt(z), and by how much its rows
-of acceleration are relaxed."""
 TOTAL, V0, V1, V2 = range(4)
 """What the jerk rows of a point add to the second derivatives by the wait: twice, and once with (z, z', z'')."""
 LEAST_LEFT = 0.005
@@ -111,13 +109,13 @@ def first_waits(
 def states(
     low: Any, cap: Any, chord: Any, relief: Any, tau: Any, wait: Any, state: Any, slack: Any, slope: Any, relaxed: Any
 ) -> Any:
-    """Complete the states (n, 6), of which z, z', z'' are known; set slacks, slopes and what is relaxed (n, 4)."""
+    """Complete the states (n, 7), of which z, z', z'' are known; set slacks, slopes and what is relaxed (n, 4)."""
     for k in range(len(wait)):
         z = state[k, Z]
         pace = 1.0 / np.sqrt(z)
         fall = 0.5 * pace / z
         state[k, LIMIT], state[k, FALL] = pace + wait[k], fall
-        state[k, EXTRA] = tau * relief[k, RELIEF_ACCELERATION]
+        state[k, EXTRA], state[k, EXTRA_JERK] = tau * relief[k, RELIEF_ACCELERATION], 0.0
         relaxed[k, CAP], relaxed[k, WAIT] = tau * relief[k, RELIEF_CAP], 0.0
         relaxed[k, FLOOR], relaxed[k, CHORD] = tau * relief[k, RELIEF_FLOOR], tau * relief[k, RELIEF_CHORD]
         slack[k, CAP], slope[k, CAP] = cap[k] - z + relaxed[k, CAP], -1.0

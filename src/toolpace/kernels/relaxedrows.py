@@ -2,8 +2,8 @@
 
 As in `toolpace.kernels.speedrows` points are kept in tiles, sums and peaks lane by lane. What belongs to the knots of
 the points comes spread out to them: `at` their states (see `toolpace.kernels.relaxedknots`), `mean` how their waits
-follow (z, z', z''), `affine` and `change` steps of (z, z', z'', wait). The bound of a row is 1, relaxed by `extra`, for
-acceleration; for jerk pace and wait together.
+follow (z, z', z''), `affine` and `change` steps of (z, z', z'', wait). The limit of a jerk row is pace and wait
+together.
 """
 
 from __future__ import annotations
@@ -13,13 +13,29 @@ from typing import Any
 import numpy as np
 
 from toolpace.kernels.jit import jit
+from toolpace.kernels.multipliers import (
+    BOUND,
+    BOUNDS,
+    COMMON,
+    FALL,
+    FALLS,
+    GROWS,
+    LIMIT,
+    LINEAR,
+    RELAXED,
+    SQUARE,
+    Z1,
+    Z2,
+    Z,
+    set_bounds,
+    set_common,
+)
 from toolpace.kernels.newton import add_curvature, add_slope
-from toolpace.kernels.relaxedknots import EXTRA, FALL, LIMIT, TOTAL, V0, V1, V2, Z1, Z2, Z
+from toolpace.kernels.relaxedknots import TOTAL, V0, V1, V2
 from toolpace.kernels.tiles import TILE
 
-BOUND, RELAXED, LEAN, MEAN1, MEAN2, COMMON, FIRST = range(0, 14, 2)
-"""Of the rows of a tile, those of acceleration, and next to it those of jerk: bound and its relief, how value and wait
-follow z, z', z'', and what a step and the predictor's take from both slacks alike."""
+LEAN, MEAN1, MEAN2 = 0, 2, 4
+"""Of the rows of a tile, those of acceleration, and next to it those of jerk: how limit and wait follow z, z', z''."""
 
 
 @jit()
@@ -40,46 +56,12 @@ def by_point(tiles: Any, out: Any) -> Any:
 
 
 @jit(reorder=True)
-def _bounds(at: Any, lanes: Any, out: Any) -> Any:
-    """Set bound and relief of the rows of a tile."""
-    for p in range(lanes):
-        out[BOUND, p], out[BOUND + 1, p] = 1.0, at[LIMIT, p]
-        out[RELAXED, p], out[RELAXED + 1, p] = at[EXTRA, p], 0.0
-
-
-@jit(reorder=True)
 def _means(at: Any, mean: Any, lanes: Any, out: Any) -> Any:
     """Set what the waits do to the rows of a tile."""
     for p in range(lanes):
         out[LEAN, p], out[LEAN + 1, p] = 0.0, at[FALL, p] - mean[0, p]
         out[MEAN1, p], out[MEAN1 + 1, p] = 0.0, mean[1, p]
         out[MEAN2, p], out[MEAN2 + 1, p] = 0.0, mean[2, p]
-
-
-@jit(reorder=True)
-def _step(at: Any, change: Any, column: Any, lanes: Any, out: Any) -> Any:
-    """Set what a step takes from the slacks of the rows of a tile above and below alike."""
-    for p in range(lanes):
-        out[column, p], out[column + 1, p] = -at[EXTRA, p], change[3, p] - at[FALL, p] * change[0, p]
-
-
-@jit(reorder=True)
-def start(points: Any, rows: Any, at: Any, centre: Any, dual: Any) -> Any:
-    """Multipliers that make every product of slack and multiplier equal to `centre`."""
-    half = rows.shape[1] // 2
-    bounds = np.empty((14, TILE))
-    for t in range(len(rows)):
-        lanes = min(TILE, points - t * TILE)
-        _bounds(at[t], lanes, bounds)
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
-            for p in range(lanes):
-                value = (
-                    rows[t, i, 0, p] * at[t, Z, p] + rows[t, i, 1, p] * at[t, Z1, p] + rows[t, i, 2, p] * at[t, Z2, p]
-                )
-                room = bounds[BOUND + kind, p] + bounds[RELAXED + kind, p]
-                dual[t, i, 0, p] = centre / (room - value)
-                dual[t, i, 1, p] = centre / (room + value)
 
 
 @jit(reorder=True)
@@ -119,11 +101,12 @@ def newton_system(basis: Any, knot: Any, rows: Any, at: Any, mean: Any, dual: An
     their mean, which is summed as such: the difference of two large sums would drown.
     """
     half = rows.shape[1] // 2
-    sums, bounds, gaps = np.empty((9, TILE)), np.empty((14, TILE)), np.zeros(TILE)
+    sums, bounds, gaps = np.empty((9, TILE)), np.empty((BOUNDS, TILE)), np.zeros(TILE)
+    means = np.empty((6, TILE))
     for t in range(len(rows)):
         lanes = min(TILE, len(knot) - t * TILE)
-        _bounds(at[t], lanes, bounds)
-        _means(at[t], mean[t], lanes, bounds)
+        set_bounds(at[t], lanes, bounds)
+        _means(at[t], mean[t], lanes, means)
         sums[:] = 0.0
         for i in range(2 * half):
             kind = 0 if i < half else 1
@@ -135,7 +118,7 @@ def newton_system(basis: Any, knot: Any, rows: Any, at: Any, mean: Any, dual: An
                 above, below = dual[t, i, 0, p], dual[t, i, 1, p]
                 stiff_up, stiff_down = above * inverse * down, below * inverse * up
                 gaps[p] += up * above + down * below
-                lean, mean1, mean2 = bounds[LEAN + kind, p], bounds[MEAN1 + kind, p], bounds[MEAN2 + kind, p]
+                lean, mean1, mean2 = means[LEAN + kind, p], means[MEAN1 + kind, p], means[MEAN2 + kind, p]
                 up0, up1, up2 = lean + r0, r1 - mean1, r2 - mean2
                 down0, down1, down2 = lean - r0, -r1 - mean1, -r2 - mean2
                 sums[M00, p] += stiff_up * up0 * up0 + stiff_down * down0 * down0
@@ -159,9 +142,6 @@ def newton_system(basis: Any, knot: Any, rows: Any, at: Any, mean: Any, dual: An
 
 A0, A1, A2, AWAIT, C0, C1, C2, CWAIT = range(8)
 """Sums of a point: what centring and the second-order terms take from the right-hand side and the pull of the wait."""
-FALLS, GROWS, LINEAR, SQUARE = range(4)
-"""Of a lane: largest relative falls and growths of slacks; sums of slack times multiplier times such a change or its
-square."""
 
 
 @jit(reorder=True)
@@ -175,11 +155,11 @@ def predict(
     Returns the largest relative fall and growth of a slack, and the sums that give the gap after a step.
     """
     half = rows.shape[1] // 2
-    sums, bounds, lane = np.empty((8, TILE)), np.empty((14, TILE)), np.zeros((4, TILE))
+    sums, bounds, lane = np.empty((8, TILE)), np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
     for t in range(len(rows)):
         lanes = min(TILE, len(knot) - t * TILE)
-        _bounds(at[t], lanes, bounds)
-        _step(at[t], affine[t], COMMON, lanes, bounds)
+        set_bounds(at[t], lanes, bounds)
+        set_common(at[t], affine[t], COMMON, lanes, bounds)
         sums[:] = 0.0
         for i in range(2 * half):
             kind = 0 if i < half else 1
@@ -220,44 +200,3 @@ def predict(
             add_slope(basis, k, k, sums[C0, p] + by * lean, sums[C1, p] - by * mean1, sums[C2, p] - by * mean2, second)
             pull_second[k] += by
     return lane[FALLS].max(), lane[GROWS].max(), lane[LINEAR].sum(), lane[SQUARE].sum()
-
-
-LOSS, LOSS_DUAL, STEP_UP, STEP_DOWN = range(4)
-"""Peaks and results of a lane."""
-
-
-@jit(reorder=True)
-def correct(points: Any, rows: Any, at: Any, affine: Any, change: Any, dual: Any, centre: Any, step: Any) -> Any:
-    """Steps of the multipliers for the corrector's step `change`; `affine` is the predictor's.
-
-    Returns the largest relative losses of slack and of multiplier.
-    """
-    half = rows.shape[1] // 2
-    bounds, lane = np.empty((14, TILE)), np.zeros((4, TILE))
-    for t in range(len(rows)):
-        lanes = min(TILE, points - t * TILE)
-        _bounds(at[t], lanes, bounds)
-        _step(at[t], change[t], COMMON, lanes, bounds)
-        _step(at[t], affine[t], FIRST, lanes, bounds)
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
-            for p in range(lanes):
-                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
-                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p]
-                move = r0 * change[t, 0, p] + r1 * change[t, 1, p] + r2 * change[t, 2, p]
-                first = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
-                common, common_first = bounds[COMMON + kind, p], bounds[FIRST + kind, p]
-                room = bounds[BOUND + kind, p] + bounds[RELAXED + kind, p]
-                up, down, above, below = room - value, room + value, dual[t, i, 0, p], dual[t, i, 1, p]
-                inverse, inverse_dual = 1.0 / (up * down), centre / (above * below)
-                inverse_up, inverse_down = inverse * down, inverse * up
-                change_up, change_down = (common - move) * inverse_up, (common + move) * inverse_down
-                before_up, before_down = (common_first - first) * inverse_up, (common_first + first) * inverse_down
-                grow_up = inverse_dual * below * inverse_up + before_up * (1.0 + before_up) - change_up - 1.0
-                grow_down = inverse_dual * above * inverse_down + before_down * (1.0 + before_down) - change_down - 1.0
-                lane[STEP_UP, p], lane[STEP_DOWN, p] = above * grow_up, below * grow_down
-                lane[LOSS, p] = max(lane[LOSS, p], max(-change_up, -change_down))
-                lane[LOSS_DUAL, p] = max(lane[LOSS_DUAL, p], max(-grow_up, -grow_down))
-            for p in range(lanes):
-                step[t, i, 0, p], step[t, i, 1, p] = lane[STEP_UP, p], lane[STEP_DOWN, p]
-    return lane[LOSS].max(), lane[LOSS_DUAL].max()

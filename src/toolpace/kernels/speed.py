@@ -22,6 +22,7 @@ import numpy as np
 
 from toolpace.kernels import speedrows
 from toolpace.kernels.jit import jit
+from toolpace.kernels.multipliers import LIMIT, STATES
 from toolpace.kernels.newton import factor_tied, solve_tied, tie_vector
 from toolpace.kernels.tiles import TILE, advance, tiled
 
@@ -62,20 +63,20 @@ def maximise_speed(
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     relief = tiled(relief)
     tiles = len(rows)
-    u, du, affine = np.empty((tiles, 3, TILE)), np.empty((tiles, 3, TILE)), np.empty((tiles, 3, TILE))
+    at, affine, change = np.zeros((tiles, STATES, TILE)), np.zeros((tiles, 4, TILE)), np.zeros((tiles, 4, TILE))
     dual, step = np.zeros((tiles, count, 2, TILE)), np.zeros((tiles, count, 2, TILE))
     dual_cap, step_cap = np.zeros((tiles, TILE)), np.zeros((tiles, TILE))
     matrix, spare = np.empty((3, n)), np.empty((3, n))
     rhs, direction, gradient, centring, second = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    speedrows.spread(basis, node, c, u)
+    speedrows.states(basis, node, c, relief, tau, at)
     time = 0.0
     for p in range(points):
-        time += weight[p // TILE, p % TILE] / np.sqrt(u[p // TILE, 0, p % TILE])
-    speedrows.start(points, cap, rows, relief, u, spread * time / products, dual, dual_cap)
+        time += weight[p // TILE, p % TILE] * at[p // TILE, LIMIT, p % TILE]
+    speedrows.start(points, cap, rows, relief, tau, at, spread * time / products, dual, dual_cap)
     gap, residual = np.inf, np.inf
     for steps in range(most_steps):
         gap, time = speedrows.newton_system(
-            basis, node, weight, cap, rows, relief, tau, u, dual, dual_cap, matrix, rhs, gradient
+            basis, node, weight, cap, rows, relief, tau, at, dual, dual_cap, matrix, rhs, gradient
         )
         tie_vector(gradient, end, ratio)
         residual = 0.0
@@ -89,21 +90,21 @@ def maximise_speed(
         direction[:] = rhs
         solve_tied(matrix, end, ratio, direction)
         speedrows.spread(basis, node, direction, affine)
-        left = speedrows.predict(basis, node, cap, rows, relief, tau, u, dual, dual_cap, gap, affine, centring, second)
+        left = speedrows.predict(basis, node, cap, rows, relief, tau, at, dual, dual_cap, gap, affine, centring, second)
         centre = gap / products * max(min(left, 1.0) ** 3, 1e-8)
         # corrector: centred, with the second-order terms that the predictor revealed
         direction[:] = rhs - centre * centring - second
         solve_tied(matrix, end, ratio, direction)
-        speedrows.spread(basis, node, direction, du)
+        speedrows.spread(basis, node, direction, change)
         loss, loss_dual = speedrows.correct(
-            points, cap, rows, relief, tau, u, dual, dual_cap, affine, du, centre, step, step_cap
+            points, cap, rows, relief, tau, at, dual, dual_cap, affine, change, centre, step, step_cap
         )
         go, go_dual = min(1.0, BACK_OFF / loss), min(1.0, BACK_OFF / loss_dual)
         if not (go > 0.0 and go_dual > 0.0):
             return c, BROKEN, steps, gap / time, residual / time
         c += go * direction
-        speedrows.spread(basis, node, c, u)
         advance(dual, step, go_dual)
         advance(dual_cap, step_cap, go_dual)
         tau *= 1.0 - go
+        speedrows.states(basis, node, c, relief, tau, at)
     return c, STALLED, most_steps, gap / time, residual / time

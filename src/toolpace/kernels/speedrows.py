@@ -1,11 +1,8 @@
 """The passes over the rows of the optimal planner's problem: all that `toolpace.kernels.speed` does row by row.
 
-Points are kept in tiles (see `toolpace.kernels.tiles`), so that vector instructions work on several of them at once.
-Sums and peaks are kept lane by lane, one for each place in a tile, and gathered at the end.
-
-A row bounds value = r . (z, z', z'') by `limit` from above and below: 1 for acceleration; for jerk the pace
-1 / sqrt(z), whose slope is -`fall`. `extra` relaxes both bounds. With the slacks of a row, up = limit + extra - value
-and down = limit + extra + value, go the multipliers above and below.
+Points are kept in tiles (see `toolpace.kernels.tiles`), so that vector instructions work on several of them at once;
+`at` (tiles, 7, TILE) are their states, `affine` and `change` (tiles, 4, TILE) steps of z, z', z'', the fourth being
+zero (see `toolpace.kernels.multipliers`). Sums and peaks are kept lane by lane, and gathered at the end.
 """
 
 from __future__ import annotations
@@ -14,7 +11,27 @@ from typing import Any
 
 import numpy as np
 
+from toolpace.kernels import multipliers
 from toolpace.kernels.jit import jit
+from toolpace.kernels.multipliers import (
+    BOUND,
+    BOUNDS,
+    EXTRA,
+    EXTRA_JERK,
+    FALL,
+    FALLS,
+    GROWS,
+    LIMIT,
+    LINEAR,
+    RELAXED,
+    SLOPE,
+    SQUARE,
+    Z1,
+    Z2,
+    Z,
+    set_bounds,
+    share_left,
+)
 from toolpace.kernels.newton import add_curvature, add_slope
 from toolpace.kernels.tiles import TILE
 
@@ -23,8 +40,6 @@ MOST_FALL = 0.6
 KEEP_CURVATURE = 0.05
 CAP, ACCELERATION, JERK = 0, 1, 2
 """What the columns of a relief are for."""
-LIMIT, FALL, EXTRA = 0, 2, 4
-"""Bounds of the rows of a tile: that of acceleration, and next to it that of jerk."""
 
 
 @jit()
@@ -37,32 +52,25 @@ def spread(basis: Any, node: Any, c: Any, out: Any) -> Any:
 
 
 @jit(reorder=True)
-def _bounds(z: Any, relief: Any, tau: Any, lanes: Any, out: Any) -> Any:
-    """out (6, TILE): limit, fall and extra of the rows of acceleration and of jerk."""
-    for p in range(lanes):
-        pace = 1.0 / np.sqrt(z[p])
-        out[LIMIT, p], out[LIMIT + 1, p] = 1.0, pace
-        out[FALL, p], out[FALL + 1, p] = 0.0, 0.5 * pace / z[p]
-        out[EXTRA, p], out[EXTRA + 1, p] = tau * relief[ACCELERATION, p], tau * relief[JERK, p]
+def states(basis: Any, node: Any, c: Any, relief: Any, tau: Any, at: Any) -> Any:
+    """Set the states at the points from the coefficients c."""
+    spread(basis, node, c, at)
+    for t in range(len(at)):
+        for p in range(min(TILE, len(node) - t * TILE)):
+            pace = 1.0 / np.sqrt(at[t, Z, p])
+            at[t, LIMIT, p], at[t, FALL, p] = pace, 0.5 * pace / at[t, Z, p]
+            at[t, EXTRA, p], at[t, EXTRA_JERK, p] = tau * relief[t, ACCELERATION, p], tau * relief[t, JERK, p]
 
 
 @jit(reorder=True)
-def start(points: Any, cap: Any, rows: Any, relief: Any, u: Any, centre: Any, dual: Any, dual_cap: Any) -> Any:
+def start(
+    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, centre: Any, dual: Any, dual_cap: Any
+) -> Any:
     """Multipliers that make every product of slack and multiplier equal to `centre`."""
-    half = rows.shape[1] // 2
-    bounds = np.empty((6, TILE))
+    multipliers.start(points, rows, at, centre, dual)
     for t in range(len(rows)):
-        lanes = min(TILE, points - t * TILE)
-        _bounds(u[t, 0], relief[t], 1.0, lanes, bounds)
-        for p in range(lanes):
-            dual_cap[t, p] = centre / (cap[t, p] - u[t, 0, p] + relief[t, CAP, p])
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
-            for p in range(lanes):
-                value = rows[t, i, 0, p] * u[t, 0, p] + rows[t, i, 1, p] * u[t, 1, p] + rows[t, i, 2, p] * u[t, 2, p]
-                room = bounds[LIMIT + kind, p] + bounds[EXTRA + kind, p]
-                dual[t, i, 0, p] = centre / (room - value)
-                dual[t, i, 1, p] = centre / (room + value)
+        for p in range(min(TILE, points - t * TILE)):
+            dual_cap[t, p] = centre / (cap[t, p] - at[t, Z, p] + tau * relief[t, CAP, p])
 
 
 M00, M01, M02, M11, M12, M22, G0, G1, G2, L0, L1, L2, REVERSE = range(13)
@@ -71,7 +79,7 @@ M00, M01, M02, M11, M12, M22, G0, G1, G2, L0, L1, L2, REVERSE = range(13)
 
 @jit(reorder=True)
 def newton_system(
-    basis: Any, node: Any, weight: Any, cap: Any, rows: Any, relief: Any, tau: Any, u: Any, dual: Any, dual_cap: Any,
+    basis: Any, node: Any, weight: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any,
     matrix: Any, rhs: Any, gradient: Any,
 ) -> Any:  # fmt: skip
     """Newton matrix, right-hand side for a centring of zero, gradient of the Lagrangian; returns gap and time."""
@@ -79,18 +87,18 @@ def newton_system(
     matrix[:] = 0.0
     rhs[:] = 0.0
     gradient[:] = 0.0
-    sums, bounds, gaps, times = np.empty((13, TILE)), np.empty((6, TILE)), np.zeros(TILE), np.zeros(TILE)
+    sums, bounds, gaps, times = np.empty((13, TILE)), np.empty((BOUNDS, TILE)), np.zeros(TILE), np.zeros(TILE)
     for t in range(len(rows)):
         lanes = min(TILE, len(node) - t * TILE)
-        _bounds(u[t, 0], relief[t], tau, lanes, bounds)
+        set_bounds(at[t], lanes, bounds)
         sums[:] = 0.0
         for i in range(2 * half):
             kind = 0 if i < half else 1
             jerk = 0.0 if i < half else 1.0
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
-                fall, extra = bounds[FALL + kind, p], bounds[EXTRA + kind, p]
-                value, room = r0 * u[t, 0, p] + r1 * u[t, 1, p] + r2 * u[t, 2, p], bounds[LIMIT + kind, p] + extra
+                fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]
+                value, room = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p], bounds[BOUND + kind, p] + extra
                 up, down = room - value, room + value
                 inverse = 1.0 / (up * down)
                 above, below = dual[t, i, 0, p], dual[t, i, 1, p]
@@ -113,7 +121,7 @@ def newton_system(
                 sums[REVERSE, p] += jerk * total
                 gaps[p] += up * above + down * below
         for p in range(lanes):
-            z, w, fall = u[t, 0, p], weight[t, p], bounds[FALL + 1, p]
+            z, w, fall = at[t, Z, p], weight[t, p], at[t, FALL, p]
             relaxed = tau * relief[t, CAP, p]
             slack = cap[t, p] - z + relaxed
             stiff = dual_cap[t, p] / slack
@@ -121,39 +129,34 @@ def newton_system(
             sums[G0, p] += stiff * relaxed - w * fall
             sums[L0, p] += dual_cap[t, p] - w * fall
             gaps[p] += slack * dual_cap[t, p]
-            times[p] += w * bounds[LIMIT + 1, p]
+            times[p] += w * at[t, LIMIT, p]
         for p in range(lanes):
-            at = t * TILE + p
-            k = node[at]
+            point = t * TILE + p
+            k = node[point]
             add_curvature(
-                basis, at, k, sums[M00, p], sums[M01, p], sums[M02, p], sums[M11, p], sums[M12, p], sums[M22, p], matrix
+                basis,
+                point,
+                k,
+                sums[M00, p],
+                sums[M01, p],
+                sums[M02, p],
+                sums[M11, p],
+                sums[M12, p],
+                sums[M22, p],
+                matrix,
             )
-            add_slope(basis, at, k, -sums[G0, p], -sums[G1, p], -sums[G2, p], rhs)
-            add_slope(basis, at, k, sums[L0, p], sums[L1, p], sums[L2, p], gradient)
+            add_slope(basis, point, k, -sums[G0, p], -sums[G1, p], -sums[G2, p], rhs)
+            add_slope(basis, point, k, sums[L0, p], sums[L1, p], sums[L2, p], gradient)
     return gaps.sum(), times.sum()
-
-
-@jit()
-def share_left(gap: Any, falls: Any, grows: Any, linear: Any, square: Any) -> Any:
-    """Share of the gap that is left after the longest predictor's step, primal and dual apart.
-
-    From the largest relative fall and growth of a slack, and the sums of slack times multiplier times relative change
-    of the slack, or its square. Without centring the relative changes of a slack and of its multiplier sum to -1.
-    """
-    go, go_dual = min(1.0, 1.0 / falls), min(1.0, 1.0 / (1.0 + grows))
-    return 1.0 + (go * linear - go_dual * (gap + linear) - go * go_dual * (square + linear)) / gap
 
 
 A0, A1, A2, C0, C1, C2 = range(6)
 """Sums of a point: what centring and the second-order terms take from the right-hand side."""
-FALLS, GROWS, LINEAR, SQUARE = range(4)
-"""Of a lane: largest relative falls and growths of slacks; sums of slack times multiplier times such a change or its
-square."""
 
 
 @jit(reorder=True)
 def predict(
-    basis: Any, node: Any, cap: Any, rows: Any, relief: Any, tau: Any, u: Any, dual: Any, dual_cap: Any, gap: Any,
+    basis: Any, node: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any, gap: Any,
     affine: Any, centring: Any, second: Any,
 ) -> Any:  # fmt: skip
     """What the predictor's primal step `affine` teaches the corrector.
@@ -165,28 +168,28 @@ def predict(
     half = rows.shape[1] // 2
     centring[:] = 0.0
     second[:] = 0.0
-    sums, bounds, lane = np.empty((6, TILE)), np.empty((6, TILE)), np.zeros((4, TILE))
+    sums, bounds, lane = np.empty((6, TILE)), np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
     for t in range(len(rows)):
         lanes = min(TILE, len(node) - t * TILE)
-        _bounds(u[t, 0], relief[t], tau, lanes, bounds)
+        set_bounds(at[t], lanes, bounds)
         for p in range(lanes):
             move = affine[t, 0, p]
             relaxed = tau * relief[t, CAP, p]
-            inverse = 1.0 / (cap[t, p] - u[t, 0, p] + relaxed)
+            inverse = 1.0 / (cap[t, p] - at[t, Z, p] + relaxed)
             change = -(move + relaxed) * inverse
             sums[A0, p], sums[A1, p], sums[A2, p] = inverse, 0.0, 0.0
             sums[C0, p], sums[C1, p], sums[C2, p] = dual_cap[t, p] * (1.0 + change) * change, 0.0, 0.0
             product = dual_cap[t, p] / inverse * change
             lane[LINEAR, p] += product
             lane[SQUARE, p] += product * change
-            lane[FALLS, p] = max(lane[FALLS, p], max(-change, -move / u[t, 0, p]))
+            lane[FALLS, p] = max(lane[FALLS, p], max(-change, -move / at[t, Z, p]))
             lane[GROWS, p] = max(lane[GROWS, p], change)
         for i in range(2 * half):
             kind = 0 if i < half else 1
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
-                fall, extra = bounds[FALL + kind, p], bounds[EXTRA + kind, p]
-                value, room = r0 * u[t, 0, p] + r1 * u[t, 1, p] + r2 * u[t, 2, p], bounds[LIMIT + kind, p] + extra
+                fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]
+                value, room = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p], bounds[BOUND + kind, p] + extra
                 move = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
                 common = -fall * affine[t, 0, p] - extra
                 up, down = room - value, room + value
@@ -207,58 +210,28 @@ def predict(
                 sums[C1, p] += (above - below) * r1
                 sums[C2, p] += (above - below) * r2
         for p in range(lanes):
-            at = t * TILE + p
-            add_slope(basis, at, node[at], sums[A0, p], sums[A1, p], sums[A2, p], centring)
-            add_slope(basis, at, node[at], sums[C0, p], sums[C1, p], sums[C2, p], second)
+            point = t * TILE + p
+            add_slope(basis, point, node[point], sums[A0, p], sums[A1, p], sums[A2, p], centring)
+            add_slope(basis, point, node[point], sums[C0, p], sums[C1, p], sums[C2, p], second)
     return share_left(gap, lane[FALLS].max(), lane[GROWS].max(), lane[LINEAR].sum(), lane[SQUARE].sum())
-
-
-LOSS, LOSS_DUAL, STEP_UP, STEP_DOWN = range(4)
-"""Peaks and results of a lane."""
 
 
 @jit(reorder=True)
 def correct(
-    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, u: Any, dual: Any, dual_cap: Any, affine: Any, du: Any,
-    centre: Any, step: Any, step_cap: Any,
+    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any, affine: Any,
+    change: Any, centre: Any, step: Any, step_cap: Any,
 ) -> Any:  # fmt: skip
-    """Steps of the multipliers for the corrector's primal step du; `affine` is the predictor's.
+    """Steps of the multipliers for the corrector's step `change`; `affine` is the predictor's.
 
     Returns the largest relative losses of slack and of multiplier.
     """
-    half = rows.shape[1] // 2
-    bounds, lane = np.empty((6, TILE)), np.zeros((4, TILE))
+    loss, loss_dual = multipliers.correct(points, rows, at, affine, change, dual, centre, step)
     for t in range(len(rows)):
-        lanes = min(TILE, points - t * TILE)
-        _bounds(u[t, 0], relief[t], tau, lanes, bounds)
-        for p in range(lanes):
-            relaxed = tau * relief[t, CAP, p]
-            inverse = 1.0 / (cap[t, p] - u[t, 0, p] + relaxed)
-            change, before = -(du[t, 0, p] + relaxed) * inverse, -(affine[t, 0, p] + relaxed) * inverse
-            multiplier = dual_cap[t, p]
-            grow = centre * inverse / multiplier + before * (1.0 + before) - change - 1.0
+        for p in range(min(TILE, points - t * TILE)):
+            z, relaxed, multiplier = at[t, Z, p], tau * relief[t, CAP, p], dual_cap[t, p]
+            inverse = 1.0 / (cap[t, p] - z + relaxed)
+            by, before = -(change[t, 0, p] + relaxed) * inverse, -(affine[t, 0, p] + relaxed) * inverse
+            grow = centre * inverse / multiplier + before * (1.0 + before) - by - 1.0
             step_cap[t, p] = multiplier * grow
-            lane[LOSS, p] = max(lane[LOSS, p], max(-change, -du[t, 0, p] / (MOST_FALL * u[t, 0, p])))
-            lane[LOSS_DUAL, p] = max(lane[LOSS_DUAL, p], -grow)
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
-            for p in range(lanes):
-                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
-                fall, extra = bounds[FALL + kind, p], bounds[EXTRA + kind, p]
-                value, room = r0 * u[t, 0, p] + r1 * u[t, 1, p] + r2 * u[t, 2, p], bounds[LIMIT + kind, p] + extra
-                move = r0 * du[t, 0, p] + r1 * du[t, 1, p] + r2 * du[t, 2, p]
-                first = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
-                common, common_first = -fall * du[t, 0, p] - extra, -fall * affine[t, 0, p] - extra
-                up, down, above, below = room - value, room + value, dual[t, i, 0, p], dual[t, i, 1, p]
-                inverse, inverse_dual = 1.0 / (up * down), centre / (above * below)
-                inverse_up, inverse_down = inverse * down, inverse * up
-                change_up, change_down = (common - move) * inverse_up, (common + move) * inverse_down
-                before_up, before_down = (common_first - first) * inverse_up, (common_first + first) * inverse_down
-                grow_up = inverse_dual * below * inverse_up + before_up * (1.0 + before_up) - change_up - 1.0
-                grow_down = inverse_dual * above * inverse_down + before_down * (1.0 + before_down) - change_down - 1.0
-                lane[STEP_UP, p], lane[STEP_DOWN, p] = above * grow_up, below * grow_down
-                lane[LOSS, p] = max(lane[LOSS, p], max(-change_up, -change_down))
-                lane[LOSS_DUAL, p] = max(lane[LOSS_DUAL, p], max(-grow_up, -grow_down))
-            for p in range(lanes):
-                step[t, i, 0, p], step[t, i, 1, p] = lane[STEP_UP, p], lane[STEP_DOWN, p]
-    return lane[LOSS].max(), lane[LOSS_DUAL].max()
+            loss, loss_dual = max(loss, max(-by, -change[t, 0, p] / (MOST_FALL * z))), max(loss_dual, -grow)
+    return loss, loss_dual
