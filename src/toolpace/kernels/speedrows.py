@@ -133,18 +133,9 @@ def newton_system(
         for p in range(lanes):
             point = t * TILE + p
             k = node[point]
-            add_curvature(
-                basis,
-                point,
-                k,
-                sums[M00, p],
-                sums[M01, p],
-                sums[M02, p],
-                sums[M11, p],
-                sums[M12, p],
-                sums[M22, p],
-                matrix,
-            )
+            m00, m01, m02 = sums[M00, p], sums[M01, p], sums[M02, p]
+            m11, m12, m22 = sums[M11, p], sums[M12, p], sums[M22, p]
+            add_curvature(basis, point, k, m00, m01, m02, m11, m12, m22, matrix)
             add_slope(basis, point, k, -sums[G0, p], -sums[G1, p], -sums[G2, p], rhs)
             add_slope(basis, point, k, sums[L0, p], sums[L1, p], sums[L2, p], gradient)
     return gaps.sum(), times.sum()
@@ -163,7 +154,6 @@ def predict(
 
     The corrector's right-hand side is the predictor's, less `second` (n,), the second-order terms, and less
     `centring` (n,) times the product aimed at. Returns the share of the gap that the longest such step leaves.
-    Without centring the relative changes of a slack and of its multiplier sum to -1, so that the slacks tell all.
     """
     half = rows.shape[1] // 2
     centring[:] = 0.0
