@@ -15,10 +15,10 @@ from benchmarks.machine import RESULTS, written_by
 from benchmarks.paths import Case, all_cases
 from benchmarks.tables import Table
 from toolpace.errors import ToolpaceError
-from toolpace.plan.bound import Bound, bound_run
-from toolpace.plan.continuous import continuous_bound
-from toolpace.plan.optimal import plan_run
-from toolpace.plan.prove import prove_run
+from toolpace.planning.bound.continuous import continuous_bound
+from toolpace.planning.bound.prove import prove_run
+from toolpace.planning.bound.relaxation import Bound, bound_run
+from toolpace.planning.optimal.planner import plan_run
 
 MESHES = (200, 1000, 5000, None)
 """Cells; None is the mesh that the planner chooses."""

@@ -19,11 +19,11 @@ from benchmarks.machine import RESULTS, written_by
 from benchmarks.peers import ipopt
 from benchmarks.peers.ours import mesh_problem, objective
 from benchmarks.tables import Table
-from toolpace.limits import Limits
-from toolpace.plan.bound import lower_bound
-from toolpace.plan.problem import Problem
-from toolpace.plan.solve import Stalled, solve, start_from
-from toolpace.timelaw import SplineLaw
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound.relaxation import lower_bound
+from toolpace.planning.optimal.problem import Problem
+from toolpace.planning.optimal.solve import Stalled, solve, start_from
 
 STARTS = (0.4, 0.1, 0.8)
 """Shares of the guess at which the core starts; the planner's own first."""

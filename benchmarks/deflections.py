@@ -20,12 +20,12 @@ import toolpace
 from benchmarks import published
 from benchmarks.machine import RESULTS, processor
 from toolpace import deflect
+from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.detour import DetourRun, tip_velocity
 from toolpace.errors import InfeasibleError
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.quinticpath import quintic_through
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.planner import plan
 from toolpace.trajectory import Trajectory
 
 PLANNERS = ("optimal", "genetic")

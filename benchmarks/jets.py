@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.axispath import AxisPath
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath
 
-Floats = npt.NDArray[np.float64]
 Jets = Callable[[Floats], Floats]
 
 

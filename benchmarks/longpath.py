@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.jets import path_of
-from toolpace.axispath import AxisPath
-from toolpace.kernels.spline import jets
-from toolpace.limits import Limits
-
-Floats = npt.NDArray[np.float64]
+from toolpace.axispath.axispath import AxisPath
+from toolpace.kernels.fit.quintic_spline import jets
+from toolpace.machine.limits import Limits
 
 JOINTS = 5
 CELLS_A_FEATURE = 50

@@ -12,7 +12,7 @@ from benchmarks.paths import Case
 from benchmarks.peers import Outcome, copp, ipopt, lp, ours, ruckig, toppra
 from benchmarks.tables import Row
 from toolpace.errors import ToolpaceError
-from toolpace.plan.optimal import plan_run
+from toolpace.planning.optimal.planner import plan_run
 
 MESHES = (200, 1000, 5000)
 VERY_FINE = 20_000

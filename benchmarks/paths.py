@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks import published
 from benchmarks.jets import path_of
-from toolpace.axispath import AxisPath, AxisRun
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
 
-Floats = npt.NDArray[np.float64]
 RANDOM_CASES = 24
 MODES = 5
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.jets import Remembered
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.pathrun import unit_jets
-
-Floats = npt.NDArray[np.float64]
+from toolpace.arrays import Floats
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.path.run import unit_jets
 
 JOINTS = ("X", "Y", "Z", "A", "C")
 FLANK_KNOTS = (0, 0, 0, 0, 0.2, 0.4, 0.6, 0.8, 1, 1, 1, 1)

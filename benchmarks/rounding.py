@@ -17,18 +17,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path as File
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.machine import RESULTS
 from benchmarks.tables import Table
-from toolpace.axispath import AxisPath
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.read import read_text
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.planner import plan
+from toolpace.reading import read_text
 from toolpace.toolpath import ToolPath
 
-Floats = npt.NDArray[np.float64]
 Curve = Callable[[Floats], tuple[Floats, Floats]]
 """u (n,) to tip (4, n, 3) [m] and rotary joints (4, n, 2) [rad], with derivatives."""
 

@@ -24,7 +24,8 @@ from unittest.mock import patch
 from benchmarks.longpath import long_path
 from benchmarks.machine import RESULTS, most_memory
 from benchmarks.tables import Table
-from toolpace.plan import course, plan
+from toolpace.planning.optimal import meshed_run
+from toolpace.planning.planner import plan
 
 SIZES = (10**3, 10**4, 10**5, 10**6)
 REFERENCE = 10**4
@@ -140,7 +141,7 @@ def main() -> None:
     if sys.argv[1:2] == ["--one"]:
         cells, kind, one_piece = int(sys.argv[2]), sys.argv[3], sys.argv[4] == "1"
         # windows begin where the problem of a whole run is no longer kept
-        with patch.object(course, "KEPT", 10**9) if one_piece else nullcontext():
+        with patch.object(meshed_run, "KEPT", 10**9) if one_piece else nullcontext():
             print(json.dumps(measured(cells, kind)))
         return
     out = File(sys.argv[1]) if len(sys.argv) > 1 else RESULTS

@@ -12,8 +12,7 @@ from benchmarks.machine import RESULTS, written_by
 from benchmarks.paths import Case, all_cases
 from benchmarks.peers import copp_second_order, second_order, toppra
 from benchmarks.tables import Table, text
-from toolpace.plan import optimal
-from toolpace.plan import second_order as planner
+from toolpace.planning.second_order import planner
 
 MESHES = (200, 1000, 5000)
 REPEATS = 7
@@ -122,7 +121,7 @@ def price_of_jerk(cases: list[Case]) -> Table:
     table = Table("With and without jerk limits, default meshes", ["case", "second order [s]", "optimal [s]", "ratio"])
     solvers: tuple[Callable[[Case], float], ...] = (
         lambda case: planner.plan_run(case.run, case.limits).duration,
-        lambda case: optimal.plan_run(case.run, case.limits)[0].duration,
+        lambda case: planner.plan_run(case.run, case.limits)[0].duration,
     )
     for case in cases:
         durations = [solve(case) for solve in solvers]

@@ -15,7 +15,7 @@ from benchmarks.machine import RESULTS
 from benchmarks.paths import Case, fan, flank, paper_arc, random_case
 from benchmarks.peers import Outcome, failed, ours, usage
 from benchmarks.tables import Table, text
-from toolpace.plan.problem import Problem
+from toolpace.planning.optimal.problem import Problem
 
 MESHES = (200, 1000)
 

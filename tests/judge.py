@@ -9,8 +9,8 @@ import numpy as np
 
 from nasty_paths import ANSWER, REFUSAL, Nasty
 from toolpace.errors import ToolpaceError
-from toolpace.plan import plan
-from toolpace.plan.endstate import AT_REST
+from toolpace.planning.endstate import AT_REST
+from toolpace.planning.planner import plan
 
 GUARANTEE = 1.0 + 1e-4
 

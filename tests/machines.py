@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from toolpace.machine import Machine
-from toolpace.machinefile import ChainFile, JointFile, MachineFile
+from toolpace.machine.file import ChainFile, JointFile, MachineFile
+from toolpace.machine.machine import Machine
 
 CLASSES = {"table-table": 2, "head-table": 1, "head-head": 0}
 

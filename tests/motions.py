@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.limits import Limits
-from toolpace.machine import Machine
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import OpenPlace

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from benchmarks.jets import Jets, along, beside, harmonics, path_of, standing, straight
 
-from toolpace.axispath import AxisPath, CallableRun
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.pathrun import unit_jets
-from toolpace.plan.endstate import EndState
+from toolpace.axispath.axispath import AxisPath, CallableRun
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.path.run import unit_jets
+from toolpace.planning.endstate import EndState
 
 ANSWER, REFUSAL, EITHER = "answer", "refusal", "either"
 COARSE = (8, 9, 10, 13, 20, 50)
@@ -348,7 +348,7 @@ def at_the_limit(random) -> Nasty:
 
 def in_motion(random) -> Nasty:
     """A piece of a path from and to states that the motion along the whole path passes, slowed down or not."""
-    from toolpace.plan import plan
+    from toolpace.planning.planner import plan
 
     jets = some_harmonics(random)
     joints = joints_of(jets)

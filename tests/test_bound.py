@@ -13,17 +13,17 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from test_oracle import harmonics, random_limits
-from toolpace.axispath import AxisPath
-from toolpace.kernels import newton
-from toolpace.limits import Limits
-from toolpace.plan.bound import bound_run, coefficients, lower_bound
-from toolpace.plan.endstate import AT_REST, EndState
-from toolpace.plan.knots import Knots, start_within
-from toolpace.plan.mesh import first_mesh
-from toolpace.plan.optimal import plan_run
-from toolpace.plan.problem import discretise
-from toolpace.plan.solve import Stalled, solve, start_from
-from toolpace.timelaw import SplineLaw
+from toolpace.axispath.axispath import AxisPath
+from toolpace.kernels.optimal import newton
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound.problem import Knots, start_within
+from toolpace.planning.bound.relaxation import bound_run, coefficients, lower_bound
+from toolpace.planning.endstate import AT_REST, EndState
+from toolpace.planning.mesh.nodes import first_mesh
+from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.problem import discretise
+from toolpace.planning.optimal.solve import Stalled, solve, start_from
 
 
 def ingredients(seed, joints=None, breaks=True):

@@ -15,7 +15,7 @@ import pytest
 import toolpace as tp
 from toolpace import demo
 from toolpace.cli import main
-from toolpace.machine import Machine
+from toolpace.machine.machine import Machine
 
 CONTRACT = {
     "duration_s", "lower_bound_s", "gap", "solve_s", "fit_s", "mesh_points", "blocks", "stops", "usage", "limited_by",

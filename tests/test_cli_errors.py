@@ -10,7 +10,7 @@ import pytest
 
 from toolpace import demo
 from toolpace.cli import main
-from toolpace.machine import Machine
+from toolpace.machine.machine import Machine
 
 START = "G21 G90 G94 G43.4 H1\nG0 X0 Y0 Z0 A0 C0\n"
 CL = "UNITS/MM\nFEDRAT/100,MMPM\nGOTO/0,0,0,0,0,1\n"
@@ -87,7 +87,7 @@ MACHINES = {
 @pytest.mark.parametrize("case", MACHINES)
 def test_bad_machine_file(case, tmp_path, monkeypatch, capsys):
     old, new, pattern = MACHINES[case]
-    folder = __import__("pathlib").Path(sys.modules["toolpace.machine"].__file__).parent / "machines"
+    folder = __import__("pathlib").Path(sys.modules["toolpace.machine"].__file__).parent / "builtin"
     text = (folder / "xyzac-trunnion.toml").read_text()
     assert old in text
     monkeypatch.chdir(tmp_path)

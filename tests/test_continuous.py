@@ -9,11 +9,11 @@ from benchmarks.paths import all_cases
 import toolpace as tp
 from test_optimal import line, s_curve
 from test_oracle import harmonics, random_limits
-from toolpace.axispath import AxisPath
-from toolpace.limits import Limits
-from toolpace.plan.continuous import continuous_bound, gauss
-from toolpace.plan.endstate import EndState
-from toolpace.plan.optimal import plan_run
+from toolpace.axispath.axispath import AxisPath
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound.continuous import continuous_bound, gauss
+from toolpace.planning.endstate import EndState
+from toolpace.planning.optimal.planner import plan_run
 
 
 @pytest.mark.parametrize(

@@ -10,19 +10,19 @@ import pytest
 from benchmarks import published
 
 from toolpace import deflect
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.detour import DetourRun
-from toolpace.deflect.potential import descend
+from toolpace.deflect.projection import descend
 from toolpace.deflect.replan import passing_time
 from toolpace.errors import InfeasibleError, UsageError
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.plan.endstate import EndState
-from toolpace.quinticpath import quintic_through
+from toolpace.judge import verify
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.endstate import EndState
+from toolpace.planning.planner import plan
 from toolpace.trajectory import Trajectory
-from toolpace.verify import verify
 
 MACHINE = Machine.load("paper-ab")
 ARC = Path.paper_arc()

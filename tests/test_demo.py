@@ -11,8 +11,8 @@ import pytest
 
 from toolpace import demo
 from toolpace.cli import main
-from toolpace.machine import Machine
-from toolpace.read import read_text
+from toolpace.machine.machine import Machine
+from toolpace.reading import read_text
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 

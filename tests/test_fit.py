@@ -11,9 +11,9 @@ import pytest
 
 from nasty import make, random_toolpath, spiral, tilted
 from toolpace.errors import PathError
-from toolpace.fit import fit as fitting
-from toolpace.machine import Machine
-from toolpace.path import Path
+from toolpace.machine.machine import Machine
+from toolpace.path.fit import fit as fitting
+from toolpace.path.path import Path
 
 TIP, AXIS = 10e-6, 1e-3
 MACHINE = Machine.load("xyzac-trunnion")
@@ -203,8 +203,8 @@ def test_a_curve_of_nan_is_never_taken(monkeypatch):
 
 
 def test_smoothing_gives_up_on_nan():
-    from toolpace.kernels.spline import basis_rows, third_rows
-    from toolpace.kernels.tube import smoothest
+    from toolpace.kernels.fit.quintic_spline import basis_rows, third_rows
+    from toolpace.kernels.fit.smoothest import smoothest
 
     knots = np.concatenate([np.zeros(5), np.linspace(0.0, 400.0, 21), np.full(5, 400.0)])
     s = np.linspace(0.0, 400.0, 81)

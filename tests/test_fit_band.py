@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.kernels import band
+from toolpace.kernels.fit import band
 
 
 def system(n, w, seed=0):

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from nasty import make, tilted
-from toolpace.fit import mesh, tube
-from toolpace.fit.check import Check
-from toolpace.fit.inside import inside_spline
-from toolpace.fit.polyline import polylines
-from toolpace.fit.spline import knots_of
-from toolpace.path import Path
+from toolpace.path.fit import knots, smooth
+from toolpace.path.fit.deviation import Check
+from toolpace.path.fit.first_spline import inside_spline
+from toolpace.path.fit.polyline import polylines
+from toolpace.path.fit.spline import knots_of
+from toolpace.path.path import Path
 
 TIP, AXIS = 10e-6, 1e-3
 
@@ -61,7 +61,7 @@ def conic_optimum(breaks, data):
         for c in range(3):
             ball[1 + c, c * n : (c + 1) * n] = -rows[j]
         blocks.append(sparse.csr_matrix(ball))
-        right.append(np.concatenate([[tube.USED], -data.tip[j]]))
+        right.append(np.concatenate([[smooth.USED], -data.tip[j]]))
         cones.append(clarabel.SecondOrderConeT(4))
     settings = clarabel.DefaultSettings()
     settings.verbose = False
@@ -75,15 +75,15 @@ def conic_optimum(breaks, data):
 
 @pytest.mark.parametrize("n, span", [(20, 0.25), (50, 0.5), (40, 1.0)])
 def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
-    from toolpace.kernels.spline import jets, pieces
+    from toolpace.kernels.fit.quintic_spline import jets, pieces
 
     line = polylines(wave(n, span, 5), TIP, AXIS, None)[0]
     weight = np.ones(3)
     look = Check(line, AXIS, None, False).between
-    spline, data = inside_spline(line, mesh.first_breaks(line.s), weight, AXIS, None, look)
+    spline, data = inside_spline(line, knots.first_breaks(line.s), weight, AXIS, None, look)
     breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
-    tube.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, lambda share: None)
+    smooth.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, lambda share: None)
     place, share = np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(breaks)
     s = (0.5 * (breaks[1:] + breaks[:-1])[:, None] + half[:, None] * place).ravel()

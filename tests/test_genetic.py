@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from benchmarks import published
 
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import InfeasibleError, UsageError
-from toolpace.kernels import interval
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.plan.endstate import EndState
+from toolpace.kernels.planners import quintic_interval
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.endstate import EndState
+from toolpace.planning.planner import plan
 from toolpace.trajectory import Trajectory
 
 ALLOWED = 1.0001
@@ -40,7 +40,7 @@ def dense_usage(trajectory: Trajectory, count: int = 200_001) -> float:
 
 
 def test_law_of_an_interval_meets_its_ends() -> None:
-    c = np.polynomial.Polynomial([0.0, *interval.law(0.3, 1.0, -2.0, 1.4, 3.0, 0.25)])
+    c = np.polynomial.Polynomial([0.0, *quintic_interval.law(0.3, 1.0, -2.0, 1.4, 3.0, 0.25)])
     at = [c.deriv(k)(x) / 0.25**k if k else c(x) for x in (0.0, 1.0) for k in range(3)]
     assert at == pytest.approx([0.0, 1.0, -2.0, 0.3, 1.4, 3.0])
 

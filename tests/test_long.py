@@ -15,23 +15,26 @@ from benchmarks.longpath import long_path
 from judge import GUARANTEE
 from test_optimal import dense_usage, line
 from test_oracle import harmonics, random_limits
-from toolpace.axispath import AxisPath
-from toolpace.kernels import bound as kernel
-from toolpace.limits import Limits
-from toolpace.plan import bound as bounds
-from toolpace.plan import course, longbound, mend, plan
-from toolpace.plan import crew as crews
-from toolpace.plan.bound import bound_run
-from toolpace.plan.course import Course
-from toolpace.plan.crew import Crew, Tally
-from toolpace.plan.endstate import AT_REST, EndState
-from toolpace.plan.keep import GUARANTEE as KEPT_BELOW
-from toolpace.plan.keep import easing, kept, slowing
-from toolpace.plan.longbound import bound_long_run
-from toolpace.plan.mesh import first_mesh, places
-from toolpace.plan.optimal import plan_run
-from toolpace.plan.peaks import cell_peaks
-from toolpace.timelaw import SplineLaw
+from toolpace import workers as crews
+from toolpace.axispath.axispath import AxisPath
+from toolpace.kernels.optimal import dual as kernel
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound import pieces
+from toolpace.planning.bound import relaxation as bounds
+from toolpace.planning.bound.pieces import bound_long_run
+from toolpace.planning.bound.relaxation import bound_run
+from toolpace.planning.endstate import AT_REST, EndState
+from toolpace.planning.guarantee import GUARANTEE as KEPT_BELOW
+from toolpace.planning.mesh.guess import places
+from toolpace.planning.mesh.nodes import first_mesh
+from toolpace.planning.optimal import meshed_run, windows
+from toolpace.planning.optimal.ease import easing, kept, slowing
+from toolpace.planning.optimal.meshed_run import Course
+from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.peaks import cell_peaks
+from toolpace.planning.planner import plan
+from toolpace.workers import Crew, Tally
 
 CELLS = 9000
 
@@ -39,9 +42,9 @@ CELLS = 9000
 @pytest.fixture
 def short_windows(monkeypatch):
     """What long runs are treated as, at lengths that are quickly solved in one piece too."""
-    monkeypatch.setattr(course, "KEPT", 2000)
-    monkeypatch.setattr(mend, "WINDOW", 2500)
-    monkeypatch.setattr(longbound, "PIECE", 1500)
+    monkeypatch.setattr(meshed_run, "KEPT", 2000)
+    monkeypatch.setattr(windows, "WINDOW", 2500)
+    monkeypatch.setattr(pieces, "PIECE", 1500)
 
 
 def in_one_piece(**options):
@@ -281,9 +284,7 @@ def test_an_error_of_the_progress_callback_is_the_callers():
 INTERRUPTED = """
 import sys, threading, time
 from benchmarks.longpath import long_path
-from toolpace.plan import bound as bounds
-from toolpace.plan import course, longbound, mend, plan
-from toolpace.plan import crew as crews
+from toolpace import plan
 warm, limits = long_path(1000)
 plan(warm, limits, mesh=1000)
 path, limits = long_path(1_000_000)
@@ -314,9 +315,7 @@ def test_memory_of_a_long_run():
     script = """
 import resource
 from benchmarks.longpath import long_path
-from toolpace.plan import bound as bounds
-from toolpace.plan import course, longbound, mend, plan
-from toolpace.plan import crew as crews
+from toolpace import plan
 def most(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 for cells in (20_000, 200_000):
     path, limits = long_path(cells)

@@ -7,7 +7,7 @@ import pytest
 
 from machines import CLASSES, oracle, random_machine
 from toolpace.errors import ReachError
-from toolpace.machine import Machine
+from toolpace.machine.machine import Machine
 
 SMALL = 1e-12
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from toolpace.errors import ReachError
-from toolpace.machine import Machine
+from toolpace.machine.machine import Machine
 from toolpace.toolpath import ToolPath
 
 

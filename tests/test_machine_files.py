@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from toolpace.errors import MachineError, UsageError
-from toolpace.limits import Limits
-from toolpace.machine import Machine
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
 
 TEXT = Machine.load("xyzac-trunnion").to_toml()
 

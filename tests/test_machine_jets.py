@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from machines import CLASSES, random_machine
-from toolpace.machine import Machine
+from toolpace.machine.machine import Machine
 
 STENCILS = {
     1: (np.array([-1, 1]), np.array([-0.5, 0.5])),

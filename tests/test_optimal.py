@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from judge import GUARANTEE, usage_at
 from test_oracle import harmonics, random_limits
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import InfeasibleError, ToolpaceError
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.plan.endstate import EndState
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.endstate import EndState
+from toolpace.planning.planner import plan
 
 
 def polynomials(*coefficients):

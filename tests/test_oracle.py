@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.axispath import AxisPath
-from toolpace.limits import Limits
-from toolpace.plan import plan
-from toolpace.plan.endstate import EndState
-from toolpace.plan.optimal import plan_run
+from toolpace.axispath.axispath import AxisPath
+from toolpace.machine.limits import Limits
+from toolpace.planning.endstate import EndState
+from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.planner import plan
 
 JOINTS = 5
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.machine import Machine
+from toolpace.machine.machine import Machine
 
 LT, Z1, Z2 = 0.05, 0.3, 0.03
 COUNT = 2000

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.kernels import quintic
+from toolpace.kernels.motion import quintic
 
 RANDOM = np.random.default_rng(7)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.quintic import quintic_axis_path, quintic_path, quintic_through
 from toolpace.errors import PathError
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.quinticpath import quintic_axis_path, quintic_path, quintic_through
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.planner import plan
 
 MACHINE = Machine.load("paper-ab")
 

@@ -7,8 +7,8 @@ import pytest
 
 from nasty import make, random_toolpath, tilted
 from toolpace.errors import PathError, UsageError
-from toolpace.path import Path
-from toolpace.pathrun import unit_jets
+from toolpace.path.path import Path
+from toolpace.path.run import unit_jets
 
 FLANK_KNOTS = np.array([0, 0, 0, 0, 0.2, 0.4, 0.6, 0.8, 1, 1, 1, 1])
 # H.-Y. Ma et al., JCDE 2022, appendix 1 [mm]

@@ -11,14 +11,14 @@ from benchmarks.paths import all_cases, flank
 import toolpace as tp
 from test_bound import conic_optimum, mesh_time, small, solved
 from toolpace.errors import UsageError
-from toolpace.plan.bound import bound_run, relaxed
-from toolpace.plan.crew import Crew, untold
-from toolpace.plan.knots import PADDING, Knots
-from toolpace.plan.optimal import plan_run
-from toolpace.plan.places import losses_by_knot, settled
-from toolpace.plan.prove import prove_run
-from toolpace.plan.ranges import Near, Part, Piece, close
-from toolpace.timelaw import SplineLaw
+from toolpace.laws.spline import SplineLaw
+from toolpace.planning.bound.branch_and_bound import Near, Part, Piece, close
+from toolpace.planning.bound.open_places import losses_by_knot, settled
+from toolpace.planning.bound.problem import PADDING, Knots
+from toolpace.planning.bound.prove import prove_run
+from toolpace.planning.bound.relaxation import bound_run, relaxed
+from toolpace.planning.optimal.planner import plan_run
+from toolpace.workers import Crew, untold
 
 FAR = 1e9
 """[s]"""

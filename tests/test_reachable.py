@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from test_oracle import harmonics, random_limits
-from toolpace.axispath import AxisPath
-from toolpace.kernels import reachable
-from toolpace.plan.cells import BOTH_ENDS, FIVE, Cells
-from toolpace.plan.second_order import plan_run
+from toolpace.axispath.axispath import AxisPath
+from toolpace.kernels.planners import reachability
+from toolpace.planning.second_order.planner import plan_run
+from toolpace.planning.second_order.problem import BOTH_ENDS, FIVE, Cells
 
 
 def rows_of(cells):
@@ -48,7 +48,7 @@ def linear_program(cells, ends, cost, given_start):
 def passes(cells, ends):
     top = cells.top(*ends)
     arrays = cells.at, cells.place, cells.tight, cells.q1, cells.q2, cells.cap
-    return reachable.backward(np.diff(cells.nodes), *arrays, top, ends[1])
+    return reachability.backward(np.diff(cells.nodes), *arrays, top, ends[1])
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -84,7 +84,7 @@ def test_speed_is_that_of_a_linear_program(seed):
     cells = Cells(run, limits, np.linspace(0.0, 1.0, 61))
     z, status, _ = cells.solve(0.0, 0.0)
     best = linear_program(cells, (0.0, 0.0), np.ones(61), True)
-    assert status == reachable.FEASIBLE
+    assert status == reachability.FEASIBLE
     a, b = rows_of(cells)
     assert (a @ z <= b + 1e-7 * (1 + np.abs(a).max(axis=1) * z.max())).all()
     following = [(row[row != 0.0] > 0.0).sum() == 1 or abs(row @ best - bound) > 1e-9 for row, bound in zip(a, b)]

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import motions
-from toolpace.report import report
-from toolpace.report.limiting import NOTHING, binding
-from toolpace.report.series import Channel, feed_cap, packed, thinned
-from toolpace.report.words import colours, duration, limit_words, percent
-from toolpace.verify import verify
+from toolpace.judge import verify
+from toolpace.reporting import report
+from toolpace.reporting.limiting import NOTHING, binding
+from toolpace.reporting.series import Channel, feed_cap, packed, thinned
+from toolpace.reporting.words import colours, duration, limit_words, percent
 
 TRAJECTORY = motions.Trajectory()
 PROGRAM = motions.program()

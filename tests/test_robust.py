@@ -8,18 +8,18 @@ import pytest
 from judge import GUARANTEE, verdict
 from nasty import random_toolpath
 from nasty_paths import FAMILIES, case
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import ToolpaceError
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.pathrun import unit_jets
-from toolpace.plan import plan
-from toolpace.plan.detail import detail
-from toolpace.plan.mesh import with_breaks
-from toolpace.plan.problem import sides
-from toolpace.read import read_text
-from toolpace.trajectory import limit_ratios
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.motion import limit_ratios
+from toolpace.path.path import Path
+from toolpace.path.run import unit_jets
+from toolpace.planning.mesh.detail import detail
+from toolpace.planning.mesh.nodes import with_breaks
+from toolpace.planning.optimal.problem import sides
+from toolpace.planning.planner import plan
+from toolpace.reading import read_text
 
 MACHINE = "xyzac-trunnion"
 SEEDS = 7

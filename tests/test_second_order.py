@@ -7,15 +7,15 @@ import pytest
 
 import nasty_paths
 from test_oracle import harmonics, random_limits
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
 from toolpace.deflect import replan
 from toolpace.errors import InfeasibleError, UsageError
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.plan.endstate import EndState
-from toolpace.plan.second_order import plan_run
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.endstate import EndState
+from toolpace.planning.planner import plan
+from toolpace.planning.second_order.planner import plan_run
 
 ALLOWED = 1.0001
 FREE = Limits([np.inf, np.inf], 1.0, np.inf)

@@ -9,9 +9,9 @@ import pytest
 
 import motions
 from toolpace.errors import UsageError, VerificationError
-from toolpace.limits import Limits
+from toolpace.judge import verify
+from toolpace.machine.limits import Limits
 from toolpace.setpoints import SetPoints
-from toolpace.verify import verify
 
 UP = np.array([0.0, 0.0, 1.0])
 POINTS = motions.set_points()

@@ -12,9 +12,9 @@ import motions
 from toolpace import write
 from toolpace.errors import ToolpaceError, UsageError
 from toolpace.files import whole_file, whole_folder
-from toolpace.machine import Machine
+from toolpace.judge import verify
+from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
-from toolpace.verify import verify
 
 CONTRACT = {
     "duration_s": float,

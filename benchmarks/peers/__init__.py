@@ -7,13 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from toolpace.axispath import AxisRun
-from toolpace.limits import Limits
-from toolpace.trajectory import limit_ratios
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisRun
+from toolpace.machine.limits import Limits
+from toolpace.motion import limit_ratios
 
-Floats = npt.NDArray[np.float64]
 INSIDE = 7
 
 
@@ -73,7 +72,7 @@ def usage(
 
 def usage_of_law(run: AxisRun, limits: Limits, law: object) -> tuple[float, float]:
     """Peak value over limit at the nodes of a SplineLaw, and between them, rest cells included."""
-    from toolpace.timelaw import SplineLaw
+    from toolpace.laws.spline import SplineLaw
 
     assert isinstance(law, SplineLaw)
     cells = np.diff(law.nodes)

@@ -10,8 +10,8 @@ import copp_py as copp
 import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed, resting, usage
-from toolpace.axispath import AxisPath, AxisRun
-from toolpace.limits import Limits
+from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.machine.limits import Limits
 
 PASSES = 12
 SETTLED = 1e-5

@@ -12,12 +12,12 @@ from scipy import sparse
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from benchmarks.peers.ours import mesh_problem, objective
-from toolpace.axispath import AxisPath
-from toolpace.limits import Limits
-from toolpace.plan.endstate import AT_REST, EndState
-from toolpace.plan.problem import Problem
-from toolpace.plan.solve import start_from
-from toolpace.timelaw import SplineLaw
+from toolpace.axispath.axispath import AxisPath
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.endstate import AT_REST, EndState
+from toolpace.planning.optimal.problem import Problem
+from toolpace.planning.optimal.solve import start_from
 
 TOLERANCE = 1e-9
 STARTS = (0.4, 0.1, 0.02)

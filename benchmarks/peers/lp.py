@@ -14,10 +14,10 @@ from scipy.optimize import linprog
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from benchmarks.peers.ipopt import ends
 from benchmarks.peers.ours import mesh_problem, objective
-from toolpace.axispath import AxisPath
-from toolpace.limits import Limits
-from toolpace.plan.solve import start_from
-from toolpace.timelaw import SplineLaw
+from toolpace.axispath.axispath import AxisPath
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.optimal.solve import start_from
 
 FLOOR = 1e-3
 """Least z, as a share of the guess."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import ToolpaceError
-from toolpace.limits import Limits
-from toolpace.plan.endstate import AT_REST, EndState
-from toolpace.plan.mesh import first_mesh
-from toolpace.plan.optimal import plan_run
-from toolpace.plan.problem import Problem, discretise
+from toolpace.machine.limits import Limits
+from toolpace.planning.endstate import AT_REST, EndState
+from toolpace.planning.mesh.nodes import first_mesh
+from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.problem import Problem, discretise
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, judge: bool = True) -> Outcome:

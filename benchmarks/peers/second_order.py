@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed
-from toolpace.axispath import AxisPath
+from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import ToolpaceError
-from toolpace.limits import Limits
-from toolpace.plan.cells import Cells
-from toolpace.plan.second_order import cell_peaks, plan_run
+from toolpace.machine.limits import Limits
+from toolpace.planning.second_order.planner import cell_peaks, plan_run
+from toolpace.planning.second_order.problem import Cells
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, judge: bool = True) -> Outcome:

@@ -10,8 +10,8 @@ from toppra.constraint import JointAccelerationConstraint, JointVelocityConstrai
 from toppra.interpolator import AbstractGeometricPath
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage
-from toolpace.axispath import AxisPath, AxisRun
-from toolpace.limits import Limits
+from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.machine.limits import Limits
 
 logging.getLogger("toppra").setLevel(logging.CRITICAL)
 UNLIMITED = 1e6

@@ -15,28 +15,26 @@ Names are imported when they are first used: `import toolpace` alone loads no nu
 from __future__ import annotations
 
 import importlib
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from toolpace import deflect
-    from toolpace.axispath import AxisPath
+    from toolpace.axispath.axispath import AxisPath
     from toolpace.errors import ToolpaceError
-    from toolpace.limits import Limits
-    from toolpace.machine import Machine
-    from toolpace.path import Path
-    from toolpace.plan import plan
-    from toolpace.plan.endstate import EndState
-    from toolpace.plan.prove import prove
-    from toolpace.read import apply_feed, read, read_text
-    from toolpace.report import report
+    from toolpace.judge import Verification, verify
+    from toolpace.machine.limits import Limits
+    from toolpace.machine.machine import Machine
+    from toolpace.path.path import Path
+    from toolpace.planning.bound.prove import prove
+    from toolpace.planning.endstate import EndState
+    from toolpace.planning.planner import plan
+    from toolpace.reading import apply_feed, read, read_text
+    from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
-    from toolpace.verify import Verification, verify
 
 __all__ = [
     "AxisPath",
@@ -61,25 +59,25 @@ __all__ = [
 ]
 
 _HOME = {
-    "AxisPath": "axispath",
-    "EndState": "plan.endstate",
-    "Limits": "limits",
-    "Machine": "machine",
-    "Path": "path",
+    "AxisPath": "axispath.axispath",
+    "EndState": "planning.endstate",
+    "Limits": "machine.limits",
+    "Machine": "machine.machine",
+    "Path": "path.path",
     "SetPoints": "setpoints",
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",
-    "Verification": "verify",
-    "apply_feed": "read",
-    "plan": "plan",
-    "prove": "plan.prove",
-    "read": "read",
-    "read_text": "read",
-    "report": "report",
-    "verify": "verify",
+    "Verification": "judge",
+    "apply_feed": "reading",
+    "plan": "planning.planner",
+    "prove": "planning.bound.prove",
+    "read": "reading",
+    "read_text": "reading",
+    "report": "reporting",
+    "verify": "judge",
 }
-"""Public name to the module that defines it."""
+"""Public name to the module that defines it. No public function is named like a module: see docs/design/house.md."""
 _MODULES = ("deflect",)
 """Public modules that are reached as attributes."""
 
@@ -97,18 +95,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
-
-
-class _Package(ModuleType):
-    """The package itself; its functions `plan`, `read`, `report` and `verify` win over the folders of the same name.
-
-    Python binds a submodule to its parent after importing it, and so would put the module `toolpace.plan` in the
-    place of the function. `from toolpace.plan import ...` is not touched by this.
-    """
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if not (isinstance(value, ModuleType) and name in _HOME):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

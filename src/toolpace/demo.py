@@ -10,12 +10,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
+
+from toolpace.arrays import Floats
 
 if TYPE_CHECKING:
-    from toolpace.machine import Machine
+    from toolpace.machine.machine import Machine
 
-Floats = npt.NDArray[np.float64]
 Curve = Callable[[Floats], tuple[Floats, Floats]]
 """Parameter (n,) to tip (n, 3) [m] and tool axis (n, 3), not necessarily of unit length."""
 
@@ -141,7 +141,7 @@ def sampled_spiral(count: int, spacing: float) -> tuple[Floats, Floats]:
 
 
 def _machine() -> Machine:
-    from toolpace.machine import Machine
+    from toolpace.machine.machine import Machine
 
     return Machine.load(MACHINE)
 

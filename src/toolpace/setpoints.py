@@ -9,13 +9,10 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from toolpace.arrays import Floats, Ints
 from toolpace.errors import ToolpaceError, UsageError
 from toolpace.files import reason, whole_file
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)

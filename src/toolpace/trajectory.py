@@ -9,29 +9,19 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.axispath import AxisPath, AxisRun
+from toolpace.arrays import Floats, Ints
+from toolpace.axispath.axispath import AxisPath, AxisRun
 from toolpace.errors import UsageError
-from toolpace.limits import KINDS, Limits
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.limits import KINDS, Limits
+from toolpace.motion import Motion, joint_motion, limit_ratios
 from toolpace.setpoints import SetPoints
-from toolpace.timelaw import TimeLaw
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
 LEAST_JUMP = 1e-6
 """Jump of an acceleration, as a share of its limit, below which it is rounding."""
 CHUNK = 100_000
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Joint positions and three time derivatives, each (n, joints) [m or rad, s]."""
-
-    q: Floats
-    qd: Floats
-    qdd: Floats
-    qddd: Floats
 
 
 @dataclass(frozen=True)
@@ -63,27 +53,6 @@ class OpenPlace:
     """At most so much could be gained there [s]."""
     block: int
     """Block of the program at its start; 0 where there is none."""
-
-
-def joint_motion(path: Floats, state: Floats) -> Motion:
-    """The chain rule: path derivatives (4, n, joints) and a state (4, n) of s give the motion of the joints."""
-    q, q1, q2, q3 = path
-    v, a, j = (state[i][:, None] for i in (1, 2, 3))
-    return Motion(q, q1 * v, q2 * v**2 + q1 * a, q3 * v**3 + 3.0 * q2 * v * a + q1 * j)
-
-
-def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> Floats:
-    """(n, 1 + 3 m) value over limit: feed, then velocity, acceleration and jerk of each joint.
-
-    `right` (n,) is 0 where the state belongs to the left side of a break.
-    """
-    from toolpace.kernels import usage
-
-    s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
-    ratio: Floats = usage.ratios(
-        run.evaluate(s), state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk
-    )
-    return ratio
 
 
 def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.bool_]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toolpace.errors import ProgramError
-from toolpace.read import read_text
+from toolpace.reading import read_text
 from toolpace.toolpath import ToolPath
 
 MM_MIN = 1e-3 / 60

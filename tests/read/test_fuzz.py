@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from kinematics import MACHINE
 
 from toolpace.errors import ToolpaceError
-from toolpace.read import read_text
-from toolpace.read.source import Source
+from toolpace.reading import read_text
+from toolpace.reading.source import Source
 
 GCODE = """%
 O1 (SEED)

@@ -9,7 +9,7 @@ import pytest
 from kinematics import MACHINE
 
 from toolpace.errors import ProgramError
-from toolpace.read import read_text
+from toolpace.reading import read_text
 from toolpace.toolpath import ToolPath
 
 MM_MIN = 1e-3 / 60

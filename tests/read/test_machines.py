@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.machine import Machine
-from toolpace.read import read_text
+from toolpace.machine.machine import Machine
+from toolpace.reading import read_text
 
 
 @pytest.mark.parametrize("name", Machine.names())

@@ -9,7 +9,7 @@ import pytest
 from kinematics import MACHINE
 
 from toolpace.errors import ProgramError, UsageError
-from toolpace.read import apply_feed, read, read_text
+from toolpace.reading import apply_feed, read, read_text
 
 GCODE = "G0 X0 Y0 Z0\nG1 X1 F100\nM30\n"
 APT = "FEDRAT/100\nGOTO/0,0,0\nGOTO/1,0,0\n"

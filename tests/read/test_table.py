@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from toolpace.errors import ProgramError
-from toolpace.read import read_text
+from toolpace.reading import read_text
 
 HEADER = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]\n"
 MM_MIN = 1e-3 / 60

@@ -41,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail("out of memory; split the program, or take a longer --dt", 2)
     except Exception as error:
-        from toolpace.plan.crew import interrupted
+        from toolpace.workers import interrupted
 
         if interrupted(error):
             return _fail("interrupted; nothing was written", INTERRUPTED)

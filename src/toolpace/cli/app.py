@@ -175,7 +175,7 @@ def machines(name: str | None = None, /, *, toml: Annotated[bool, Switch] = Fals
     """
     from toolpace.cli import summary
     from toolpace.errors import UsageError
-    from toolpace.machine import Machine
+    from toolpace.machine.machine import Machine
 
     if toml:
         if name is None:

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from toolpace import units
 from toolpace.errors import UsageError
-from toolpace.plan import PLANNERS
+from toolpace.planning.planner import PLANNERS
 
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
-    from toolpace.machine import Machine
+    from toolpace.machine.machine import Machine
 
 
 def planner_named(name: str) -> str:
@@ -29,7 +29,7 @@ def planner_named(name: str) -> str:
 
 def machine_named(name: str | None, tool_length: str | None = None) -> Machine:
     """The machine, with another tool where its length is given."""
-    from toolpace.machine import Machine
+    from toolpace.machine.machine import Machine
 
     if name is None:
         raise UsageError(
@@ -60,7 +60,7 @@ def time_to_prove(text: str, planner: str) -> float:
 def feed_asked(feed: str | None) -> str | None:
     """The text of --feed, found to be one."""
     if feed is not None:
-        from toolpace.read.feeds import FeedChange
+        from toolpace.reading.feeds import FeedChange
 
         FeedChange.parse(feed)
     return feed

@@ -14,16 +14,16 @@ from toolpace.units import DEGREE, MILLIMETRE
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from toolpace.verify import Verification
+    from toolpace.judge import Verification
 
 
 def verify_folder(folder: Path, steps: Steps) -> Verification:
     """Judge the set-points in a folder against the machine and the program in it."""
     from toolpace import write
-    from toolpace.machine import Machine
-    from toolpace.read import read
+    from toolpace.judge import verify
+    from toolpace.machine.machine import Machine
+    from toolpace.reading import read
     from toolpace.setpoints import SetPoints
-    from toolpace.verify import verify
 
     if not folder.is_dir():
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
@@ -47,7 +47,7 @@ def verify_folder(folder: Path, steps: Steps) -> Verification:
 def run_demo(out: Path, console: Console) -> int:
     """Write the demo's program, plan it, show the summary, name the report."""
     from toolpace import demo
-    from toolpace.machine import Machine
+    from toolpace.machine.machine import Machine
 
     machine = Machine.load(demo.MACHINE)
     steps = Steps(console)

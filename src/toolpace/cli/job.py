@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.cli.steps import Steps
-from toolpace.cli.summary import MOST_USAGE
-from toolpace.reach import check_travel
+from toolpace.machine.refusals import check_travel
+from toolpace.planning.guarantee import PROMISED
 
 if TYPE_CHECKING:
-    from toolpace.machine import Machine
+    from toolpace.judge import Verification
+    from toolpace.machine.machine import Machine
     from toolpace.toolpath import ToolPath
-    from toolpace.verify import Verification
     from toolpace.write import PlanRecord
 
 
@@ -39,7 +39,7 @@ class Job:
 
 def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
-    from toolpace.read import read
+    from toolpace.reading import read
 
     warm_up(steps)
     with steps.step("reading") as tell:
@@ -51,11 +51,11 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     import msgspec
 
     from toolpace import write
-    from toolpace.axispath import AxisPath
-    from toolpace.path import Path as SmoothPath
-    from toolpace.plan import plan
-    from toolpace.plan.prove import prove
-    from toolpace.verify import verify
+    from toolpace.axispath.axispath import AxisPath
+    from toolpace.judge import verify
+    from toolpace.path.path import Path as SmoothPath
+    from toolpace.planning.bound.prove import prove
+    from toolpace.planning.planner import plan
     from toolpace.write.plan_json import PLAN
 
     with steps.step("fitting") as tell:
@@ -116,11 +116,11 @@ def warm_up(steps: Steps) -> None:
         return
     with steps.step("compiling", "first run on this computer, may take a minute; kept for later runs"):
         from toolpace import demo
-        from toolpace.machine import Machine
-        from toolpace.path import Path as SmoothPath
-        from toolpace.plan import plan
-        from toolpace.read import read_text
-        from toolpace.verify import verify
+        from toolpace.judge import verify
+        from toolpace.machine.machine import Machine
+        from toolpace.path.path import Path as SmoothPath
+        from toolpace.planning.planner import plan
+        from toolpace.reading import read_text
 
         machine = Machine.load(demo.MACHINE)
         toolpath = read_text(demo.spiral_program(200, machine), machine)
@@ -142,4 +142,4 @@ def written(job: Job) -> list[str]:
 
 def exit_code(record: PlanRecord, verification: Verification) -> int:
     """0 where the motion passed, and kept every limit at any time too, not only at the set-points; else 1."""
-    return 0 if verification.ok and record.usage.worst <= MOST_USAGE else 1
+    return 0 if verification.ok and record.usage.worst <= PROMISED else 1

@@ -8,6 +8,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.planning.guarantee import PROMISED
 from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 
 if TYPE_CHECKING:
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from toolpace.machine import Machine
-    from toolpace.verify import Verification
+    from toolpace.judge import Verification
+    from toolpace.machine.machine import Machine
     from toolpace.write import PlanRecord
     from toolpace.write.plan_json import OpenPlaceRecord
 
@@ -26,8 +27,6 @@ WORTH_A_WORD = 1e-3
 PLACES_SHOWN = 3
 SHOWN = 6
 """How many limits are named."""
-MOST_USAGE = 1.0001
-"""The guarantee: peak value over limit, at any time."""
 FULL = 0.999
 """Usage from which a limit counts as used to the full."""
 
@@ -69,7 +68,7 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     console.print(usage_table(record))
     console.print()
     line = verdict(verification)
-    if verification.ok and record.usage.worst > MOST_USAGE:
+    if verification.ok and record.usage.worst > PROMISED:
         more = f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %"
         if None in record.usage.jerk.values():
             more = "  between the set-points accelerations jump: jerk limits are not held"
@@ -124,7 +123,7 @@ def _percent(ratio: float | None) -> Text:
     if ratio is None:
         return Text("jumps", style="bold red")
     text = f"{100.0 * ratio:.2f}" if ratio >= FULL else f"{100.0 * ratio:.0f}"
-    return Text(text, style="bold red" if ratio > MOST_USAGE else "bold" if ratio >= FULL else "")
+    return Text(text, style="bold red" if ratio > PROMISED else "bold" if ratio >= FULL else "")
 
 
 def _within(value: float, tolerance: float | None, scale: float, show: Callable[[float], str]) -> str:
@@ -157,7 +156,7 @@ def show_verification(console: Console, verification: Verification) -> None:
 
 def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
-    from toolpace.machinetable import title
+    from toolpace.machine.table import title
 
     name, _, rest = title(machine).partition(": ")
     note = machine.file.note

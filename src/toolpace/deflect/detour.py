@@ -16,13 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.axispath import AxisRun
-from toolpace.machine import Machine
-from toolpace.timelaw import TimeLaw
-from toolpace.trajectory import joint_motion
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from toolpace.arrays import Floats, Ints
+from toolpace.axispath.axispath import AxisRun
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.machine import Machine
+from toolpace.motion import joint_motion
 
 STEP = 1e-6
 """Time by which joints are moved on to see the speed of the tip [s]."""
@@ -125,7 +123,7 @@ class Detour:
 
     def polynomials(self) -> Floats:
         """(1, 6, m) of the quintics."""
-        from toolpace.kernels.quintic import coefficients
+        from toolpace.kernels.motion.quintic import coefficients
 
         q = self.known.motion(np.array([self.time + self.carry]))[:3, 0]
         q[0] += self.offset
@@ -136,7 +134,7 @@ class Detour:
 
     def motion(self, t: Floats) -> Floats:
         """(4, n, m) joints and three time derivatives at sorted times (n,) since the deflection."""
-        from toolpace.kernels.quintic import evaluate
+        from toolpace.kernels.motion.quintic import evaluate
 
         out: Floats = evaluate(np.array([0.0, self.period]), self.polynomials(), np.ascontiguousarray(t - self.carry))
         early = t < self.carry

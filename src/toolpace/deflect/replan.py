@@ -8,24 +8,23 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.axispath import AxisPath, AxisRun, FollowRun
-from toolpace.deflect.chainlaw import ChainLaw, Piece
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath, AxisRun, FollowRun
 from toolpace.deflect.detour import Detour, DetourRun, Known, tip_velocity
-from toolpace.deflect.potential import project
+from toolpace.deflect.projection import project
 from toolpace.deflect.search import Judge, shortest_detour
 from toolpace.errors import InfeasibleError, ReachError, UsageError
-from toolpace.limits import Limits
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan.endstate import EndState
-from toolpace.plan.quinticlaw import QuinticLaw
-from toolpace.timelaw import TimeLaw
+from toolpace.laws.chain import ChainLaw, Piece
+from toolpace.laws.law import TimeLaw
+from toolpace.laws.quintic import QuinticLaw
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.endstate import EndState
+from toolpace.planning.guarantee import PROMISED
 from toolpace.trajectory import Trajectory
 
-Floats = npt.NDArray[np.float64]
-
 PLANNERS = ("optimal", "genetic", "direct")
-USAGE = 1.0001
 
 
 def replan(
@@ -88,7 +87,7 @@ def replan(
         rest = Piece(known.law, detour.rejoin, known.law.duration)
         laws[0] = ChainLaw([Piece(laws[0], 0.0, detour.duration), rest])
         if planner == "genetic":
-            from toolpace.deflect.interval import genetic_law
+            from toolpace.deflect.genetic import genetic_law
 
             laws[0] = genetic_law(run, trajectory.limits, laws[0], options)
         elif planner == "optimal":
@@ -224,7 +223,7 @@ def direct_law(run: DetourRun) -> QuinticLaw:
 
 def optimal_law(run: DetourRun, limits: Limits, direct: TimeLaw, options: dict[str, Any]) -> TimeLaw:
     """The fastest law of detour and rest, or the direct one where that is as fast."""
-    from toolpace.plan.optimal import plan_run
+    from toolpace.planning.optimal.planner import plan_run
 
     _, v, a, _ = run.parameter(np.zeros(1))[:, 0]
     try:
@@ -236,7 +235,7 @@ def optimal_law(run: DetourRun, limits: Limits, direct: TimeLaw, options: dict[s
     if not meets or law.duration >= direct.duration:
         return direct
     alone = AxisPath((run,), limits.joints, run.machine)
-    return law if Trajectory(alone, limits, (law,)).usage().worst <= USAGE else direct
+    return law if Trajectory(alone, limits, (law,)).usage().worst <= PROMISED else direct
 
 
 def described(trajectory: Trajectory, offset: Floats, machine: Machine | None) -> str:

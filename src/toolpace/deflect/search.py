@@ -7,14 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
+from toolpace.arrays import Floats
 from toolpace.deflect.detour import Detour, Excess, Known, tip_velocity
-from toolpace.limits import Limits
-from toolpace.machine import Machine
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.planning.guarantee import DETOUR
 
-Floats = npt.NDArray[np.float64]
-
-ALLOWED = 1.0 + 6e-5
-"""Usage of a detour; the guarantee is 1 + 1e-4, and the motion before may itself use 1 + 5e-5."""
 RATIOS = np.concatenate([np.linspace(0.5, 0.95, 10), [0.98, 0.99, 1.0, 1.002, 1.005, 1.01, 1.02, 1.04, 1.07],
                          1.1 * 1.12 ** np.arange(16), 8.0 * 1.6 ** np.arange(8)])  # fmt: skip
 """Period of the quintic over the time that the known motion takes for the same way."""
@@ -65,7 +63,7 @@ class Judge:
 
     def joint_usage(self, carry: float, rejoin: Floats, period: Floats) -> Floats:
         """(n,) usage of the quintics alone, to rejoin at times (n,) in periods (n,)."""
-        from toolpace.kernels.bridge import usages
+        from toolpace.kernels.planners.quintic_bridge import usages
 
         start = self.known.motion(np.array([self.time + carry]))[:3, 0]
         start[0] += self.offset
@@ -108,10 +106,10 @@ class Judge:
         """Whether the detour is within all limits; `joints` is its usage of theirs if it is known already."""
         if joints is None:
             joints = float(self.joint_usage(detour.carry, np.array([detour.rejoin]), np.array([detour.period]))[0])
-        worst = joints if joints > ALLOWED else max(joints, self.path_usage(detour))
-        passed = worst <= ALLOWED
+        worst = joints if joints > DETOUR else max(joints, self.path_usage(detour))
+        passed = worst <= DETOUR
         if not passed:
-            self.note(worst, "the joints' limits" if joints > ALLOWED else "feed or travel")
+            self.note(worst, "the joints' limits" if joints > DETOUR else "feed or travel")
         return passed
 
     def note(self, usage: float, of: str) -> None:
@@ -153,9 +151,9 @@ def candidates(judge: Judge, carry: float, rejoin: Floats) -> Iterator[tuple[flo
     if len(at) == 0:
         return
     used = judge.joint_usage(carry, at, period)
-    judge.note(float(np.min(np.where(used > ALLOWED, used, np.inf))), "the joints' limits")
+    judge.note(float(np.min(np.where(used > DETOUR, used, np.inf))), "the joints' limits")
     loss = np.maximum(carry + period - (at - judge.time), 0.0) + HASTE * (carry + period)
-    good = np.flatnonzero(used <= ALLOWED)
+    good = np.flatnonzero(used <= DETOUR)
     for k in good[np.argsort(loss[good], kind="stable")][:TRIES]:
         detour = Detour(judge.known, judge.time, judge.offset, carry, float(period[k]), float(at[k]))
         yield float(loss[k]), detour, float(used[k])

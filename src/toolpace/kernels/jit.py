@@ -19,7 +19,7 @@ from numba.core import config
 def cache_folder() -> Path:
     """The folder of the compiled code of exactly these sources."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(source.read_bytes())
     base = os.environ.get("TOOLPACE_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return Path(base) / "toolpace" / digest.hexdigest()[:16]

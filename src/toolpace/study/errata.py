@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.axispath import AxisPath
-from toolpace.kernels import quintic
+from toolpace.axispath.axispath import AxisPath
+from toolpace.kernels.motion import quintic
 from toolpace.study.simulation import DEFLECTION, FEED, PRINTED_PROJECTION, Study
 
 LENGTH, Z1, Z2 = 0.05, 0.3, 0.03

@@ -6,14 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from toolpace.arrays import Floats
 from toolpace.deflect.detour import DetourRun
-from toolpace.deflect.potential import Projection
+from toolpace.deflect.projection import Projection
 from toolpace.study.simulation import DEFLECTION, FEED, Study
 from toolpace.trajectory import Trajectory
-
-Floats = npt.NDArray[np.float64]
 
 TIMES = 1500
 COLOURS = {"X": "#2563c9", "Y": "#0f8a6a", "Z": "#7a4fd0", "A": "#d9622b", "B": "#c2255c"}

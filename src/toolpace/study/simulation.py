@@ -6,18 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from toolpace import deflect
-from toolpace.axispath import AxisPath
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.replan import passing_time
-from toolpace.machine import Machine
-from toolpace.path import Path
-from toolpace.plan import plan
-from toolpace.quinticpath import quintic_through
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.planner import plan
 from toolpace.trajectory import Trajectory
-
-Floats = npt.NDArray[np.float64]
 
 FEED = 0.03
 """F of Eq. (11) [m/s]."""

@@ -15,10 +15,10 @@ from toolpace.write.csv import write_csv
 from toolpace.write.plan_json import PLAN, PlanRecord, plan_record, read_plan, write_plan
 
 if TYPE_CHECKING:
-    from toolpace.machine import Machine
+    from toolpace.judge import Verification
+    from toolpace.machine.machine import Machine
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
-    from toolpace.verify import Verification
 
 __all__ = ["PlanRecord", "plan_record", "read_plan", "write_all", "write_csv", "write_plan"]
 
@@ -88,7 +88,7 @@ def write_all(
             write_csv(folder / TABLE, setpoints, machine)
         if report:
             tell("report", 0.4)
-            from toolpace.report import write_report
+            from toolpace.reporting import write_report
 
             write_report(folder / REPORT, trajectory, setpoints, toolpath, verification, record.facts())
         write_plan(folder / PLAN, record)

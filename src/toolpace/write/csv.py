@@ -12,7 +12,7 @@ from toolpace.files import whole_file
 from toolpace.setpoints import SetPoints
 
 if TYPE_CHECKING:
-    from toolpace.machine import Machine
+    from toolpace.machine.machine import Machine
 
 CHUNK = 20_000
 _KINDS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s2"), (" jerk", "qddd", "/s3"))

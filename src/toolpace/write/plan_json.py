@@ -15,10 +15,10 @@ from toolpace.files import reason, whole_file
 from toolpace.setpoints import SetPoints
 
 if TYPE_CHECKING:
-    from toolpace.machine import Machine
+    from toolpace.judge import Verification
+    from toolpace.machine.machine import Machine
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
-    from toolpace.verify import Verification
 
 PLAN = "plan.json"
 

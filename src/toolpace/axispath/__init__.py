@@ -1,0 +1,1 @@
+"""Joint positions along a path: all that a planner needs to know."""

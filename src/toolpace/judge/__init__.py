@@ -1,0 +1,104 @@
+"""The judge: is this motion within every limit and tolerance? From set-points, the machine and the program
+alone.
+
+Nothing here knows how the motion was planned; speeds, accelerations and jerks are finite differences of
+positions, the tool comes from the machine's forward kinematics, and the way along the program is found anew.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+
+from toolpace.errors import UsageError
+from toolpace.judge.motion import motion_checks, rest_checks, step_check
+from toolpace.judge.program import program_checks
+from toolpace.judge.tool import tool_checks
+from toolpace.judge.verification import Check, Verification
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.setpoints import SetPoints
+from toolpace.toolpath import ToolPath
+
+__all__ = ["Check", "Verification", "verify"]
+
+
+class Sampled(Protocol):
+    """Anything that can be sampled at equal time steps, as a Trajectory can."""
+
+    def sample(self, dt: float) -> SetPoints: ...
+
+
+def verify(
+    trajectory: SetPoints | Sampled,
+    machine: Machine | Limits,
+    toolpath: ToolPath | None = None,
+    tip_tolerance: float = 10e-6,
+    axis_tolerance: float = 1e-3,
+    dt: float = 1e-3,
+) -> Verification:
+    """Judge set-points, or a trajectory sampled every `dt` [s], against the machine and, if given, the
+    program.
+
+    Checked: equal time steps, no nan; per joint the velocity, acceleration and jerk as first, second and
+    third differences over at most three steps (each is a weighted mean of the true value: what it shows above
+    the limit is above the limit), within 1e-4 of the limit and a stated rounding noise; the set-points' own
+    derivatives; rest at both ends; travel; the tip and axis columns against forward kinematics. With a
+    program: the distance to it and from it (tip within `tip_tolerance` [m], axis within `axis_tolerance`
+    [rad], in order), the feed of each block, its least time, stops and dwells. With bare limits in place of a
+    machine, what needs kinematics is left out.
+
+    Time is linear in set-points and program points. Raises UsageError where the set-points do not fit the
+    machine.
+    """
+    points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
+    limits = machine if isinstance(machine, Limits) else machine.limits
+    if points.q.shape[1] != len(limits.velocity):
+        raise UsageError(
+            f"set-points of {points.q.shape[1]} joints ({', '.join(points.joints)}), "
+            f"limits of {len(limits.velocity)} ({', '.join(limits.joints)})"
+        )
+    if not (tip_tolerance > 0.0 and axis_tolerance > 0.0):
+        raise UsageError(f"tolerances must be positive, not {tip_tolerance} m and {axis_tolerance} rad")
+    first = _finite(points)
+    if first is not None:
+        return Verification((first,), dt, len(points))
+    step, checks = step_check(points)
+    if not checks[0].ok:
+        return Verification(tuple(checks), step, len(points))
+    units = _units(machine)
+    checks += motion_checks(points, limits, units, step)
+    checks += rest_checks(points, limits, units, step)
+    tip_deviation = axis_deviation = math.nan
+    if isinstance(machine, Machine):
+        tip, axis = machine.forward(points.q)
+        checks += tool_checks(points, machine, tip, axis)
+        if toolpath is not None:
+            judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step)
+            checks += judged.checks
+            tip_deviation, axis_deviation = judged.tip_deviation, judged.axis_deviation
+    return Verification(tuple(checks), step, len(points), tip_deviation, axis_deviation)
+
+
+def _units(machine: Machine | Limits) -> list[str]:
+    """The unit of each joint; bare limits do not tell."""
+    if isinstance(machine, Machine):
+        return ["rad" if rotary else "m" for rotary in machine.is_rotary]
+    return [""] * len(machine.joints)
+
+
+def _finite(points: SetPoints) -> Check | None:
+    """A failed check if there is no set-point, or one that is no number."""
+    if len(points) == 0:
+        return Check("set-points", 0.0, 1.0, "", False, note="there is none")
+    for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis"):
+        bad = ~np.isfinite(getattr(points, name))
+        if bad.any():
+            row, *column = np.argwhere(bad)[0]
+            joint = points.joints[column[0]] if name in ("q", "qd", "qdd", "qddd") else ""
+            time, block = float(points.t[row]), int(points.block[row])
+            note = f"set-point {row}: {name} is not a number"
+            return Check("set-points", math.nan, 0.0, "", False, time, block, joint, note)
+    return None

@@ -1,0 +1,162 @@
+"""Limits of the joints, judged by finite differences of positions, and rest at both ends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.judge.verification import Check
+from toolpace.machine.limits import Limits
+from toolpace.setpoints import SetPoints
+
+TOLERANCE = 1e-4
+"""Share of a limit by which it may be exceeded."""
+
+_KINDS = ("velocity", "acceleration", "jerk")
+_PER = ("s", "s2", "s3")
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def unit_of(base: str, order: int) -> str:
+    """The unit of the order-th derivative of a joint measured in `base` ("m", "rad" or, unknown, "")."""
+    return base if order == 0 else f"{base or '1'}/{_PER[order - 1]}"
+
+
+def step_check(points: SetPoints) -> tuple[float, list[Check]]:
+    """The time step [s], and whether it is the same all through (the last one may be shorter)."""
+    if len(points) < 2:
+        return math.nan, [Check("set-points", float(len(points)), 2.0, "", False, at_least=True, note="too few")]
+    steps = np.diff(points.t)
+    step = float(np.median(steps))
+    even = steps[:-1] if 0.0 < steps[-1] < step else steps
+    off = np.abs(even - step) if len(even) else np.zeros(1)
+    worst = int(np.argmax(off))
+    noise = 4.0 * _EPS * float(np.abs(points.t).max())
+    ok = bool(step > 0.0 and off[worst] <= 1e-9 * abs(step) + noise)
+    time, block = float(points.t[worst]), int(points.block[worst])
+    if step <= 0.0:
+        return step, [Check("time step", math.nan, 0.0, "s", False, time, block, note="time does not run forward")]
+    return step, [
+        Check("unevenness of the time step", float(off[worst]), 1e-9 * step, "s", ok, time, block, noise=noise)
+    ]
+
+
+def position_noise(q: Floats, t: Floats, speed: float) -> float:
+    """How far a position may be off by rounding: a few units in the last place of it and of its time."""
+    return _EPS * (4.0 * max(float(np.abs(q).max()), 1.0) + speed * float(np.abs(t).max()))
+
+
+def motion_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
+    """Velocity, acceleration and jerk of every joint.
+
+    The k-th difference over dt^k is a mean of the k-th derivative with a positive weight (a B-spline, Peano),
+    so a motion within its limits never shows more. Rounding of positions adds 2^k noise / dt^k. A jump in
+    position, velocity or acceleration shows as too much velocity, acceleration or jerk: continuity needs no
+    check of its own.
+    """
+    checks = []
+    for order, kind in enumerate(_KINDS, start=1):
+        for j, joint in enumerate(points.joints):
+            limit = float(getattr(limits, kind)[j])
+            q = points.q[:, j]
+            noise = 2.0**order * position_noise(q, points.t, float(np.abs(points.qd[:, j]).max())) / dt**order
+            value, at = _largest_difference(q, points.t, order, dt)
+            column = np.abs((points.qd, points.qdd, points.qddd)[order - 1][:, j])
+            worst = int(np.argmax(column))
+            note = ""
+            if column[worst] > max(value, limit * (1.0 + TOLERANCE)):
+                value, at, note = float(column[worst]), worst, "by the set-point's own derivative"
+            ok = value <= limit * (1.0 + TOLERANCE) + noise
+            time, block = float(points.t[at]), int(points.block[at])
+            unit = unit_of(units[j], order)
+            checks.append(Check(kind, value, limit, unit, ok, time, block, joint, note, noise=noise))
+    return checks + _column_checks(points, limits, units, dt)
+
+
+def _largest_difference(q: Floats, t: Floats, order: int, dt: float) -> tuple[float, int]:
+    """Largest |difference| / dt^order and the set-point in its middle; a shorter last step by divided
+    differences."""
+    n = len(q)
+    if n <= order:
+        return 0.0, 0
+    value, at = 0.0, 0
+    short = t[-1] - t[-2] < 0.999 * dt
+    even = np.abs(np.diff(q[: n - 1] if short else q, n=order))
+    if len(even):
+        k = int(np.argmax(even))
+        value, at = float(even[k]) / dt**order, k + order // 2
+    if short:
+        # The span, not the short step, is what a divided difference of order k is divided by last.
+        times, table = t[n - 1 - order :], q[n - 1 - order :]
+        for k in range(1, order + 1):
+            table = np.diff(table) / (times[k:] - times[:-k])
+        tail = abs(float(table[0])) * math.factorial(order)
+        shortest = max(float(t[-1] - t[-2]) / dt, 1e-9)
+        tail -= 2.0**order * 8.0 * _EPS * max(float(np.abs(q).max()), 1.0) / (dt**order * shortest)
+        if tail > value:
+            value, at = tail, n - 1
+    return value, at
+
+
+def _column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
+    """Whether positions, velocities and accelerations are one another's derivatives, by the trapezoidal rule.
+
+    Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
+    acceleration whose slope is at most J. Where the jerk is too high (which is said already), accelerations may jump:
+    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2.
+    """
+    checks = []
+    steps = np.diff(points.t)
+    shown = [_largest_difference(points.q[:, j], points.t, 3, dt)[0] for j in range(len(points.joints))]
+    for name, below, above, power, share, of_shown in (
+        ("velocity", points.q, points.qd, 3, 12.0, 4.0),
+        ("acceleration", points.qd, points.qdd, 2, 4.0, 1.0),
+    ):
+        for j, joint in enumerate(points.joints):
+            jerk = float(limits.jerk[j])
+            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share
+            if shown[j] > jerk * (1.0 + TOLERANCE):
+                allowed = max(allowed, shown[j] * dt**power / of_shown)
+            if not math.isfinite(allowed) or not len(steps):
+                continue
+            off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))
+            worst = int(np.argmax(off))
+            scale = float(np.abs(below[:, j]).max())
+            # Derivatives are worked out, not differenced; a relative error of 1e-9 is theirs by right.
+            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max())) + 1e-9 * dt * scale
+            ok = bool(off[worst] <= allowed + noise)
+            if not ok:
+                time, block = float(points.t[worst]), int(points.block[worst])
+                unit = unit_of(units[j], 0 if name == "velocity" else 1)
+                note = f"the {name} column is not the derivative of its neighbour"
+                checks.append(Check(f"{name} column", float(off[worst]), allowed, unit, ok, time, block, joint, note))
+    return checks
+
+
+def rest_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
+    """Rest at start and end: from rest, the first step is at most J dt^3 / 6 (or a dt^2 / 2, or v dt)."""
+    most = still_step(limits, dt)
+    checks = []
+    for name, first, second in (("start", 0, 1), ("end", len(points) - 1, len(points) - 2)):
+        moved = np.abs(points.q[first] - points.q[second])
+        own = np.abs(points.qd[first]) * dt
+        off = np.maximum(moved, own)
+        noise = 4.0 * _EPS * np.maximum(np.abs(points.q).max(axis=0), 1.0)
+        j = int(np.argmax(off / (most + noise)))
+        ok = bool(off[j] <= most[j] * (1.0 + TOLERANCE) + 2.0 * noise[j])
+        time, block = float(points.t[first]), int(points.block[first])
+        unit = unit_of(units[j], 1)
+        value, limit = float(off[j]) / dt, float(most[j]) / dt
+        note = "speed in the outermost step, at rest no more than the jerk limit allows"
+        checks.append(Check(f"rest at the {name}", value, limit, unit, ok, time, block, points.joints[j], note))
+    return checks
+
+
+def still_step(limits: Limits, dt: float) -> Floats:
+    """(joints,) the most that each joint can move from rest in one step."""
+    by_jerk, by_acceleration = limits.jerk * dt**3 / 6.0, limits.acceleration * dt**2 / 2.0
+    least: Floats = np.minimum(np.minimum(by_jerk, by_acceleration), limits.velocity * dt)
+    return least

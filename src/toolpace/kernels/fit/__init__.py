@@ -1,0 +1,1 @@
+"""Quintic splines inside a tube."""

@@ -1,0 +1,1 @@
+"""What the judge computes in loops; shared with nobody."""

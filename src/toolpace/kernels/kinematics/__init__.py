@@ -1,0 +1,1 @@
+"""Joint chains: forward, inverse, derivatives, and the choice among solutions."""

@@ -1,0 +1,1 @@
+"""Laws of motion, and what they use of the limits."""

@@ -1,0 +1,117 @@
+"""Rows in tiles and their multipliers: what a planner's problem and its relaxation have in common.
+
+A row bounds value = r . (z, z', z'') from above and below: by 1 for acceleration, by the limit of its point for jerk,
+each relaxed by an amount of its kind. With its slacks, up = limit + extra - value and down = limit + extra + value, go
+the multipliers above and below. Sums and peaks are kept lane by lane, and gathered at the end.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolpace.kernels.jit import jit
+from toolpace.kernels.optimal.tiles import TILE
+
+Z, Z1, Z2, LIMIT, FALL, EXTRA, EXTRA_JERK = range(7)
+"""State of a point or knot: z, z', z'', the limit of its jerk rows, the negative slope of 1 / sqrt(z), and by how much
+its rows of acceleration and of jerk are relaxed."""
+STATES = 7
+BOUND, RELAXED, SLOPE, COMMON, FIRST = range(0, 10, 2)
+"""Of the rows of a tile, those of acceleration, and next to it those of jerk: limit, its relief, its negative slope,
+and what a step and the predictor's do to both slacks alike."""
+BOUNDS = 10
+
+
+@jit(reorder=True)
+def set_bounds(at: Any, lanes: Any, out: Any) -> Any:
+    """Set limit, relief and slope of the rows of a tile from its states (7, TILE)."""
+    for p in range(lanes):
+        out[BOUND, p], out[BOUND + 1, p] = 1.0, at[LIMIT, p]
+        out[RELAXED, p], out[RELAXED + 1, p] = at[EXTRA, p], at[EXTRA_JERK, p]
+        out[SLOPE, p], out[SLOPE + 1, p] = 0.0, at[FALL, p]
+
+
+@jit(reorder=True)
+def set_common(at: Any, change: Any, column: Any, lanes: Any, out: Any) -> Any:
+    """Set what a change (4, TILE) of z, z', z'' and wait does to both slacks of the rows of a tile alike."""
+    for p in range(lanes):
+        out[column, p] = -at[EXTRA, p]
+        out[column + 1, p] = change[3, p] - at[FALL, p] * change[0, p] - at[EXTRA_JERK, p]
+
+
+@jit(reorder=True)
+def start(points: Any, rows: Any, at: Any, centre: Any, dual: Any) -> Any:
+    """Multipliers that make every product of slack and multiplier equal to `centre`."""
+    half = rows.shape[1] // 2
+    bounds = np.empty((BOUNDS, TILE))
+    for t in range(len(rows)):
+        lanes = min(TILE, points - t * TILE)
+        set_bounds(at[t], lanes, bounds)
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            for p in range(lanes):
+                value = (
+                    rows[t, i, 0, p] * at[t, Z, p] + rows[t, i, 1, p] * at[t, Z1, p] + rows[t, i, 2, p] * at[t, Z2, p]
+                )
+                room = bounds[BOUND + kind, p] + bounds[RELAXED + kind, p]
+                dual[t, i, 0, p] = centre / (room - value)
+                dual[t, i, 1, p] = centre / (room + value)
+
+
+FALLS, GROWS, LINEAR, SQUARE = range(4)
+"""Of a lane, in a predictor: largest relative falls and growths of slacks; sums of slack times multiplier times such a
+change or its square."""
+
+
+@jit()
+def share_left(gap: Any, falls: Any, grows: Any, linear: Any, square: Any) -> Any:
+    """Share of the gap that is left after the longest predictor's step, primal and dual apart.
+
+    From what the predictor does to the slacks. Without centring the relative changes of a slack and of its multiplier
+    sum to -1, so that the slacks tell all.
+    """
+    go, go_dual = min(1.0, 1.0 / falls), min(1.0, 1.0 / (1.0 + grows))
+    return 1.0 + (go * linear - go_dual * (gap + linear) - go * go_dual * (square + linear)) / gap
+
+
+LOSS, LOSS_DUAL, STEP_UP, STEP_DOWN = range(4)
+"""Of a lane, in a corrector: largest relative losses of slack and of multiplier; steps of the multipliers of a row."""
+
+
+@jit(reorder=True)
+def correct(points: Any, rows: Any, at: Any, affine: Any, change: Any, dual: Any, centre: Any, step: Any) -> Any:
+    """Steps of the multipliers for the corrector's `change` (tiles, 4, TILE) of z, z', z'' and wait.
+
+    `affine` is the predictor's. Returns the largest relative losses of slack and of multiplier.
+    """
+    half = rows.shape[1] // 2
+    bounds, lane = np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
+    for t in range(len(rows)):
+        lanes = min(TILE, points - t * TILE)
+        set_bounds(at[t], lanes, bounds)
+        set_common(at[t], change[t], COMMON, lanes, bounds)
+        set_common(at[t], affine[t], FIRST, lanes, bounds)
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            for p in range(lanes):
+                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
+                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p]
+                move = r0 * change[t, 0, p] + r1 * change[t, 1, p] + r2 * change[t, 2, p]
+                first = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
+                common, common_first = bounds[COMMON + kind, p], bounds[FIRST + kind, p]
+                room = bounds[BOUND + kind, p] + bounds[RELAXED + kind, p]
+                up, down, above, below = room - value, room + value, dual[t, i, 0, p], dual[t, i, 1, p]
+                inverse, inverse_dual = 1.0 / (up * down), centre / (above * below)
+                inverse_up, inverse_down = inverse * down, inverse * up
+                change_up, change_down = (common - move) * inverse_up, (common + move) * inverse_down
+                before_up, before_down = (common_first - first) * inverse_up, (common_first + first) * inverse_down
+                grow_up = inverse_dual * below * inverse_up + before_up * (1.0 + before_up) - change_up - 1.0
+                grow_down = inverse_dual * above * inverse_down + before_down * (1.0 + before_down) - change_down - 1.0
+                lane[STEP_UP, p], lane[STEP_DOWN, p] = above * grow_up, below * grow_down
+                lane[LOSS, p] = max(lane[LOSS, p], max(-change_up, -change_down))
+                lane[LOSS_DUAL, p] = max(lane[LOSS_DUAL, p], max(-grow_up, -grow_down))
+            for p in range(lanes):
+                step[t, i, 0, p], step[t, i, 1, p] = lane[STEP_UP, p], lane[STEP_DOWN, p]
+    return lane[LOSS].max(), lane[LOSS_DUAL].max()

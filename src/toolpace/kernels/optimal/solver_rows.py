@@ -1,0 +1,227 @@
+"""The passes over the rows of the optimal planner's problem: all that `solver` does row by row.
+
+Points are kept in tiles (see `tiles`), so that vector instructions work on several of them at once;
+`at` (tiles, 7, TILE) are their states, `affine` and `change` (tiles, 4, TILE) steps of z, z', z'', the fourth being
+zero (see `multipliers`). Sums and peaks are kept lane by lane, and gathered at the end.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolpace.kernels.jit import jit
+from toolpace.kernels.optimal import multipliers
+from toolpace.kernels.optimal.multipliers import (
+    BOUND,
+    BOUNDS,
+    EXTRA,
+    EXTRA_JERK,
+    FALL,
+    FALLS,
+    GROWS,
+    LIMIT,
+    LINEAR,
+    RELAXED,
+    SLOPE,
+    SQUARE,
+    Z1,
+    Z2,
+    Z,
+    set_bounds,
+    share_left,
+)
+from toolpace.kernels.optimal.newton import add_curvature, add_slope
+from toolpace.kernels.optimal.tiles import TILE
+
+MOST_FALL = 0.6
+"""Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""
+KEEP_CURVATURE = 0.05
+CAP, ACCELERATION, JERK = 0, 1, 2
+"""What the columns of a relief are for."""
+
+
+@jit()
+def spread(basis: Any, node: Any, c: Any, out: Any) -> Any:
+    """out (tiles, 3, TILE): z, z', z'' at the points from the coefficients c."""
+    for p in range(len(node)):
+        k = node[p]
+        for d in range(3):
+            out[p // TILE, d, p % TILE] = basis[p, d, 0] * c[k] + basis[p, d, 1] * c[k + 1] + basis[p, d, 2] * c[k + 2]
+
+
+@jit(reorder=True)
+def states(basis: Any, node: Any, c: Any, relief: Any, tau: Any, at: Any) -> Any:
+    """Set the states at the points from the coefficients c."""
+    spread(basis, node, c, at)
+    for t in range(len(at)):
+        for p in range(min(TILE, len(node) - t * TILE)):
+            pace = 1.0 / np.sqrt(at[t, Z, p])
+            at[t, LIMIT, p], at[t, FALL, p] = pace, 0.5 * pace / at[t, Z, p]
+            at[t, EXTRA, p], at[t, EXTRA_JERK, p] = tau * relief[t, ACCELERATION, p], tau * relief[t, JERK, p]
+
+
+@jit(reorder=True)
+def start(
+    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, centre: Any, dual: Any, dual_cap: Any
+) -> Any:
+    """Multipliers that make every product of slack and multiplier equal to `centre`."""
+    multipliers.start(points, rows, at, centre, dual)
+    for t in range(len(rows)):
+        for p in range(min(TILE, points - t * TILE)):
+            dual_cap[t, p] = centre / (cap[t, p] - at[t, Z, p] + tau * relief[t, CAP, p])
+
+
+M00, M01, M02, M11, M12, M22, G0, G1, G2, L0, L1, L2, REVERSE = range(13)
+"""Sums of a point: second derivatives, right-hand side, gradient, and all multipliers of its jerk rows."""
+
+
+@jit(reorder=True)
+def newton_system(
+    basis: Any, node: Any, weight: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any,
+    matrix: Any, rhs: Any, gradient: Any,
+) -> Any:  # fmt: skip
+    """Newton matrix, right-hand side for a centring of zero, gradient of the Lagrangian; returns gap and time."""
+    half = rows.shape[1] // 2
+    matrix[:] = 0.0
+    rhs[:] = 0.0
+    gradient[:] = 0.0
+    sums, bounds, gaps, times = np.empty((13, TILE)), np.empty((BOUNDS, TILE)), np.zeros(TILE), np.zeros(TILE)
+    for t in range(len(rows)):
+        lanes = min(TILE, len(node) - t * TILE)
+        set_bounds(at[t], lanes, bounds)
+        sums[:] = 0.0
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            jerk = 0.0 if i < half else 1.0
+            for p in range(lanes):
+                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
+                fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]
+                value, room = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p], bounds[BOUND + kind, p] + extra
+                up, down = room - value, room + value
+                inverse = 1.0 / (up * down)
+                above, below = dual[t, i, 0, p], dual[t, i, 1, p]
+                stiff_up, stiff_down = above * inverse * down, below * inverse * up
+                both, odd = stiff_up + stiff_down, stiff_up - stiff_down
+                total, difference = above + below, above - below
+                h0, push = both * r0 + odd * fall, odd * r0 + both * fall
+                sums[M00, p] += h0 * r0 + push * fall
+                sums[M01, p] += h0 * r1
+                sums[M02, p] += h0 * r2
+                sums[M11, p] += both * r1 * r1
+                sums[M12, p] += both * r1 * r2
+                sums[M22, p] += both * r2 * r2
+                sums[G0, p] += extra * push
+                sums[G1, p] += extra * odd * r1
+                sums[G2, p] += extra * odd * r2
+                sums[L0, p] += difference * r0 + total * fall
+                sums[L1, p] += difference * r1
+                sums[L2, p] += difference * r2
+                sums[REVERSE, p] += jerk * total
+                gaps[p] += up * above + down * below
+        for p in range(lanes):
+            z, w, fall = at[t, Z, p], weight[t, p], at[t, FALL, p]
+            relaxed = tau * relief[t, CAP, p]
+            slack = cap[t, p] - z + relaxed
+            stiff = dual_cap[t, p] / slack
+            sums[M00, p] += stiff + 1.5 * fall / z * max(w - sums[REVERSE, p], KEEP_CURVATURE * w)
+            sums[G0, p] += stiff * relaxed - w * fall
+            sums[L0, p] += dual_cap[t, p] - w * fall
+            gaps[p] += slack * dual_cap[t, p]
+            times[p] += w * at[t, LIMIT, p]
+        for p in range(lanes):
+            point = t * TILE + p
+            k = node[point]
+            m00, m01, m02 = sums[M00, p], sums[M01, p], sums[M02, p]
+            m11, m12, m22 = sums[M11, p], sums[M12, p], sums[M22, p]
+            add_curvature(basis, point, k, m00, m01, m02, m11, m12, m22, matrix)
+            add_slope(basis, point, k, -sums[G0, p], -sums[G1, p], -sums[G2, p], rhs)
+            add_slope(basis, point, k, sums[L0, p], sums[L1, p], sums[L2, p], gradient)
+    return gaps.sum(), times.sum()
+
+
+A0, A1, A2, C0, C1, C2 = range(6)
+"""Sums of a point: what centring and the second-order terms take from the right-hand side."""
+
+
+@jit(reorder=True)
+def predict(
+    basis: Any, node: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any, gap: Any,
+    affine: Any, centring: Any, second: Any,
+) -> Any:  # fmt: skip
+    """What the predictor's primal step `affine` teaches the corrector.
+
+    The corrector's right-hand side is the predictor's, less `second` (n,), the second-order terms, and less
+    `centring` (n,) times the product aimed at. Returns the share of the gap that the longest such step leaves.
+    """
+    half = rows.shape[1] // 2
+    centring[:] = 0.0
+    second[:] = 0.0
+    sums, bounds, lane = np.empty((6, TILE)), np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
+    for t in range(len(rows)):
+        lanes = min(TILE, len(node) - t * TILE)
+        set_bounds(at[t], lanes, bounds)
+        for p in range(lanes):
+            move = affine[t, 0, p]
+            relaxed = tau * relief[t, CAP, p]
+            inverse = 1.0 / (cap[t, p] - at[t, Z, p] + relaxed)
+            change = -(move + relaxed) * inverse
+            sums[A0, p], sums[A1, p], sums[A2, p] = inverse, 0.0, 0.0
+            sums[C0, p], sums[C1, p], sums[C2, p] = dual_cap[t, p] * (1.0 + change) * change, 0.0, 0.0
+            product = dual_cap[t, p] / inverse * change
+            lane[LINEAR, p] += product
+            lane[SQUARE, p] += product * change
+            lane[FALLS, p] = max(lane[FALLS, p], max(-change, -move / at[t, Z, p]))
+            lane[GROWS, p] = max(lane[GROWS, p], change)
+        for i in range(2 * half):
+            kind = 0 if i < half else 1
+            for p in range(lanes):
+                r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
+                fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]
+                value, room = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p], bounds[BOUND + kind, p] + extra
+                move = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
+                common = -fall * affine[t, 0, p] - extra
+                up, down = room - value, room + value
+                inverse = 1.0 / (up * down)
+                inverse_up, inverse_down = inverse * down, inverse * up
+                change_up, change_down = (common - move) * inverse_up, (common + move) * inverse_down
+                above, below = dual[t, i, 0, p] * change_up, dual[t, i, 1, p] * change_down
+                lane[LINEAR, p] += above * up + below * down
+                lane[SQUARE, p] += above * up * change_up + below * down * change_down
+                lane[FALLS, p] = max(lane[FALLS, p], max(-change_up, -change_down))
+                lane[GROWS, p] = max(lane[GROWS, p], max(change_up, change_down))
+                both, odd = inverse_up + inverse_down, inverse_up - inverse_down
+                sums[A0, p] += odd * r0 + both * fall
+                sums[A1, p] += odd * r1
+                sums[A2, p] += odd * r2
+                above, below = above * (1.0 + change_up), below * (1.0 + change_down)
+                sums[C0, p] += (above - below) * r0 + (above + below) * fall
+                sums[C1, p] += (above - below) * r1
+                sums[C2, p] += (above - below) * r2
+        for p in range(lanes):
+            point = t * TILE + p
+            add_slope(basis, point, node[point], sums[A0, p], sums[A1, p], sums[A2, p], centring)
+            add_slope(basis, point, node[point], sums[C0, p], sums[C1, p], sums[C2, p], second)
+    return share_left(gap, lane[FALLS].max(), lane[GROWS].max(), lane[LINEAR].sum(), lane[SQUARE].sum())
+
+
+@jit(reorder=True)
+def correct(
+    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any, affine: Any,
+    change: Any, centre: Any, step: Any, step_cap: Any,
+) -> Any:  # fmt: skip
+    """Steps of the multipliers for the corrector's step `change`; `affine` is the predictor's.
+
+    Returns the largest relative losses of slack and of multiplier.
+    """
+    loss, loss_dual = multipliers.correct(points, rows, at, affine, change, dual, centre, step)
+    for t in range(len(rows)):
+        for p in range(min(TILE, points - t * TILE)):
+            z, relaxed, multiplier = at[t, Z, p], tau * relief[t, CAP, p], dual_cap[t, p]
+            inverse = 1.0 / (cap[t, p] - z + relaxed)
+            by, before = -(change[t, 0, p] + relaxed) * inverse, -(affine[t, 0, p] + relaxed) * inverse
+            grow = centre * inverse / multiplier + before * (1.0 + before) - by - 1.0
+            step_cap[t, p] = multiplier * grow
+            loss, loss_dual = max(loss, max(-by, -change[t, 0, p] / (MOST_FALL * z))), max(loss_dual, -grow)
+    return loss, loss_dual

@@ -1,0 +1,1 @@
+"""What the other planners compute in loops."""

@@ -1,0 +1,1 @@
+"""How the path parameter moves over time: one law a planner."""

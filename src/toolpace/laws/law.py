@@ -1,0 +1,56 @@
+"""How the path parameter moves over time: what every law tells."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Floats
+
+PROBES = 20_000
+FEWEST_PROBES, MOST_PROBES = 9, 65
+"""Probes of a whole law, and of one of its cells: more where a coarse mesh leaves much room between nodes."""
+CELLS_AT_A_TIME = 10_000
+"""Cells of a spline that are probed in one piece, to keep memory low."""
+
+
+@dataclass(frozen=True)
+class Probe:
+    """States of a time law, dense enough to see every peak between them."""
+
+    state: Floats
+    """(4, n): s, ds/dt, d2s/dt2, d3s/dt3."""
+    right: Floats
+    """(n,) of bool-like: 1 where the state belongs to the right side of a break at s, else 0."""
+    share: Floats
+    """(n,) time that each state stands for [s]; sums to the duration."""
+
+
+class TimeLaw(ABC):
+    """s(t) from s0 to s1, three times differentiable but for jumps of the third derivative."""
+
+    s0: float
+    s1: float
+    duration: float
+    """[s]"""
+
+    @property
+    def jumps(self) -> Floats:
+        """(2, k) values of s where d2s/dt2 jumps, and by how much; none where the third derivative is bounded."""
+        return np.empty((2, 0))
+
+    @abstractmethod
+    def at(self, t: Floats) -> Floats:
+        """(4, n): s and three time derivatives at sorted times t (n,) in [0, duration]."""
+
+    @abstractmethod
+    def probes(self) -> Iterator[Probe]:
+        """States between which nothing is hidden, in pieces that do not take much memory."""
+
+
+def probes_a_cell(nodes: int) -> int:
+    """At how many places each cell of a law with so many nodes is probed."""
+    return int(np.clip(PROBES // nodes, FEWEST_PROBES, MOST_PROBES))

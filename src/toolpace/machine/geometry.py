@@ -1,0 +1,124 @@
+"""The chain of a machine file as the plain arrays of the compiled functions, with all checks of its shape."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Floats, Ints
+from toolpace.errors import MachineError
+from toolpace.machine.file import MachineFile, did_you_mean
+
+PARALLEL = 1e-6
+"""Sine below which two directions count as parallel."""
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """See kernels/kinematics/chain.py for the meaning of the arrays."""
+
+    frame: Floats
+    """(9, 3) u1, u2, a0, c0, c1, c2 and the linear directions."""
+    group: Ints
+    """(3,) how many rotary joints lie between the workpiece and each linear joint."""
+    place: Ints
+    """(5,) columns of the two rotary joints, then of the linear ones."""
+
+
+def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
+    """Arrays and class ("table-table", "head-table", "head-head") of a machine. Raises MachineError."""
+    chain, joints, names = file.chain, file.joints, list(file.joints)
+    _check_names(file, source)
+    order = [(name, -1) for name in reversed(chain.workpiece)] + [(name, 1) for name in chain.tool]
+    rotary = [(name, sign) for name, sign in order if joints[name].kind == "rotary"]
+    linear = [name for name in names if joints[name].kind == "linear"]
+    if len(rotary) != 2 or len(linear) != 3:
+        raise MachineError(
+            f"{source}: {len(linear)} linear and {len(rotary)} rotary joints; five axes need exactly "
+            "three linear and two rotary ones"
+        )
+    directions = {name: np.array(joint.direction) / math.hypot(*joint.direction) for name, joint in joints.items()}
+    signs = dict(order)
+    first, second = rotary[0][0], rotary[1][0]
+    u1, u2 = (sign * directions[name] for name, sign in rotary)
+    a0 = _unit(chain.tool_axis, "tool_axis", source)
+    if np.linalg.norm(np.cross(u1, u2)) < PARALLEL:
+        raise MachineError(
+            f"{source}: rotary joints {first} and {second} are parallel; the tool could tilt one way only"
+        )
+    if np.linalg.norm(np.cross(u2, a0)) < PARALLEL:
+        raise MachineError(f"{source}: rotary joint {second} turns about the tool axis and cannot tilt it")
+    p1, p2 = np.array(joints[first].point), np.array(joints[second].point)
+    tip0 = np.array(chain.spindle_nose) - chain.tool_length * a0
+    rows = [u1, u2, a0, np.array(chain.workpiece_origin) - p1, p2 - p1, tip0 - p2]
+    rows += [signs[name] * directions[name] for name in linear]
+    orientation = _workpiece_orientation(file, source)
+    frame = np.ascontiguousarray(np.array(rows) @ orientation)
+    position = {name: i for i, (name, _) in enumerate(order)}
+    group = np.array([sum(position[name] > position[turn] for turn, _ in rotary) for name in linear], dtype=np.int64)
+    place = np.array([names.index(name) for name in (first, second, *linear)], dtype=np.int64)
+    _check_space(frame, group, linear, source)
+    for array in (frame, group, place):
+        array.flags.writeable = False
+    on_table = sum(sign < 0 for _, sign in rotary)
+    kind = {2: "table-table", 1: "head-table", 0: "head-head"}[on_table]
+    return Geometry(frame, group, place), kind
+
+
+def _check_names(file: MachineFile, source: str) -> None:
+    used: set[str] = set()
+    for side in ("workpiece", "tool"):
+        for name in getattr(file.chain, side):
+            if name not in file.joints:
+                raise MachineError(
+                    f"{source}: [chain] {side} names joint '{name}', which has no table [joints.{name}]; "
+                    f"{did_you_mean(name, file.joints)}"
+                )
+            if name in used:
+                raise MachineError(f"{source}: joint {name} appears twice in [chain]; every joint moves one side once")
+            used.add(name)
+    for name in file.joints:
+        if name not in used:
+            raise MachineError(f"{source}: joint {name} is in neither [chain] workpiece nor tool; add it to one")
+
+
+def _unit(vector: tuple[float, float, float], key: str, source: str) -> Floats:
+    length = math.hypot(*vector)
+    if not length > 1e-9:
+        raise MachineError(f"{source}: [chain] {key} = {list(vector)} is no direction; give e.g. [0, 0, 1]")
+    return np.array(vector) / length
+
+
+def _workpiece_orientation(file: MachineFile, source: str) -> Floats:
+    """(3, 3) columns x, y, z of the workpiece frame in the bed frame."""
+    x = _unit(file.chain.workpiece_x, "workpiece_x", source)
+    z = _unit(file.chain.workpiece_z, "workpiece_z", source)
+    if abs(float(x @ z)) > 1e-6:
+        raise MachineError(
+            f"{source}: [chain] workpiece_x and workpiece_z are not at a right angle; give both directions"
+        )
+    x = x - (x @ z) * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def _check_space(frame: Floats, group: Ints, names: list[str], source: str) -> None:
+    """Refuse linear joints that lie in one plane whatever the rotary joints do."""
+    for t1 in np.arange(0.1, 6.2, 0.7):
+        for t2 in np.arange(0.1, 6.2, 0.7):
+            columns = [
+                _turned(frame[0], t1 if g > 0 else 0.0, _turned(frame[1], t2 if g > 1 else 0.0, direction))
+                for g, direction in zip(group, frame[6:])
+            ]
+            if abs(float(np.linalg.det(np.array(columns)))) > PARALLEL:
+                return
+    raise MachineError(
+        f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; they must span space"
+    )
+
+
+def _turned(u: Floats, angle: float, v: Floats) -> Floats:
+    turned: Floats = math.cos(angle) * v + math.sin(angle) * np.cross(u, v) + (1.0 - math.cos(angle)) * (u @ v) * u
+    return turned

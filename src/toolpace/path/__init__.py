@@ -1,0 +1,1 @@
+"""Curves of tool tip and tool axis: fitted to a program, or given exactly."""

@@ -1,0 +1,107 @@
+"""A first spline inside the tube, and the knots it takes.
+
+A smoothing spline that hardly smooths shows where knots are needed: where it leaves the inner part of the tube cells
+are halved, and the spline is worked out again about these places, until it runs well inside everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.errors import PathError
+from toolpace.path.fit.knots import refined_at
+from toolpace.path.fit.polyline import Machine, Polyline
+from toolpace.path.fit.samples import Samples, sample
+from toolpace.path.fit.spline import Spline, knots_of
+from toolpace.path.fit.windows import Range, ranges, side_by_side
+
+INSIDE = 0.6
+"""Share of the tolerance within which the first spline must run."""
+SMOOTHING = 0.01
+"""Weight of the roughness in the first spline: it smooths what is shorter than a few tolerances."""
+ROUNDS = 60
+
+
+def inside_spline(
+    line: Polyline,
+    breaks: Floats,
+    weight: Floats,
+    axis_tolerance: float,
+    machine: Machine | None,
+    look: Callable[[Spline, Floats], tuple[Floats, Floats]],
+) -> tuple[Spline, Samples]:
+    """A spline well inside the tube, and its samples. `look` tells parameters and deviations between samples."""
+    spline = near_polyline(line, breaks)
+    data = sample(line, breaks, axis_tolerance, machine)
+    where: Floats | None = None
+    for _ in range(ROUNDS):
+        settle(spline, data, weight, where)
+        bad = data.s[~(deviation(spline, data) <= INSIDE)]
+        if len(bad) == 0:
+            # a spline with as many coefficients as samples obeys at the samples and swings between them
+            at, off = look(spline, data.s)
+            bad = at[~(off <= INSIDE)]
+        if len(bad) == 0:
+            return spline, data
+        finer = refined_at(line.s, spline.breaks, bad)
+        where = finer[~np.isin(finer, spline.breaks)]
+        spline = spline.over(finer)
+        data = sample(line, finer, axis_tolerance, machine, known=data)
+    raise PathError("the program asks for a corner that no curve within the tolerance can follow")
+
+
+def near_polyline(line: Polyline, breaks: Floats) -> Spline:
+    """The polyline smeared over a few knots: each coefficient is its value at the mean of the inner knots."""
+    from toolpace.kernels.fit.polyline import straight
+
+    knots = knots_of(breaks)
+    mean = np.mean([knots[k : len(knots) - 6 + k] for k in range(1, 6)], axis=0)
+    spline = Spline(breaks, straight(line.s, line.tip, mean), straight(line.s, line.turn, mean))
+    for end in (0, -1):
+        spline.tip[end], spline.turn[end] = line.tip[end], line.turn[end]
+    return spline
+
+
+def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None) -> None:
+    """Replace the coefficients about the parameters `where`, or all, by those of the smoothing spline."""
+    from toolpace.kernels.fit.quintic_spline import third_rows
+    from toolpace.kernels.fit.smoothest import least_squares
+
+    third = third_rows(knots_of(spline.breaks))
+
+    def solve(which: int, part: Range) -> None:
+        x, share, target = ((spline.tip, np.ones(3), data.tip), (spline.turn, weight, data.turn))[which]
+        low, high = part
+        base, end = max(0, low - 5), min(len(x), high + 5)
+        j = slice(*np.searchsorted(data.first, [low - 5, high]))
+        # the coordinates of the tip have nothing to do with each other here
+        for c in range(3) if which == 0 else (slice(None),):
+            columns = slice(c, c + 1) if isinstance(c, int) else c
+            metric = np.ones((len(data.s[j]), 1, 1)) if which == 0 else data.metric[j]
+            moved = np.ascontiguousarray(x[base:end, columns])
+            done = least_squares(
+                third[base : end - 5],
+                SMOOTHING * share[columns],
+                data.first[j] - base,
+                data.rows[j],
+                np.ascontiguousarray(target[j, columns]),
+                metric,
+                moved,
+                low - base,
+                high - base,
+            )
+            if not done:
+                raise PathError("the program asks for a corner that no curve within the tolerance can follow")
+            x[low:high, columns] = moved[low - base : high - base]
+
+    side_by_side(ranges(spline.breaks, where), solve, lambda share: None)
+
+
+def deviation(spline: Spline, data: Samples) -> Floats:
+    """Deviation (m,) of tip or turn, whichever is more, at the samples."""
+    everything = slice(None)
+    tip = data.off(everything, spline.tip, 0, data.tip, data.metrics(0, everything))
+    return np.maximum(tip, data.off(everything, spline.turn, 0, data.turn, data.metric))

@@ -1,0 +1,202 @@
+"""A ToolPath as polylines between stops: tip and turn (rotary joints or tool axis) over one chord-length parameter.
+
+The parameter counts tip and turn in their tolerances, ds = sqrt(|dtip / tip_tolerance|^2 + |dturn / axis_tolerance|^2):
+a pure rotation has length, rounding noise of either kind weighs alike, and a sphere around a point is the tube.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from toolpace.arrays import Floats, Ints
+from toolpace.errors import PathError
+from toolpace.toolpath import ToolPath
+
+LEAST_CELL = 1e-7
+"""Shorter cells count as repeated points [tolerances]."""
+
+POLE_LEVER = 0.03
+"""Sine of the angle to a pole below which a turn about it counts as if there [1]."""
+
+
+class Limits(Protocol):
+    """What the fit asks of the limits of a machine."""
+
+    @property
+    def jerk(self) -> Floats: ...
+
+
+class Machine(Protocol):
+    """What the fit asks of a machine."""
+
+    @property
+    def limits(self) -> Limits: ...
+    @property
+    def linear(self) -> Ints: ...
+    @property
+    def rotary(self) -> Ints: ...
+    def choose_rotary(self, toolpath: ToolPath) -> Floats: ...
+    def axis_at(self, rotary: Floats) -> Floats: ...
+    def axis_jets(self, rotary: Floats) -> Floats: ...
+    def tip_lever(self, tip: Floats, rotary: Floats) -> Floats: ...
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """What one run shall follow; all in tolerances."""
+
+    s: Floats
+    """(k + 1,) chord length from 0."""
+    tip: Floats
+    """(k + 1, 3)"""
+    turn: Floats
+    """(k + 1, 2) rotary joints or (k + 1, 3) tool axis."""
+    axis: Floats
+    """(k + 1, 3) unit tool axis."""
+    entry: Ints
+    """(k,) entry of the ToolPath that each cell leads to."""
+    dwell: float
+    """Time to wait at the end [s]."""
+    wait: float = 0.0
+    """Time to wait at the start [s]; the first run only."""
+
+
+def polylines(
+    toolpath: ToolPath, tip_tolerance: float, axis_tolerance: float, machine: Machine | None
+) -> list[Polyline]:
+    """The runs of a ToolPath. Repeated points and runs of no length vanish; their dwells go to the run before."""
+    dense, entry = refined(toolpath, axis_tolerance, machine)
+    tip = dense.tip / tip_tolerance
+    turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
+    length = np.sqrt(np.sum(np.diff(tip, axis=0) ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2)
+    stops = np.flatnonzero(dense.stop)
+    stops = np.unique(np.concatenate([[0], stops, [len(dense) - 1]]))
+    runs: list[Polyline] = []
+    wait = float(dense.dwell[0])
+    for start, end in pairwise(stops):
+        steps = length[start:end]
+        kept = np.flatnonzero(steps > LEAST_CELL)
+        dwell = float(dense.dwell[end])
+        if len(kept) == 0:
+            if runs:
+                runs[-1] = replace(runs[-1], dwell=runs[-1].dwell + dwell)
+            else:
+                wait += dwell
+            continue
+        nodes = start + np.concatenate([[0], kept + 1])
+        nodes[-1] = end
+        runs.append(
+            Polyline(
+                s=np.concatenate([[0.0], np.cumsum(steps[kept])]),
+                tip=tip[nodes],
+                turn=turn[nodes],
+                axis=dense.axis[nodes],
+                entry=entry[start + 1 + kept],
+                dwell=dwell,
+                wait=0.0 if runs else wait,
+            )
+        )
+    if not runs:
+        raise PathError(f"{toolpath.source or 'tool path'}: nothing moves")
+    return runs
+
+
+def turn_length(turn: Floats, axis_tolerance: float, machine: Machine | None) -> Floats:
+    """Length of the turn of each cell (n - 1,) in tolerances, as the tool axis feels it.
+
+    Near a pole rounding makes one rotary joint jitter by degrees. It counts by what it does to the axis, but at
+    least by POLE_LEVER, so that a turn at the pole has length too.
+    """
+    step = np.diff(turn, axis=0)
+    if machine is None:
+        return np.asarray(np.linalg.norm(step, axis=1))
+    columns = axis_columns(0.5 * (turn[1:] + turn[:-1]) * axis_tolerance, machine)
+    moved = np.einsum("nca,na->nc", columns, step)
+    return np.asarray(np.sqrt(np.sum(moved**2, axis=1) + POLE_LEVER**2 * np.sum(step**2, axis=1)))
+
+
+def axis_columns(rotary: Floats, machine: Machine) -> Floats:
+    """Derivative (n, 3, 2) of the tool axis along both rotary joints (n, 2) [rad]."""
+    columns = []
+    for joint in range(2):
+        jet = np.zeros((4, len(rotary), 2))
+        jet[0] = rotary
+        jet[1, :, joint] = 1.0
+        columns.append(machine.axis_jets(jet)[1])
+    return np.stack(columns, axis=2)
+
+
+def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) -> tuple[ToolPath, Ints]:
+    """The tool path with points put in where straight lines of the turn would leave the great circle of the axis.
+
+    With a machine the result has rotary joints. Returns it with the entry of the given path of each point.
+    """
+    entry = np.arange(len(toolpath))
+    if machine is not None and toolpath.rotary is not None:
+        return replace(toolpath, rotary=machine.choose_rotary(toolpath)), entry
+    chord = np.linalg.norm(np.diff(toolpath.axis, axis=0), axis=1)
+    if np.any(chord > 1.999):
+        i = int(np.argmax(chord)) + 1
+        raise PathError(
+            f"{toolpath.source or 'tool path'}:{toolpath.block[i]}: the tool axis turns by half a turn in one block,"
+            " in no certain plane; put a point between"
+        )
+    angle = 2.0 * np.arcsin(0.5 * chord)
+    # the chord of a great circle dips by angle^2 / 8
+    toolpath, entry = inserted(toolpath, entry, np.ceil(angle / np.sqrt(0.4 * axis_tolerance)).astype(np.int64))
+    if machine is None:
+        return toolpath, entry
+    for _ in range(8):
+        rotary = machine.choose_rotary(toolpath)
+        between = toolpath.axis[1:] + toolpath.axis[:-1]
+        between /= np.linalg.norm(between, axis=1)[:, None]
+        error = np.linalg.norm(machine.axis_at(0.5 * (rotary[1:] + rotary[:-1])) - between, axis=1)
+        moves = np.linalg.norm(np.diff(toolpath.axis, axis=0), axis=1) > 0.01 * axis_tolerance
+        count = np.where(moves, np.clip(np.ceil(np.sqrt(error / (0.05 * axis_tolerance))), 1, 8), 1)
+        if np.all(count == 1):
+            break
+        toolpath, entry = inserted(toolpath, entry, count.astype(np.int64))
+    return replace(toolpath, rotary=machine.choose_rotary(toolpath)), entry
+
+
+def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, Ints]:
+    """The tool path with each cell cut into count (n - 1,) equal parts."""
+    count = np.maximum(count, 1)
+    if np.all(count == 1):
+        return toolpath, entry
+    n = len(toolpath)
+    cell = np.repeat(np.arange(n - 1), count)
+    part = np.arange(len(cell)) - np.repeat(np.cumsum(count) - count, count) + 1
+    u = (part / count[cell])[:, None]
+    last = part == count[cell]
+    origin = np.concatenate([[0], cell + 1])
+    tip = toolpath.tip[cell] * (1.0 - u) + toolpath.tip[cell + 1] * u
+    axis = great_circle(toolpath.axis[cell], toolpath.axis[cell + 1], u)
+    tip[last], axis[last] = toolpath.tip[1:], toolpath.axis[1:]
+    ends = np.concatenate([[True], last])
+    dense = replace(
+        toolpath,
+        tip=np.concatenate([toolpath.tip[:1], tip]),
+        axis=np.concatenate([toolpath.axis[:1], axis]),
+        feed=toolpath.feed[origin],
+        least_time=toolpath.least_time[origin],
+        block=toolpath.block[origin],
+        stop=toolpath.stop[origin] & ends,
+        dwell=np.where(ends, toolpath.dwell[origin], 0.0),
+    )
+    return dense, entry[origin]
+
+
+def great_circle(a: Floats, b: Floats, u: Floats) -> Floats:
+    """The unit vectors (n, 3) a share u (n, 1) of the way from a to b."""
+    angle = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * np.linalg.norm(b - a, axis=1)))[:, None]
+    straight = angle < 1e-6
+    safe = np.where(straight, 1.0, angle)
+    left = np.where(straight, 1.0 - u, np.sin((1.0 - u) * safe) / np.sin(safe))
+    right = np.where(straight, u, np.sin(u * safe) / np.sin(safe))
+    out = left * a + right * b
+    return np.asarray(out / np.linalg.norm(out, axis=1)[:, None])

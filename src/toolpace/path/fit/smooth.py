@@ -1,0 +1,73 @@
+"""Smooth the spline of a run as far as its tube allows, window by window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.path.fit.samples import Samples
+from toolpace.path.fit.spline import Spline, knots_of
+from toolpace.path.fit.windows import Range, ranges, side_by_side
+
+USED = 0.95
+"""Share of the tolerance that the samples may use; what lies between takes some of the rest."""
+ACCURACY = 0.02
+"""Duality gap over roughness, in each stretch of 32 cells."""
+STEPS = 80
+WAVE = 500.0
+"""Waves longer than so many cells are gently pulled towards the polyline, which keeps the Newton matrix regular."""
+
+
+def tighten(
+    spline: Spline,
+    data: Samples,
+    weight: Floats,
+    least_third: float,
+    radius: Floats,
+    where: Floats | None,
+    report: Callable[[float], None],
+) -> None:
+    """Minimise the roughness of a spline inside the tube, in place.
+
+    `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel; `radius` (m,) the share
+    of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is
+    everywhere. `report` is told the share done.
+    """
+    from toolpace.kernels.fit.quintic_spline import third_rows
+    from toolpace.kernels.fit.smoothest import smoothest
+
+    third = third_rows(knots_of(spline.breaks))
+    h = np.diff(spline.breaks)
+    floor = 0.5 * least_third**2 * h
+    groups = ((spline.tip, np.ones(3), data.tip), (spline.turn, weight, data.turn))
+
+    def solve(which: int, part: Range) -> None:
+        x, share, target = groups[which]
+        low, high = part
+        base, end = max(0, low - 5), min(len(x), high + 5)
+        j = slice(*np.searchsorted(data.first, [low - 5, high]))
+        metric = data.metrics(which, j)
+        pull = (2.0 * np.pi / (WAVE * h[data.first[j]])) ** 6 * data.gap[j]
+        moved = x[base:end].copy()
+        steps, _, _ = smoothest(
+            third[base : end - 5],
+            share,
+            data.first[j] - base,
+            data.rows[j],
+            target[j],
+            metric,
+            pull,
+            USED * radius[j],
+            moved,
+            low - base,
+            high - base,
+            floor[base : end - 5],
+            ACCURACY,
+            STEPS,
+        )
+        if 0 <= steps < STEPS or np.all(data.off(j, moved, base, target, metric) <= 1.02 * USED * radius[j]):
+            x[low:high] = moved[low - base : high - base]
+
+    side_by_side(ranges(spline.breaks, where), solve, report)

@@ -1,0 +1,102 @@
+"""A smooth curve of tool tip and tool axis in the workpiece frame: fitted to a program, or given exactly."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.path.run import PathRun
+
+if TYPE_CHECKING:
+    from toolpace.path.fit.polyline import Machine
+    from toolpace.toolpath import ToolPath
+
+
+@dataclass(frozen=True)
+class Path:
+    """Runs from stop to stop; the parameter runs on from one to the next."""
+
+    runs: tuple[PathRun, ...]
+    tip_deviation: float = 0.0
+    """Largest distance of the tip from the program, both ways and between the points [m]."""
+    axis_deviation: float = 0.0
+    """Largest angle of the tool axis from that of the program [rad]."""
+    fit_seconds: float = 0.0
+    first_dwell: float = 0.0
+    """Time to wait before the first run [s]."""
+
+    @classmethod
+    def fit(
+        cls,
+        toolpath: ToolPath,
+        tip_tolerance: float = 10e-6,
+        axis_tolerance: float = 1e-3,
+        machine: Machine | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> Path:
+        """The smoothest curve within the tolerances [m], [rad] of a tool path, stopping where it stops.
+
+        With a machine the curve is one of tip and rotary joints, else of tip and tool axis. `progress` is told the
+        share done. PathError where nothing moves or no curve fits.
+        """
+        from toolpace.path.fit.fit import fit_runs
+
+        begin = time.perf_counter()
+        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress)
+        return cls(runs, tip, axis, time.perf_counter() - begin, wait)
+
+    @classmethod
+    def from_callable(
+        cls,
+        f: Callable[[Floats, int], tuple[Floats, Floats]],
+        s0: float = 0.0,
+        s1: float = 1.0,
+        feed: float = math.inf,
+    ) -> Path:
+        """A path whose derivatives f(s (n,), order 0 to 3) -> (tip (n, 3) [m], unit axis (n, 3)) knows."""
+        from toolpace.path.exact import callable_run
+
+        return cls((callable_run(f, s0, s1, feed),))
+
+    @classmethod
+    def arc(
+        cls,
+        centre: Floats,
+        start: Floats,
+        normal: Floats,
+        sweep: float,
+        lean: float = 0.0,
+        feed: float = math.inf,
+    ) -> Path:
+        """A circular arc [m], anticlockwise about `normal` by `sweep` [rad], over its length.
+
+        The tool axis stays in the plane, turned from the outward normal by `lean` [rad] towards the travel.
+        """
+        from toolpace.path.exact import arc_run
+
+        return cls((arc_run(centre, start, normal, sweep, lean, feed),))
+
+    @classmethod
+    def paper_arc(cls, feed: float = 0.03) -> Path:
+        """The quarter circle of Wu, Li, Liu and Perez (ACC 2009), section III, in the plane x = y, radius 0.1 m.
+
+        Centre the origin, from (0, 0, 0.1) down to (0.0707, 0.0707, 0): the printed centre contradicts the printed
+        projection. The paper leaves the tool axis open; here it leans 45 degrees back from the outward normal.
+        """
+        normal = np.array([-1.0, 1.0, 0.0]) / math.sqrt(2.0)
+        return cls.arc(np.zeros(3), np.array([0.0, 0.0, 0.1]), normal, 0.5 * math.pi, -0.25 * math.pi, feed)
+
+    @classmethod
+    def from_bspline(
+        cls, knots: Floats, tip: Floats, axis_point: Floats, degree: int = 3, feed: float = math.inf
+    ) -> Path:
+        """Two B-splines [m] over one parameter: the tip, and a second point on the tool axis towards the spindle."""
+        from toolpace.path.exact import bspline_run
+
+        return cls((bspline_run(knots, tip, axis_point, degree, feed),))

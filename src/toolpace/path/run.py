@@ -1,0 +1,113 @@
+"""One smooth stretch of a path between two stops, and what a path tells of itself at given parameters."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from toolpace.arrays import Floats, Ints
+
+
+class PathJet(NamedTuple):
+    """Value and derivatives 1 to 3 along the parameter: index 0 is the order of the derivative."""
+
+    tip: Floats
+    """(4, n, 3) tool tip [m]."""
+    axis: Floats | None
+    """(4, n, 3) unit tool axis; None where the path is given in rotary joints."""
+    rotary: Floats | None
+    """(4, n, 2) rotary joints [rad]; None where the path is given in tool axes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathRun(ABC):
+    """A stretch that is planned from rest to rest. The parameter s grows by about a tip length and an axis turn."""
+
+    breaks: Floats
+    """(k,) ascending parameters, both ends among them, between which the run is analytic."""
+    block_start: Floats
+    """(b + 1,) parameters at which the blocks begin; the last one is the end of the run."""
+    block: Ints
+    """(b,) line numbers of the blocks."""
+    feed: Floats
+    """(b,) most speed of the tip in each block [m/s]; inf where the program asks for none."""
+    least_time: Floats
+    """(b,) least time of each block [s]."""
+    dwell: float = 0.0
+    """Time to wait at the end of the run [s]."""
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    @property
+    def s0(self) -> float:
+        """First parameter."""
+        return float(self.breaks[0])
+
+    @property
+    def s1(self) -> float:
+        """Last parameter."""
+        return float(self.breaks[-1])
+
+    @property
+    def third_jumps(self) -> bool:
+        """Whether the third derivative may jump at the breaks."""
+        return True
+
+    def block_index(self, s: Floats) -> Ints:
+        """(n,) index of the block at s; at a border that of the next."""
+        at = np.searchsorted(self.block_start, s, side="right") - 1
+        return np.clip(at, 0, len(self.block) - 1).astype(np.int64)
+
+    def block_at(self, s: Floats) -> Ints:
+        """(n,) line number of the block at s."""
+        line: Ints = self.block[self.block_index(s)]
+        return line
+
+    @abstractmethod
+    def evaluate(self, s: Floats) -> PathJet:
+        """Position and derivatives 1 to 3 at s (n,): at a break those of its right side, at s1 those of its left."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SplineRun(PathRun):
+    """A piecewise polynomial of degree five, four times continuously differentiable: what a fit returns."""
+
+    coefficients: Floats
+    """(k - 1, 6, 5 or 6) Taylor coefficients at the left end of each piece: tip (3), then rotary joints (2) or axis."""
+
+    @property
+    def third_jumps(self) -> bool:
+        """A spline of degree five with single knots is four times continuously differentiable."""
+        return False
+
+    def evaluate(self, s: Floats) -> PathJet:
+        """Position and derivatives at s (n,); the axis of unit length, with exact derivatives."""
+        from toolpace.kernels.fit.quintic_spline import jets
+
+        out = jets(self.breaks, self.coefficients, np.ascontiguousarray(s, dtype=np.float64))
+        if out.shape[2] == 5:
+            return PathJet(out[:, :, :3], None, out[:, :, 3:])
+        return PathJet(out[:, :, :3], unit_jets(out[:, :, 3:]), None)
+
+
+def unit_jets(v: Floats) -> Floats:
+    """Jets (4, n, 3) of v / |v| from those of v, by Leibniz' rule on u |v| = v and on |v|^2 = v.v."""
+    dot = [np.einsum("nc,nc->n", v[0], v[0]), 2.0 * np.einsum("nc,nc->n", v[0], v[1])]
+    dot.append(2.0 * np.einsum("nc,nc->n", v[0], v[2]) + 2.0 * np.einsum("nc,nc->n", v[1], v[1]))
+    dot.append(2.0 * np.einsum("nc,nc->n", v[0], v[3]) + 6.0 * np.einsum("nc,nc->n", v[1], v[2]))
+    r = [np.sqrt(dot[0])]
+    r.append(0.5 * dot[1] / r[0])
+    r.append((0.5 * dot[2] - r[1] ** 2) / r[0])
+    r.append((0.5 * dot[3] - 3.0 * r[1] * r[2]) / r[0])
+    u = np.empty_like(v)
+    u[0] = v[0] / r[0][:, None]
+    u[1] = (v[1] - r[1][:, None] * u[0]) / r[0][:, None]
+    u[2] = (v[2] - 2.0 * r[1][:, None] * u[1] - r[2][:, None] * u[0]) / r[0][:, None]
+    u[3] = (v[3] - 3.0 * r[1][:, None] * u[2] - 3.0 * r[2][:, None] * u[1] - r[3][:, None] * u[0]) / r[0][:, None]
+    return u

@@ -1,0 +1,1 @@
+"""From joint positions along a path to the motion over time."""

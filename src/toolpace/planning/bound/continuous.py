@@ -1,0 +1,157 @@
+"""A lower bound of the continuous problem: of every motion that keeps the limits all along the path, on no mesh.
+
+Multipliers of a fine mesh, even in time, are smoothed to functions; any functions give a bound. The derivation is in
+docs/design/bound.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisRun
+from toolpace.kernels.motion import cubic_spline
+from toolpace.kernels.optimal import continuous_dual, first_guess
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound.open_places import settled
+from toolpace.planning.bound.problem import Knots
+from toolpace.planning.bound.relaxation import relaxed
+from toolpace.planning.endstate import AT_REST
+from toolpace.planning.optimal.problem import discretise
+from toolpace.planning.optimal.solve import pinned
+
+FEWEST, MOST = 4_000, 50_000
+"""Cells of the mesh; a run whose plan needs more has no such bound."""
+POINTS = (6, 12)
+"""Of Gauss' rule in a cell; what the two differ by is taken off the bound."""
+COUNTS = np.array([1, 2, 3, 4, 6, 8, 12, 16])
+"""Over how many cells theta may be evened."""
+TOLERANCE = 1e-7
+"""Of the relaxation on that mesh: noise of multipliers is differentiated twice."""
+FROM_REST = 3
+"""Nodes next to rest, where multipliers of the mesh are no good: they are continued from the next ones."""
+LEAST_KAPPA = 1e-3
+
+
+def continuous_bound(run: AxisRun, limits: Limits, law: SplineLaw) -> float:
+    """A lower bound of the duration of any motion along a run from rest to rest within the limits [s].
+
+    `law` is a plan, which the bound is close to where the plan is good. 0 where none can be given: for a run that
+    starts or ends in motion, or is too long.
+    """
+    if not (law.rest[0] > 0.0 and law.rest[1] > 0.0) or len(law.nodes) > MOST:
+        return 0.0
+    cells = max(FEWEST, len(law.nodes))
+    step = law.duration / cells
+    t = step * np.arange(1.0, cells, dtype=np.float64)
+    s, speed = law.at(t)[:2]
+    nodes = np.concatenate([[law.s0], s, [law.s1]])
+    if (np.diff(nodes) <= 0.0).any():
+        return 0.0
+    problem = discretise(run, limits, nodes, AT_REST, AT_REST)
+    knots = Knots(problem)
+    c = pinned(problem, np.interp(cubic_spline.control_points(problem.nodes), s, speed**1.5) ** (4.0 / 3.0))
+    found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap, TOLERANCE)
+    multipliers, highest = densities(knots, settled(knots, found.dual)), float(knots.cap.max())
+    coarse, fine = (dual_integral(run, limits, law, step, *multipliers, highest, points) for points in POINTS)
+    value = min(coarse, fine) - abs(fine - coarse)
+    return max(value, 0.0) if np.isfinite(value) else 0.0
+
+
+def densities(knots: Knots, dual: Floats) -> tuple[Floats, Floats]:
+    """(n, joints) multipliers of jerk and of acceleration by length of path, as coefficients of splines over time.
+
+    Next to rest, stationarity makes the multipliers of jerk linear in time.
+    """
+    half = knots.rows.shape[1] // 2
+    signed = knots.by_knot(dual[:, :, 0] - dual[:, :, 1]) / knots.weight[:, None]
+    acceleration, jerk = signed[:, :half].copy(), signed[:, half:].copy()
+    k = np.arange(FROM_REST)[:, None] - FROM_REST
+    for of in (jerk, jerk[::-1]):
+        of[:FROM_REST] = of[FROM_REST] + k * (of[FROM_REST + 1] - of[FROM_REST])
+    acceleration[:FROM_REST] = acceleration[-FROM_REST:] = 0.0
+    # what is left of the price of a pace must not fall below zero
+    jerk /= np.maximum(np.abs(jerk).sum(axis=1), 1.0)[:, None]
+    return jerk, acceleration
+
+
+def spline(coefficients: Floats, step: float) -> Callable[[Floats, int], Floats]:
+    """The quadratic spline over even knots whose k-th coefficient belongs to the time (k + 1) step; f(t, order)."""
+    from scipy.interpolate import BSpline
+
+    first, last = coefficients[0] - coefficients[1], coefficients[-1] - coefficients[-2]
+    before = [coefficients[0] + 2.0 * first, coefficients[0] + first]
+    after = [coefficients[-1] + last, coefficients[-1] + 2.0 * last]
+    extended = np.concatenate([before, coefficients, after])
+    knots = step * (np.arange(len(extended) + 3) - 2.5)
+    found = BSpline(knots, extended, 2)
+    return lambda t, order: np.asarray(found(t, order))
+
+
+def dual_integral(
+    run: AxisRun,
+    limits: Limits,
+    law: SplineLaw,
+    step: float,
+    jerk: Floats,
+    acceleration: Floats,
+    highest: float,
+    points: int,
+) -> float:
+    """The bound by multipliers (n, joints) as coefficients; `highest` is a cap on z where nothing else is one."""
+    count = len(jerk) + 1
+    edges = np.concatenate([[0.0], step * (np.arange(count) + 0.5), [law.duration]])
+    length = np.diff(edges)
+    place, rule, integral = gauss(points)
+    t = (edges[:-1, None] + length[:, None] * place).ravel()
+    s, v, a, _ = law.at(t)
+    s = np.clip(s, run.s0, run.s1)
+    q = run.evaluate(s)
+    q1, q2 = q[1], q[2]
+    nu_of, lambda_of = spline(jerk, step), spline(acceleration, step)
+    nu, nu_t, nu_tt = (nu_of(t, order) for order in range(3))
+    # the rows of the mesh are stated half a cell ahead; so are the multipliers
+    lam, lam_t = (lambda_of(t, order) - 0.5 * step * lambda_of(t, order + 1) for order in range(2))
+    speed, change = v[:, None], a[:, None]
+    nu_s, nu_ss = nu_t / speed, nu_tt / speed**2 - nu_t * change / speed**3
+    of_jerk = (q1 * nu_ss - q2 * nu_s) / limits.jerk
+    of_acceleration = (q2 * lam - q1 * lam_t / speed) / limits.acceleration
+    theta = 0.5 * (of_jerk + of_acceleration).sum(axis=1)
+    kappa = np.maximum(1.0 - np.abs(nu).sum(axis=1), 0.0)
+    cap, _, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s))
+    shape = (len(length), points)
+    cap = widest_at_breaks(run, law, edges, np.minimum(cap, highest).reshape(shape))
+    ideal = 0.5 * np.maximum(kappa, LEAST_KAPPA) / v**3
+    measure = v.reshape(shape) * rule * length[:, None]
+    wide = (*shape, len(limits))
+    return float(
+        continuous_dual.best_value(
+            COUNTS, theta.reshape(shape), kappa.reshape(shape), ideal.reshape(shape), cap,
+            np.abs(lam).sum(axis=1).reshape(shape), measure, v.reshape(shape), q1.reshape(wide), lam.reshape(wide),
+            limits.acceleration, length, rule, integral,
+        )
+    )  # fmt: skip
+
+
+def widest_at_breaks(run: AxisRun, law: SplineLaw, edges: Floats, cap: Floats) -> Floats:
+    """Caps (cells, points), in a cell with a break of the run the largest of the cell and its neighbours."""
+    times = np.interp(run.breaks, law.nodes, law.times)
+    for k in np.unique(np.clip(np.searchsorted(edges, times) - 1, 0, len(cap) - 1)):
+        near = slice(max(int(k) - 1, 0), int(k) + 2)
+        cap[near] = cap[near].max()
+    return cap
+
+
+def gauss(points: int) -> tuple[Floats, Floats, Floats]:
+    """Gauss' rule on [0, 1]: places, weights, and (points, points) weights of the integrals up to each place."""
+    from numpy.polynomial import legendre
+
+    x, weight = legendre.leggauss(points)
+    fit = np.linalg.inv(legendre.legvander(x, points - 1))
+    up_to: Floats = np.stack(
+        [legendre.legval(x, legendre.legint(column, lbnd=-1.0)) for column in np.eye(points)], axis=1
+    )
+    return (x + 1.0) / 2.0, weight / 2.0, 0.5 * up_to @ fit

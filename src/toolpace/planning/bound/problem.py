@@ -1,0 +1,162 @@
+"""The planner's problem by knots, as relaxation and dual function take it, and parts of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.kernels.optimal import newton, relaxation_knots
+from toolpace.kernels.optimal.dual import dual_value
+from toolpace.planning.optimal.problem import Problem
+from toolpace.planning.optimal.solve import relief_of
+
+START_SHARE = 0.4
+"""Share of a plan's z at which the relaxation is started."""
+SETTLE_KNOTS = 30
+"""Knots over which that share is reached from an end in motion."""
+PADDING = 40
+"""Knots over which a change of the spline dies away: to a quarter at each, so to less than a rounding."""
+
+
+class Knots:
+    """A problem by knots, its limits as they were before any was lowered.
+
+    The points on either side of a break are one knot with the rows of both.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        node, n = problem.node, len(problem.nodes)
+        self.first = np.searchsorted(node, np.arange(n + 1))
+        self.basis = np.ascontiguousarray(problem.basis[self.first[:-1]])
+        self.weight = np.bincount(node, problem.weight, n)
+        self.price = np.zeros(n + 2)
+        """(n + 2,) of the coefficients, where what surrounds a part is priced."""
+        by = problem.lowered[node]
+        self.cap = np.minimum.reduceat(problem.cap * by[:, 0] ** 2, self.first[:-1])
+        self.rows = problem.rows.copy()
+        half = self.rows.shape[1] // 2
+        self.rows[:, :half] /= by[:, 1, None, None]
+        self.rows[:, half:] /= by[:, 2, None, None]
+        self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
+
+    def state(self, c: Floats) -> Floats:
+        """(n, 3) z, z', z'' at the knots."""
+        out = np.empty((len(self.weight), 3))
+        relaxation_knots.at_knots(self.basis, c, out)
+        return out
+
+    def dual(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> tuple[float, Floats, Floats]:
+        """The bound by multipliers (points, rows, 2) >= 0 of the sum over all z from low to high (n,), kappa, theta."""
+        low = np.zeros(len(self.weight)) if low is None else low
+        high = self.cap if high is None else high
+        value, kappa, theta = dual_value(
+            self.basis, self.first, self.weight, self.price, low, high, self.rows, dual, self.end, self.ratio,
+            self.fixed,
+        )  # fmt: skip
+        return float(value), kappa, theta
+
+    def value(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> float:
+        """The bound alone."""
+        return self.dual(dual, low, high)[0]
+
+    def by_knot(self, of_point: Floats) -> Floats:
+        """(n, ...) sums over the points of each knot."""
+        sums = np.zeros((len(self.weight), *of_point.shape[1:]))
+        some = self.has_rows()
+        if some.any():
+            sums[some] = np.add.reduceat(of_point, self.first[:-1][some])
+        return sums
+
+    def force(self, dual: Floats) -> Floats:
+        """(n, 3) what the rows of a knot, priced by multipliers, ask for its z, z', z''."""
+        return self.by_knot(np.einsum("pi,pij->pj", dual[:, :, 0] - dual[:, :, 1], self.rows))
+
+    def jerk_price(self, dual: Floats) -> Floats:
+        """(n,) sum of the multipliers of jerk of a knot: what they take from the price of its pace."""
+        half = self.rows.shape[1] // 2
+        return self.by_knot(dual[:, half:].sum(axis=(1, 2)))
+
+    def has_rows(self) -> npt.NDArray[np.bool_]:
+        """(n,) whether a knot has rows of its own, and is not priced."""
+        return np.diff(self.first) > 0
+
+    def part(
+        self, low: int, high: int, c: Floats, dual: Floats, least: Floats | None = None, most: Floats | None = None
+    ) -> Knots:
+        """The part between two knots, the rows of the outermost PADDING of them priced by multipliers.
+
+        The outermost coefficients stay as in c, unless the part ends where the run does. `least` and `most` (n,) are
+        the ranges of z that the multipliers are for: where they price a knot's pace below nothing, its chord has the
+        same least value.
+        """
+        part = self.between(low, high, c)
+        at_start, at_end = low == 0, high == len(self.weight) - 1
+        mine = slice(self.first[low], self.first[high + 1])
+        n = len(part.weight)
+        priced = np.zeros(n, dtype=np.bool_)
+        priced[: 0 if at_start else PADDING] = True
+        priced[n if at_end else max(n - PADDING, 0) :] = True
+        force = part.force(dual[mine])[priced]
+        worth = (part.weight - part.jerk_price(dual[mine]))[priced]
+        of_z = np.zeros(len(worth))
+        if least is not None and most is not None:
+            low_, high_ = least[low : high + 1][priced], most[low : high + 1][priced]
+            root, top = np.sqrt(np.where(low_ > 0.0, low_, high_)), np.sqrt(high_)
+            of_z = np.where(low_ > 0.0, -np.minimum(worth, 0.0) / (root * top * (root + top)), 0.0)
+        basis, place = part.basis[priced], np.flatnonzero(priced)
+        for j in range(3):
+            np.add.at(part.price, place + j, (basis[:, :, j] * force).sum(axis=1) + basis[:, 0, j] * of_z)
+        part.weight[priced] = np.maximum(worth, 0.0)
+        part.rows = part.rows[~np.repeat(priced, np.diff(part.first))]
+        part.first = np.concatenate([[0], np.cumsum(np.where(priced, 0, np.diff(part.first)))])
+        return part
+
+    def of_part(self, part: Knots, low: int, dual: Floats) -> Floats:
+        """Of multipliers of the whole, those of the rows that are left in a part from the knot `low` on."""
+        some = np.flatnonzero(part.has_rows())
+        return dual[self.first[low + some[0]] : self.first[low + some[-1] + 1]] if len(some) else dual[:0]
+
+    def between(self, low: int, high: int, c: Floats) -> Knots:
+        """The knots from one to another, all their rows with them; the outermost coefficients stay as in c."""
+        part = object.__new__(Knots)
+        ends = np.array([low == 0, high == len(self.weight) - 1])
+        part.first = self.first[low : high + 2] - self.first[low]
+        part.basis, part.weight = self.basis[low : high + 1], self.weight[low : high + 1].copy()
+        part.price, part.cap = self.price[low : high + 3].copy(), self.cap[low : high + 1].copy()
+        part.rows = self.rows[self.first[low] : self.first[high + 1]]
+        part.end, part.ratio = np.where(ends, self.end, newton.MOVING), self.ratio
+        part.fixed = np.where(np.repeat(ends, 2), self.fixed, c[[low, low + 1, high + 1, high + 2]])
+        for place in np.array([0, -1])[~ends]:
+            part.cap[place] = max(part.cap[place], 1e3 * part.fixed.max())
+        return part
+
+
+def start_within(
+    knots: Knots, c: Floats, low: Floats | None = None, high: Floats | None = None, share: float = START_SHARE
+) -> tuple[Floats, Floats]:
+    """Coefficients well inside, about `share` of c, and the reliefs (n, 4) that they need."""
+    place = np.arange(len(c), dtype=np.float64)
+    far = np.full(len(c), np.inf)
+    if knots.end[0] == newton.MOVING:
+        far = np.minimum(far, place - 1.0)
+    if knots.end[1] == newton.MOVING:
+        far = np.minimum(far, place[::-1] - 1.0)
+    inside = np.clip(far / SETTLE_KNOTS, 0.0, 1.0)
+    start: Floats = c * (1.0 - (1.0 - share) * inside * inside * (3.0 - 2.0 * inside))
+    u = knots.state(start)
+    if u[:, 0].min() <= 0.0:
+        start, u = c.copy(), knots.state(c)
+    low = np.zeros(len(u)) if low is None else low
+    high = knots.cap if high is None else high
+    half = knots.rows.shape[1] // 2
+    at_point = np.repeat(u, np.diff(knots.first), axis=0)
+    of_point = np.abs(np.einsum("pri,pi->pr", knots.rows[:, :half], at_point)).max(axis=1, initial=0.0)
+    used = np.zeros(len(u))
+    np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
+    relief = np.zeros((len(u), 4))
+    relief[:, relaxation_knots.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
+    relief[:, relaxation_knots.RELIEF_ACCELERATION] = relief_of(used)
+    floor = low > 0.0
+    relief[floor, relaxation_knots.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
+    return start, relief

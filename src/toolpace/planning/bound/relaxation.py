@@ -1,0 +1,150 @@
+"""How far a plan may be from the best: a lower bound of the planner's problem on its mesh, by weak duality."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.kernels.optimal import relaxation
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound.problem import Knots, start_within
+from toolpace.planning.endstate import AT_REST, EndState
+from toolpace.planning.optimal.problem import Problem, discretise
+from toolpace.trajectory import OpenPlace
+
+TOLERANCE = 1e-5
+"""What the bound may lose to an end of the iteration ahead of time, relative to the duration."""
+MOST_STEPS = 150
+STANDS_STILL = 0.01
+"""Share of the pace from which the wait at a knot makes it part of a place that keeps the gap open."""
+IN_GAP = 0.01
+"""Least share of the gap that the waits of such a place sum to."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A lower bound of a run's duration, for the problem on the mesh of its plan."""
+
+    duration: float
+    """Of the plan [s]."""
+    mesh_duration: float
+    """Of the plan, as the problem on the mesh counts it: the sum of weight / speed over the nodes [s]."""
+    mesh_bound: float
+    """No z that obeys the rows of that mesh has a smaller sum [s]."""
+    places: Floats
+    """(k, 3) from s, to s, seconds: where the relaxation stands still, which a plan may not. They keep the gap open."""
+    steps: int
+
+    @property
+    def gap(self) -> float:
+        """How far the plan may be from the best one on its mesh: like compared with like."""
+        return max(self.mesh_duration / self.mesh_bound - 1.0, 0.0) if self.mesh_bound > 0.0 else np.inf
+
+    @property
+    def seconds(self) -> float:
+        """The bound in the measure of the plan's duration: duration / (1 + gap), never above the duration [s]."""
+        return self.duration / (1.0 + self.gap) if np.isfinite(self.duration) else 0.0
+
+
+class Relaxed(NamedTuple):
+    """What the relaxation of a problem by knots came to."""
+
+    value: float
+    """No z that obeys the rows, and lies in the ranges given, has a smaller sum."""
+    dual: Floats
+    """(points, 2 m, 2) the multipliers that prove it."""
+    wait: Floats
+    """(n,) how long each knot waits, as a pace."""
+    c: Floats
+    """(n + 2,) coefficients."""
+    steps: int
+
+
+def relaxed(
+    knots: Knots, c: Floats, low: Floats, high: Floats, tolerance: float = TOLERANCE, enough: float = np.inf
+) -> Relaxed:
+    """The relaxation of a problem with z from low (0: unknown) to high (n,), by a plan's c; `enough` ends it early."""
+    start, relief = start_within(knots, c, low, high)
+    value, dual, wait, _, _, steps = relaxation.relax(
+        knots.basis, knots.first, knots.weight, knots.price, low, high, knots.rows, start, relief, knots.end,
+        knots.ratio, knots.fixed, 1.0, tolerance, enough, MOST_STEPS,
+    )  # fmt: skip
+    return Relaxed(float(value), dual, wait, start, int(steps))
+
+
+def lower_bound(problem: Problem, law: SplineLaw) -> Bound:
+    """The bound of a problem, given a plan for it, by its limits before any was lowered."""
+    knots = Knots(problem)
+    c = coefficients(law)
+    found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap)
+    pace = 1.0 / np.sqrt(knots.state(c)[:, 0])
+    mesh_duration = float(knots.weight @ pace)
+    places = standstills(problem.nodes, found.wait > STANDS_STILL * pace, knots.weight * found.wait)
+    kept = places[places[:, 2] > IN_GAP * (mesh_duration - found.value)]
+    return Bound(law.duration, mesh_duration, found.value, kept, found.steps)
+
+
+def standstills(nodes: Floats, marked: npt.NDArray[np.bool_], seconds: Floats) -> Floats:
+    """(k, 3) first and last node of each row of marked ones, and the sum of their seconds."""
+    edge = np.flatnonzero(np.diff(np.concatenate([[0], marked.astype(np.int8), [0]])))
+    first, beyond = edge[::2], edge[1::2]
+    total = np.concatenate([[0.0], np.cumsum(seconds)])
+    return np.stack([nodes[first], nodes[beyond - 1], total[beyond] - total[first]], axis=1)
+
+
+def bound_run(
+    run: AxisRun, limits: Limits, law: SplineLaw, start: EndState = AT_REST, end: EndState = AT_REST
+) -> Bound:
+    """The bound of a run's plan where the problem that the plan solves is no longer at hand."""
+    return lower_bound(problem_of(run, limits, law, start, end), law)
+
+
+def problem_of(run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, end: EndState) -> Problem:
+    """The problem on the mesh of a law, its limits as they are given."""
+    outer = [law.s0] if start.at_rest else [], [law.s1] if end.at_rest else []
+    nodes = np.concatenate([outer[0], law.nodes, outer[1]])
+    return discretise(run, limits, nodes, start, end)
+
+
+def summed(
+    axis_path: AxisPath, laws: Sequence[SplineLaw], bounds: Sequence[Bound]
+) -> tuple[float, tuple[OpenPlace, ...]]:
+    """The lower bound of all runs with their dwells [s], and where what is open of it lies."""
+    total, begins = axis_path.first_dwell, axis_path.first_dwell
+    places = []
+    gap = sum(bound.duration - bound.seconds for bound in bounds)
+    for run, law, bound in zip(axis_path.runs, laws, bounds):
+        blocks = run.block_at(bound.places[:, 0])
+        times = begins + np.interp(bound.places[:, :2], law.nodes, law.times)
+        for (start, end), seconds, block in zip(times.tolist(), bound.places[:, 2].tolist(), blocks.tolist()):
+            if seconds > IN_GAP * gap:
+                places.append(OpenPlace(start, end, seconds, block))
+        total += bound.seconds + run.dwell
+        begins += law.duration + run.dwell
+    return total, tuple(places)
+
+
+def coefficients(law: SplineLaw) -> Floats:
+    """(n + 2,) coefficients of a law's spline, from its polynomials."""
+    return coefficients_of(law.nodes, law.cells)
+
+
+def coefficients_of(nodes: Floats, cells: Floats) -> Floats:
+    """(n + 2,) coefficients of the spline over knots (n,) with these polynomials (n - 1, 4) in its cells.
+
+    Each is the polar form of one of them at three knots.
+    """
+    n = len(nodes)
+    middle = np.clip(np.arange(n + 2) - 1, 0, n - 1)
+    cell = np.minimum(middle, n - 2)
+    u, v, w = (nodes[np.clip(np.arange(n + 2) + shift, 0, n - 1)] - nodes[cell] for shift in (-2, -1, 0))
+    a = cells[cell].T
+    c: Floats = a[0] + a[1] * (u + v + w) / 3.0 + a[2] * (u * v + u * w + v * w) / 3.0 + a[3] * u * v * w
+    return c

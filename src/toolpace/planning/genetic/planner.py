@@ -1,0 +1,224 @@
+"""The planner of the paper: preset speeds at reference points, the time between them by a genetic algorithm.
+
+Source: Wu, Li, Liu, Perez, "Local minimum time trajectory planning for five-axis machining with or without
+deflection", ACC 2009, section II.C and Fig. 2. What it leaves open is said at each parameter of `Genetic`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats, Ints
+from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.errors import InfeasibleError, UsageError
+from toolpace.kernels.planners import genetic
+from toolpace.laws.quintic import INSIDE, QuinticLaw
+from toolpace.machine.limits import Limits
+from toolpace.motion import limit_ratios
+from toolpace.planning.endstate import AT_REST, EndState, check_state
+from toolpace.planning.genetic.preset_speeds import Preset, preset
+from toolpace.planning.genetic.problem import Intervals, reference_points
+from toolpace.planning.guarantee import BRED
+from toolpace.trajectory import Trajectory
+
+CHECKS = 12
+ATTEMPTS = 5
+LOWER = 0.9
+"""Share of the reserve that is left for the next attempt."""
+EVOLVE_SLACK = 2e-4
+"""Share of the limits that stays unused while the preset speeds evolve, seen at the nodes."""
+SLOWEST = 1.6
+"""Longest period that a first population holds, as a multiple of that at the mean of both preset speeds."""
+FASTEST = 0.7
+
+
+@dataclass(frozen=True)
+class Genetic:
+    """The parameters that the paper does not give ("simple GA with one generation"), with what is taken here."""
+
+    generations: int = 1
+    """Times that a population is replaced by its offspring."""
+    population: int = 20
+    bits: int = 15
+    """Binary digits of a gene, at most 15."""
+    selection: str = "tournament"
+    """How parents are chosen: "tournament" (of two) or "roulette" (of the ranks)."""
+    crossover: float = 0.8
+    """Share of the children that come from two parents, cut at one point."""
+    mutation: float = 0.02
+    """Chance of each bit to flip."""
+    elite: int = 1
+    """Best individuals that live on unchanged."""
+    seed: int = 2009
+    reserve: float = 0.98
+    """Most usage of any limit that the preset speeds and accelerations ask for; the rest is for the periods."""
+    evolve: int = 0
+    """Sweeps that, after the periods, evolve the preset speeds and accelerations too; the paper has none."""
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("generations", 0, 10**6), ("population", 2, 10**6), ("bits", 2, 15), ("crossover", 0.0, 1.0),
+            ("mutation", 0.0, 1.0), ("elite", 1, self.population - 1), ("evolve", 0, 10**6),
+        ):  # fmt: skip
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise UsageError(f"genetic: {name} is {value}; it must lie in [{low}, {high}]")
+        if not 0.0 < self.reserve <= 1.0:
+            raise UsageError(f"genetic: reserve is {self.reserve}; it must lie in (0, 1]")
+        if self.selection not in ("tournament", "roulette"):
+            raise UsageError(f"genetic: selection is '{self.selection}'; known are tournament, roulette")
+
+    @property
+    def breeding(self) -> tuple[int, int, int, float, float, int, int]:
+        """Population, generations, bits, crossover, mutation, elite, tournament size: as the kernels take them."""
+        tournament = 2 if self.selection == "tournament" else 0
+        return (
+            self.population, self.generations, self.bits, self.crossover, self.mutation, self.elite, tournament
+        )  # fmt: skip
+
+
+def shortest(parts: Intervals, given: Preset, options: Genetic, allowed: Floats, which: Ints) -> Floats:
+    """The periods of the intervals `which`, as short as the genetic algorithm makes them."""
+    periods = []
+    for k in which:
+        ends = np.array([given.speed[k], given.acceleration[k], given.speed[k + 1], given.acceleration[k + 1]])
+        mean = 2.0 * parts.x[k, -1] / (ends[0] + ends[2])
+        period, value, kind = genetic.shorten(
+            parts.x[k], parts.share[k], parts.pace[k], ends, given.periods[k], allowed[k],
+            min(FASTEST * mean, given.periods[k]), SLOWEST * mean, *options.breeding, options.seed + int(k),
+        )  # fmt: skip
+        if value > allowed[k]:
+            raise InfeasibleError(
+                f"genetic: no individual keeps to the limits in {parts.interval_name(int(k))}: the nearest takes"
+                f" {value:.6g} of {parts.limit_name(kind)}; give a larger population, or less reserve"
+            )
+        periods.append(period)
+    return np.array(periods)
+
+
+def evolved(parts: Intervals, given: Preset, options: Genetic, allowed: Floats, sweep: int) -> Preset:
+    """One sweep in which each inner point's speed and acceleration evolve with the periods on both its sides."""
+    speed, acceleration, periods = given.speed.copy(), given.acceleration.copy(), given.periods.copy()
+    n = len(periods)
+    shrink = 0.7**sweep
+    for k in range(1, n):
+        ends = np.array(
+            [speed[k - 1], acceleration[k - 1], speed[k], acceleration[k], speed[k + 1], acceleration[k + 1]]
+        )
+        reach = np.array([0.1, 0.15, 0.3 * speed[k] / min(periods[k - 1], periods[k])]) * shrink
+        pair = slice(k - 1, k + 1)
+        speed[k], acceleration[k], periods[k - 1], periods[k] = genetic.reset_point(
+            parts.x[pair], parts.share[pair], parts.pace[pair], ends, periods[pair], allowed[pair], reach,
+            *options.breeding, options.seed + 1000003 * (sweep + 1) + k,
+        )  # fmt: skip
+    return Preset(speed, acceleration, periods)
+
+
+def plan_run(
+    run: AxisRun,
+    limits: Limits,
+    options: Genetic,
+    *,
+    intervals: int | npt.ArrayLike | None = None,
+    start: EndState = AT_REST,
+    end: EndState = AT_REST,
+) -> QuinticLaw:
+    """The law of one run; raises InfeasibleError naming interval and limit where no individual keeps to the limits."""
+    check_state(run, limits, start, run.s0)
+    check_state(run, limits, end, run.s1)
+    parts = Intervals(run, limits, reference_points(run, intervals), (start.at_rest, end.at_rest))
+    reserve = options.reserve
+    for attempt in range(ATTEMPTS):
+        try:
+            now = shortened(parts, preset(parts, start, end, reserve), options)
+            break
+        except InfeasibleError:
+            # the limits were passed between the nodes at which the presets were set: set them lower
+            if attempt == ATTEMPTS - 1:
+                raise
+            reserve *= LOWER
+    slack = EVOLVE_SLACK
+    for sweep in range(options.evolve):
+        while True:
+            trial = evolved(parts, now, options, np.full(len(now.periods), 1.0 - slack), sweep)
+            if peaks(parts, trial).max() <= BRED:
+                break
+            slack *= 2.0
+        now = trial
+    return law_of(parts, now)
+
+
+def law_of(parts: Intervals, preset: Preset) -> QuinticLaw:
+    """The time law of these speeds, accelerations and periods."""
+    return QuinticLaw(parts.points, preset.speed, preset.acceleration, preset.periods)
+
+
+def peaks(parts: Intervals, preset: Preset) -> Floats:
+    """(n,) largest value over limit in each interval, seen on both sides of the points and densely between."""
+    probe = law_of(parts, preset).probe()
+    ratios = limit_ratios(parts.run, parts.limits, probe.state, probe.right).max(axis=1)
+    # a law that turns back is no law; at the reference points themselves rest is rounding
+    speed = probe.state[1].reshape(len(preset.periods), INSIDE)
+    back = (speed[:, 1:-1] <= 0.0).any(axis=1)
+    ratios = np.where(np.repeat(back, INSIDE), np.inf, ratios)
+    largest: Floats = ratios.reshape(len(preset.periods), INSIDE).max(axis=1)
+    return largest
+
+
+def shortened(parts: Intervals, first: Preset, options: Genetic) -> Preset:
+    """The preset with periods by the genetic algorithm, interval by interval, held within the limits between nodes."""
+    n = len(first.periods)
+    allowed, which, now = np.ones(n), np.arange(n), first
+    for _ in range(CHECKS):
+        periods = now.periods.copy()
+        periods[which] = shortest(parts, first, options, allowed, which)
+        now = Preset(first.speed, first.acceleration, periods)
+        peak = peaks(parts, now)
+        which = np.flatnonzero(peak > BRED)
+        if len(which) == 0:
+            return now
+        allowed[which] -= 1.2 * np.minimum(peak[which] - 1.0, 0.1)
+    raise InfeasibleError(
+        f"genetic: between its nodes {parts.interval_name(int(which[0]))} takes {peak[which[0]]:.6g} of a limit;"
+        " give more intervals"
+    )
+
+
+def plan_genetic(
+    axis_path: AxisPath,
+    limits: Limits,
+    *,
+    intervals: int | npt.ArrayLike | None = None,
+    start: EndState = AT_REST,
+    end: EndState = AT_REST,
+    progress: Callable[[float], None] | None = None,
+    **options: Any,
+) -> Trajectory:
+    """The paper's motion along all runs; `start` and `end` are states of the first and last run.
+
+    `intervals`: see `reference_points`, for each run; `options`: the fields of `Genetic`. Raises InfeasibleError
+    naming interval and limit where no individual keeps to the limits.
+    """
+    began = time.perf_counter()
+    try:
+        chosen = Genetic(**options)
+    except TypeError:
+        known = [field.name for field in fields(Genetic)]
+        unknown = ", ".join(sorted(set(options) - set(known)))
+        raise UsageError(f"genetic: unknown option {unknown}; known are {', '.join(known)}") from None
+    laws, last = [], len(axis_path.runs) - 1
+    for k, run in enumerate(axis_path.runs):
+        states = start if k == 0 else AT_REST, end if k == last else AT_REST
+        laws.append(plan_run(run, limits, chosen, intervals=intervals, start=states[0], end=states[1]))
+        if progress is not None:
+            progress((k + 1) / (last + 1))
+    return Trajectory(
+        axis_path, limits, tuple(laws), planner="genetic", mesh_points=sum(len(law.s) for law in laws),
+        solve_seconds=time.perf_counter() - began,
+    )  # fmt: skip

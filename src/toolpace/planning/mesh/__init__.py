@@ -1,0 +1,1 @@
+"""Where a planner puts its nodes."""

@@ -1,0 +1,88 @@
+"""Where a path must be looked at more closely than on an even grid: cusps, poles, and other short-lived detail."""
+
+from __future__ import annotations
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisRun
+from toolpace.kernels.optimal import first_guess
+from toolpace.machine.limits import Limits
+
+UNSEEN = 0.02
+"""Share of a limit that may hide between two points of the grid at the speed that the limits allow at them."""
+SETTLED = 3
+"""Times that a step is halved before it counts as detail: where a grid is a little coarse, that is all it takes."""
+FINEST = 1e-13
+"""Shortest step of the grid, as a share of the run."""
+MOST_POINTS = 20_000
+
+
+class Seen(NamedTuple):
+    """What the limits allow at places along a run, at the worse side of a break."""
+
+    s: Floats
+    steady: Floats
+    """(n,) z = (ds/dt)^2 at steady speed."""
+    third: Floats
+    """(n,) d3s/dt3 at rest."""
+
+
+def detail(run: AxisRun, limits: Limits, s: Floats) -> Floats:
+    """(k,) points between those of the grid s (n,), which holds the breaks, where the path needs a closer look."""
+    return closer_look(run, limits, s)[1].s
+
+
+def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[Seen, Seen]:
+    """What there is at the grid s (n,), which holds the breaks, and at points between where that does not tell enough.
+
+    The grid is halved where the path does not go on as its derivatives say: something happens between two points if
+    position, slope or curvature changes by another amount than the next derivative at both points tells. A cusp shows
+    like this in any grid, however sharp it is.
+    """
+    q = run.evaluate(s)
+    steady, third = allowed(run, limits, s, q)
+    low, high, of_low, of_high, slow = s[:-1], s[1:], q[:, :-1], q[:, 1:], np.minimum(steady[:-1], steady[1:])
+    at = np.flatnonzero(np.isin(s[1:], run.breaks)) if len(run.breaks) else np.empty(0, dtype=np.int64)
+    if len(at):
+        before = np.nextafter(s[1 + at], -np.inf)
+        of_high = of_high.copy()
+        of_high[:, at] = run.evaluate(before)
+        steady_before, third_before = allowed(run, limits, before, of_high[:, at])
+        steady[1 + at] = np.minimum(steady[1 + at], steady_before)
+        third[1 + at] = np.minimum(third[1 + at], third_before)
+    grid = Seen(s, steady, third)
+    shortest = max(FINEST * (run.s1 - run.s0), 4.0 * float(np.spacing(max(abs(run.s0), abs(run.s1)))))
+    found = []
+    count = 0
+    for level in itertools.count(1):
+        unseen = first_guess.unseen(
+            of_low, of_high, high - low, slow, limits.velocity, limits.acceleration, limits.jerk
+        )
+        marked = (unseen > UNSEEN) & (high - low > 2.0 * shortest)
+        count += int(marked.sum())
+        if not marked.any() or count > MOST_POINTS:
+            break
+        low, high, slow = low[marked], high[marked], slow[marked]
+        of_low, of_high = of_low[:, marked], of_high[:, marked]
+        middle = (low + high) / 2.0
+        of_middle = run.evaluate(middle)
+        steady, third = allowed(run, limits, middle, of_middle)
+        if level > SETTLED:
+            found.append((middle, steady, third))
+        low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        of_low, of_high = np.concatenate([of_low, of_middle], axis=1), np.concatenate([of_middle, of_high], axis=1)
+        slow = np.minimum(np.tile(slow, 2), np.tile(steady, 2))
+    if not found:
+        return grid, Seen(np.empty(0), np.empty(0), np.empty(0))
+    between = np.concatenate(found, axis=1)
+    return grid, Seen(*between[:, np.argsort(between[0])])
+
+
+def allowed(run: AxisRun, limits: Limits, s: Floats, q: Floats) -> tuple[Floats, Floats]:
+    """(n,) z at steady speed and (n,) d3s/dt3 at rest that the limits allow at s, from the derivatives q there."""
+    _, steady, third = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s))
+    return steady, third

@@ -1,0 +1,97 @@
+"""Where the planner puts its nodes: evenly in time, finer next to rest and where the path turns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Floats, Ints
+from toolpace.axispath.axispath import AxisRun
+from toolpace.machine.limits import Limits
+from toolpace.planning.mesh.guess import Guess, from_graded, guess, places, ramp_time, to_graded
+
+STEPS_A_RAMP = 8.0
+"""Nodes for the time in which the acceleration of the slowest joint builds up."""
+GRADING = 0.1
+"""Largest step in time next to rest, as a share of the time since rest."""
+CELLS_A_HINT = 2.0
+"""Fewest cells between two hints of a run, such as the knots of a fitted path."""
+FEWEST_CELLS = 150
+DEFAULT_CELLS = 1500
+MOST_CELLS = 20_000
+"""Fewest cells of a run, with hints and without, and most, unless it has many hints or turns."""
+CELLS_A_PLACE = 20
+"""Most cells for each hint, or for each of the places that it takes to tell the speed between them."""
+NODES_A_FALL = 1.0
+"""Fewest nodes while z falls or grows by the factor e: where the motion nearly stops, steps in time are too long."""
+ONE_PLACE = 1e-4
+"""Share of a cell up to which breaks are one place: cells that short spoil the spline, and nothing happens in them."""
+
+
+def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> tuple[Floats, Guess]:
+    """Nodes (n,) from s0 to s1; `cells` fixes their number, else time decides it; breaks and detail come on top."""
+    fewest = cells or (FEWEST_CELLS if len(run.hints) else DEFAULT_CELLS)
+    many = places(run, limits, fewest) if cells is None and not len(run.hints) else fewest
+    rough = guess(run, limits, ends, many)
+    s, t = rough.s, rough.t
+    total = t[-1]
+    step = total / fewest
+    most = max(MOST_CELLS, CELLS_A_PLACE * max(len(run.hints), many if many > fewest else 0))
+    if cells is None:
+        step = min(step, max(ramp_time(limits) / STEPS_A_RAMP, total / most))
+    # nodes a unit of time: even, but no coarser than GRADING next to rest
+    middle = (t[1:] + t[:-1]) / 2.0
+    density = np.full(len(middle), 1.0 / step)
+    for distance, z in ((middle, ends[0]), (total - middle, ends[1])):
+        if z == 0.0:
+            density = np.maximum(density, 1.0 / (GRADING * np.maximum(distance, step)))
+    count = np.diff(t) * density
+    moves = (middle > (step if ends[0] == 0.0 else 0.0)) & (middle < total - (step if ends[1] == 0.0 else 0.0))
+    fall = np.abs(np.diff(np.log(np.maximum(rough.z, 1e-300))))
+    count = np.where(moves, np.maximum(count, NODES_A_FALL * fall), count)
+    if cells is None and len(run.hints):
+        # between two hints the third derivative bends, unless they are one place
+        hints = np.unique(np.concatenate([[run.s0], run.hints, [run.s1]]))
+        inside = np.clip(np.searchsorted(hints, (s[1:] + s[:-1]) / 2.0) - 1, 0, len(hints) - 2)
+        share = np.diff(s) / np.diff(hints)[inside]
+        count = np.maximum(count, np.minimum(CELLS_A_HINT * share, np.diff(t) / (ONE_PLACE * step)))
+    else:
+        count += 0.25 * count.sum() * np.diff(s) / (run.s1 - run.s0)
+    measure = np.concatenate([[0.0], np.cumsum(count)])
+    wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
+    outer = [step if z == 0.0 else 0.0 for z in ends]
+    first, last = np.interp([outer[0], total - outer[1]], t, measure)
+    inner = wanted - sum(z == 0.0 for z in ends)
+    length = run.s1 - run.s0
+    graded = to_graded((s - run.s0) / length, ends)
+    nodes = run.s0 + length * from_graded(np.interp(np.linspace(first, last, inner + 1), measure, graded), ends)
+    nodes = np.concatenate([[run.s0] if ends[0] == 0.0 else [], nodes, [run.s1] if ends[1] == 0.0 else []])
+    nodes[0], nodes[-1] = run.s0, run.s1
+    nodes = with_breaks(nodes, rough.detail, 0.0)
+    knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
+    return with_breaks(nodes, knots), rough
+
+
+def with_breaks(nodes: Floats, breaks: Floats, one_place: float = ONE_PLACE) -> Floats:
+    """The same nodes with the breaks among them, the nearest node moved where it lies within a third of a cell.
+
+    Breaks closer together than the share `one_place` of the cells there become one node.
+    """
+    cell = np.diff(nodes)
+    least = one_place * cell[np.clip(np.searchsorted(nodes, breaks) - 1, 0, len(cell) - 1)]
+    inside = (breaks > nodes[1] + least) & (breaks < nodes[-2] - least)
+    breaks = breaks[inside & (np.diff(breaks, prepend=-np.inf) > least)]
+    if len(breaks) == 0:
+        return nodes
+    inner = nodes[2:-2]
+    k = np.clip(np.searchsorted(breaks, inner), 1, len(breaks)) - 1
+    near = np.minimum(np.abs(inner - breaks[k]), np.abs(inner - breaks[np.minimum(k + 1, len(breaks) - 1)]))
+    keep = near > 0.34 * np.minimum(np.diff(nodes)[1:-2], np.diff(nodes)[2:-1])
+    return np.unique(np.concatenate([nodes[:2], inner[keep], breaks, nodes[-2:]]))
+
+
+def split(nodes: Floats, parts: Ints) -> Floats:
+    """The nodes with each cell cut into `parts` (n - 1,) equal cells."""
+    cell = np.repeat(np.arange(len(parts)), parts)
+    first = np.concatenate([[0], np.cumsum(parts)[:-1]])
+    share = (np.arange(len(cell)) - first[cell]) / parts[cell]
+    return np.append(nodes[cell] + share * np.diff(nodes)[cell], nodes[-1])

@@ -1,0 +1,57 @@
+"""Cells in which z falls far below its values at both nodes: cut, and raised where z falls to nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.kernels.motion import cubic_spline
+from toolpace.laws.spline import SplineLaw
+from toolpace.planning.mesh.nodes import split
+from toolpace.planning.optimal.meshed_run import FLOOR
+
+NOTHING = 1e-3
+"""Share of z at the nodes of a cell below which it has fallen to nothing inside: there a parabola touches zero, and
+is not told from it by cutting the cell."""
+MOST_SPLITS = 6
+SHORTEST = 1e3
+"""Cells that are cut no further, as a multiple of the rounding of s."""
+
+
+def without_dips(law: SplineLaw) -> SplineLaw:
+    """The same z over a finer mesh, where it falls too far inside a cell; raised where it falls to nothing."""
+    for _ in range(MOST_SPLITS):
+        dips = law.dips()
+        if not dips.any():
+            break
+        short = too_short(law.nodes)
+        parts = np.where(dips & ~short, 4, 1)
+        finer = split(law.nodes, parts)
+        c = cubic_spline.on_finer_knots(law.nodes, law.cells, finer)
+        z = law.z_at_nodes()
+        share = np.interp(cubic_spline.control_points(finer), law.nodes, z)
+        fallen = dips & (short | (lowest(law) <= NOTHING * np.minimum(z[:-1], z[1:])))
+        if fallen.any():
+            # all that touches the cells that have fallen
+            near = np.convolve(np.repeat(fallen, parts), np.ones(4)) > 0.0
+            c = np.where(near, np.maximum(c, FLOOR * share), c)
+            for end, (one, two) in enumerate(((0, 1), (-1, -2))):
+                if law.rest[end] > 0.0:
+                    c[two] = c[one] * (1.0 + 4.0 * abs(finer[two] - finer[one]) / (9.0 * law.rest[end]))
+        law = SplineLaw(finer, c, law.rest)
+    return law
+
+
+def too_short(nodes: Floats) -> npt.NDArray[np.bool_]:
+    """(n - 1,) cells that numbers do not resolve when they are cut."""
+    short: npt.NDArray[np.bool_] = np.diff(nodes) < SHORTEST * np.spacing(np.abs(nodes).max())
+    return short
+
+
+def lowest(law: SplineLaw) -> Floats:
+    """(n - 1,) least z in each cell, at the places where it is probed."""
+    x = np.diff(law.nodes)[:, None] * law.inside
+    a = law.cells.T[:, :, None]
+    z: Floats = (a[0] + x * (a[1] + x * (a[2] + x * a[3]))).min(axis=1)
+    return z

@@ -1,0 +1,107 @@
+"""What the rounds between the nodes leave above the guarantee is taken away by slowing down."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.laws.spline import SplineLaw
+from toolpace.planning.guarantee import GUARANTEE
+from toolpace.planning.optimal.dips import without_dips
+from toolpace.planning.optimal.meshed_run import Course
+from toolpace.planning.optimal.solve import LIMITS, Stalled
+from toolpace.planning.peaks import cell_peaks
+from toolpace.workers import Crew
+
+MOST_EASED = 300
+"""Places that may pass the guarantee for easing to be worth a thought."""
+EASE_BY = 1.05
+"""How far the motion is slowed down about a place, as a multiple of what the place needs."""
+EASE_RAMPS, EASE_SLOPE = 20.0, 5e-6
+"""How far that reaches in ramp times, at least, and most of z that is lost in one: no other limit shall feel it."""
+TOO_SLOW = 0.9
+"""Share of z at the limits from which a motion that uses none of them is sped up as a whole."""
+CLOSER_CELLS, CLOSER = 20, 1000
+"""Cells that are looked at again, and how closely: what all is slowed down for shall not hide between probes."""
+
+
+def kept(course: Course, law: SplineLaw, crew: Crew) -> SplineLaw:
+    """The law within the guarantee: slowed down about the places that pass it, so gently that nothing else does.
+
+    Where that does not do, or is no better, it is slowed down as a whole; with an end in motion it cannot be: Stalled.
+    One that could not be solved, and so uses no limit anywhere, is sped up.
+    """
+    law = without_dips(law)
+    peak = cell_peaks(course, law, crew=crew)
+    rests = law.rest[0] > 0.0 and law.rest[1] > 0.0
+    if peak.max() <= GUARANTEE:
+        return law.slowed(closer(course, law, peak, crew)) if rests and 0.0 < scale(peak) < TOO_SLOW else law
+    finite = bool(np.isfinite(peak).all())
+    slowed = law.slowed(max(1.0, closer(course, law, peak, crew))) if finite and rests else None
+    if finite:
+        eased = SplineLaw(law.nodes, law.c * easing(law, peak, course.ramp), law.rest)
+        better = slowed is None or eased.duration < slowed.duration
+        if better and not eased.dips().any() and cell_peaks(course, eased, crew=crew).max() <= GUARANTEE:
+            return eased
+    if slowed is None:
+        cell, kind = divmod(int(np.nan_to_num(peak, nan=np.inf).argmax()), peak.shape[1])
+        raise Stalled(float(law.nodes[cell]), LIMITS[kind])
+    return slowed
+
+
+def closer(course: Course, law: SplineLaw, peak: Floats, crew: Crew) -> float:
+    """By how much z must be divided as the cells with the highest peaks (cells, 3) show that are looked at closely."""
+    used = np.stack([peak[:, 0] ** 2, peak[:, 1], peak[:, 2] ** (2.0 / 3.0)], axis=1).max(axis=1)
+    highest = np.argsort(-used)[:CLOSER_CELLS]
+    fine = SplineLaw(law.nodes, law.c, law.rest)
+    fine.inside = np.linspace(0.0, 1.0, CLOSER)
+    return max(scale(peak), scale(cell_peaks(course, fine, highest, crew)))
+
+
+def scale(peak: Floats) -> float:
+    """By how much z must be divided for the peaks (cells, 3) of speed, acceleration and jerk to come to 1."""
+    speed, acceleration, jerk = peak.max(axis=0)
+    return float(max(speed**2, acceleration, jerk ** (2.0 / 3.0)))
+
+
+def slowing(peak: Floats) -> float:
+    """The same, where anything must be slowed down; else 1."""
+    return max(1.0, scale(peak))
+
+
+def worth(law: SplineLaw, peak: Floats, ramp: float) -> float:
+    """About how long the motion takes once it is slowed down for the guarantee [s]."""
+    whole = law.duration * float(np.sqrt(slowing(peak)))
+    if not np.isfinite(whole) or np.count_nonzero(peak.max(axis=1) > GUARANTEE) > MOST_EASED:
+        return whole
+    left = easing(law, peak, ramp)[1:-1]
+    return min(whole, law.duration + float(np.diff(law.times) @ (1.0 / np.sqrt(left[1:]) - 1.0)))
+
+
+def easing(law: SplineLaw, peak: Floats, ramp: float) -> Floats:
+    """Shares of the coefficients that are left about the places above the guarantee; all of them at moving ends."""
+    clock = np.interp(np.arange(len(law.c)) - 1.0, np.arange(len(law.times)), law.times)
+    left = np.ones(len(clock))
+    groups: list[tuple[float, float, float]] = []
+    for cell in np.flatnonzero(peak.max(axis=1) > GUARANTEE):
+        begin, end = law.times[cell], law.times[cell + 1]
+        loss = 1.0 - 1.0 / (1.0 + EASE_BY * (slowing(peak[cell : cell + 1]) - 1.0))
+        # one that reaches into the one before is slowed down together with it
+        while groups and begin - ramp * ease_ramps(loss) < groups[-1][1] + ramp * ease_ramps(groups[-1][2]):
+            begin, loss = min(begin, groups[-1][0]), max(loss, groups[-1][2])
+            groups.pop()
+        groups.append((begin, end, loss))
+    for begin, end, loss in groups:
+        width = ramp * ease_ramps(loss)
+        low, high = np.searchsorted(clock, [begin - width, end + width])
+        far = np.maximum(begin - clock[low:high], clock[low:high] - end)
+        near = np.clip((width - far) / (width - ramp), 0.0, 1.0)
+        left[low:high] = 1.0 - loss * near * near * (3.0 - 2.0 * near)
+    left[:2] = 1.0 if law.rest[0] == 0.0 else left[:2].min()
+    left[-2:] = 1.0 if law.rest[1] == 0.0 else left[-2:].min()
+    return left
+
+
+def ease_ramps(loss: float) -> float:
+    """Ramp times in which so much of z is lost and won."""
+    return max(EASE_RAMPS, loss / EASE_SLOPE)

@@ -1,0 +1,141 @@
+"""Solving a problem with the interior-point core."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.kernels.motion import cubic_spline
+from toolpace.kernels.optimal import limit_rows, newton, solver
+from toolpace.planning.optimal.problem import OnMesh, Problem
+
+TOLERANCE = 1e-6
+"""Gap and gradient at which a solve ends, relative to the duration."""
+GOOD_ENOUGH = 1e-4
+"""Gap up to which a solve that ended by rounding is not tried again."""
+ACCEPTABLE = 3e-3
+"""Gap up to which the best of several such solves is taken."""
+STEEP = 0.1
+"""Weight of the scaled gradient beside the gap, where either tells how far a point is from the optimum."""
+AGREE = 1e-7
+"""Relative difference of the times up to which two such solves, from different starts, have found the same optimum:
+on a very fine mesh the gradient is rounding."""
+BROKEN_BY = 1e-6
+"""Usage beyond 1 of such a solve; what is more is seen between the nodes and mended there."""
+MOST_STEPS = 250
+MARGIN = 0.01
+"""A start closer than this share to a limit has that limit relaxed at first."""
+LIMITS = ("a velocity limit or the feed", "an acceleration limit", "a jerk limit")
+"""What the columns of usage and of peaks are called."""
+
+
+class Stalled(Exception):
+    """The core found no point within the limits; `place` is the parameter where one is broken most, `limit` its name.
+
+    Between two rests there always is such a point: a motion slow enough.
+    """
+
+    def __init__(self, place: float, limit: str) -> None:
+        super().__init__(f"{limit} is passed near s = {place:.9g}")
+        self.place, self.limit = place, limit
+
+
+def start_from(mesh: OnMesh, s: Floats, z: Floats, share: float) -> Floats:
+    """Coefficients of about `share` of the speeds z (k,) at s (k,), with the ends as they must be."""
+    return pinned(mesh, share * np.interp(cubic_spline.control_points(mesh.nodes), s, z**0.75) ** (4.0 / 3.0))
+
+
+def pinned(mesh: OnMesh, c: Floats) -> Floats:
+    """The coefficients with those at the ends of the run as rest, or the state given there, asks for."""
+    for k, (one, two) in enumerate(((0, 1), (-1, -2))):
+        if mesh.end[k] == newton.REST:
+            c[two] = c[one] * mesh.ratio[k]
+        else:
+            c[one], c[two] = mesh.fixed[0 if k == 0 else 3], mesh.fixed[1 if k == 0 else 2]
+    return c
+
+
+def slower(mesh: OnMesh, c: Floats, loss: float, taper: tuple[int, int] | None = None) -> Floats:
+    """c with the share `loss` of z taken away, but less and less towards an end in motion, which stays as it is.
+
+    `taper` gives the number of coefficients in which the loss comes and goes; half of the stretch without it.
+    """
+    far = np.arange(len(c), dtype=np.float64)
+    length = taper or (len(c) // 2, len(c) // 2)
+    share = np.ones(len(c))
+    for k, distance in enumerate((far, far[::-1])):
+        if mesh.end[k] == newton.MOVING:
+            share = np.minimum(share, np.clip((distance - 1.0) / max(length[k], 1), 0.0, 1.0))
+    return c * (1.0 - loss * share * share * (3.0 - 2.0 * share))
+
+
+def solve(problem: Problem, c: Floats, spread: float) -> Floats:
+    """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
+
+    A start from which the core does not come to its end is followed by slower ones, between two rests at last by one
+    within all limits at the nodes, which is as good as the answer gets where the core does not move from it.
+    """
+    best: Floats | None = None
+    least, time, stall = np.inf, np.inf, Stalled(float(problem.nodes[0]), "some limit")
+    rests = bool((problem.end == newton.REST).all())
+    starts = [(slower(problem, c, loss), first_gap) for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0))]
+    if rests:
+        starts.append((within(problem, c), 1.0))
+    for begin, first_gap in starts:
+        relief = reliefs(problem, begin)
+        if not np.isfinite(relief).all():
+            # z has fallen to nothing: no start
+            continue
+        found, status, _, gap, gradient = solver.maximise_speed(
+            problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
+            relief, problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
+        )  # fmt: skip
+        if status == solver.OPTIMAL:
+            optimum: Floats = found
+            return optimum
+        used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, found)
+        worst, kind = divmod(int(np.argmax(used)), used.shape[1])
+        stall = Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind])
+        if used.max() > 1.0 + BROKEN_BY:
+            continue
+        time, before = float((problem.weight / np.sqrt(z)).sum()), time
+        open_ = max(gap, STEEP * gradient)
+        if open_ < least:
+            best, least = found, open_
+        if least < GOOD_ENOUGH or (least < ACCEPTABLE and abs(time - before) < AGREE * time):
+            break
+    if rests and best is None and (starts[-1][0] > 0.0).all():
+        return starts[-1][0]
+    if best is None or (least > ACCEPTABLE and not rests):
+        raise stall
+    return best
+
+
+def within(problem: Problem, c: Floats) -> Floats:
+    """The coefficients lowered together until half of every limit is left, which two rests allow; zeros where z is."""
+    if not np.isfinite(usage(problem, c)).all():
+        return np.zeros(len(c))
+    cap, acceleration, jerk = usage(problem, c).max(axis=0)
+    inside: Floats = c / (2.0 * max(cap, acceleration, jerk ** (2.0 / 3.0), 0.5))
+    return inside
+
+
+def usage(problem: Problem, c: Floats) -> Floats:
+    """(points, 3) largest value over limit of cap, acceleration and jerk rows; c (n,); infinite where z <= 0."""
+    used: Floats = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)[0]
+    return used
+
+
+def reliefs(problem: Problem, c: Floats) -> Floats:
+    """(points, 3) by how much cap, acceleration and jerk rows must be relaxed for c to lie inside them."""
+    used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)
+    natural = np.stack([problem.cap, np.ones_like(z), 1.0 / np.sqrt(np.maximum(z, 1e-300))], axis=1)
+    relief: Floats = relief_of(used) * natural
+    return relief
+
+
+def relief_of(used: Floats) -> Floats:
+    """By how much a limit that is used so much must be relaxed, relative to it."""
+    excess = used - (1.0 - MARGIN)
+    relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0)
+    return relief

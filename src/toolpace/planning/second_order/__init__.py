@@ -1,0 +1,1 @@
+"""The second-order planner: velocity, feed and acceleration only."""

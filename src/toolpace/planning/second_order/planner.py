@@ -1,0 +1,170 @@
+"""The second-order planner: the fastest motion within velocity, feed and acceleration limits; jerk is not limited.
+
+Source: Pham and Pham 2018 (TOPP-RA); see `kernels/planners/reachability.py`. Acceleration jumps where the motion
+switches from one limit to another, and at rest: real axes cannot follow that exactly. It tells how much of a cycle time
+jerk limits cost.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.errors import InfeasibleError
+from toolpace.kernels.planners import reachability
+from toolpace.laws.linear import LinearLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.endstate import AT_REST, EndState, check_state
+from toolpace.planning.guarantee import ALLOWED, GUARANTEE
+from toolpace.planning.mesh.detail import detail
+from toolpace.planning.mesh.nodes import split, with_breaks
+from toolpace.planning.peaks import CHUNK, peaks_of
+from toolpace.planning.second_order.problem import BOTH_ENDS, FIVE, Cells
+from toolpace.planning.second_order.refusal import refusal
+from toolpace.trajectory import Trajectory
+from toolpace.workers import Crew, Tally
+
+PILOT = 400
+"""Even cells of the first solve, which tells where the time goes."""
+DEFAULT_CELLS = 4000
+CELLS_A_HINT = 4
+"""Fewest cells of a run, and between two hints, such as the knots of a fitted path."""
+REFINE_ABOVE = 1.0003
+"""Usage from which a cell is halved rather than its limits lowered."""
+REFINE_ROUNDS, MOST_ROUNDS = 6, 20
+OVERSHOOT = 1.2
+"""How far a limit is lowered, as a multiple of how far it was passed."""
+
+
+def even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> Floats:
+    """Nodes (n,) from s0 to s1, half even in s, half in the time of a first solve; breaks and detail come on top."""
+    knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
+    wanted = cells or max(DEFAULT_CELLS, CELLS_A_HINT * len(run.hints))
+    pilot = with_breaks(np.linspace(run.s0, run.s1, max(PILOT, len(knots)) + 1), knots)
+    closer = detail(run, limits, pilot)
+    pilot = np.union1d(pilot, closer)
+    rows = Cells(run, limits, pilot)
+    z, status, _ = rows.solve(*ends)
+    nodes = np.linspace(run.s0, run.s1, wanted + 1)
+    if status == reachability.FEASIBLE and (z[1:-1] > 0.0).all():
+        law = LinearLaw(pilot, z)
+        measure = law.times / law.duration + (pilot - run.s0) / (run.s1 - run.s0)
+        nodes[1:-1] = np.interp(np.linspace(0.0, 2.0, wanted + 1)[1:-1], measure, pilot)
+    return with_breaks(with_breaks(nodes, closer, 0.0), knots)
+
+
+def plan_run(
+    run: AxisRun,
+    limits: Limits,
+    *,
+    cells: int | None = None,
+    nodes: Floats | None = None,
+    start: EndState = AT_REST,
+    end: EndState = AT_REST,
+    guard: bool = True,
+) -> LinearLaw:
+    """The fastest law of one run.
+
+    `cells` fixes the number of mesh cells, `nodes` (n,) the mesh itself; without them it is refined where a limit is
+    passed between nodes. `guard` holds the limits there too: without it they hold at both ends of each cell. Of
+    `start` and `end` only the speeds are taken. Raises InfeasibleError where no motion within the limits joins both.
+    """
+    check_state(run, limits, start, run.s0, orders=1)
+    check_state(run, limits, end, run.s1, orders=1)
+    ends = start.speed**2, end.speed**2
+    fixed = cells is not None or nodes is not None
+    if nodes is None:
+        nodes = even_in_time(run, limits, ends, cells)
+    rows = Cells(run, limits, nodes, FIVE if guard else BOTH_ENDS)
+    law = solved(run, limits, rows, ends)
+    return guarded(run, limits, rows, law, ends, fixed) if guard else law
+
+
+def solved(run: AxisRun, limits: Limits, rows: Cells, ends: tuple[float, float]) -> LinearLaw:
+    """The law of these rows. Raises InfeasibleError with limit and place where there is none."""
+    z, status, node = rows.solve(*ends)
+    if status != reachability.FEASIBLE:
+        raise refusal(run, limits, rows, ends, status, node)
+    if rows.unlimited:
+        raise InfeasibleError("no limit holds the motion; give a feed, or limits of velocity or acceleration")
+    still = z[1:-1] <= 0.0
+    if still.any():
+        place = rows.nodes[1 + int(still.argmax())]
+        raise InfeasibleError(f"the limits leave no motion at s = {place:.9g}; give a finer mesh, or a higher feed")
+    return LinearLaw(rows.nodes, z)
+
+
+def guarded(
+    run: AxisRun, limits: Limits, rows: Cells, law: LinearLaw, ends: tuple[float, float], fixed: bool
+) -> LinearLaw:
+    """The law with its limits held between all places too.
+
+    Cells that pass a limit are halved (unless the mesh is fixed) or their limits lowered, and all is solved again:
+    that costs two passes. What is left in the end, slowing the whole motion down takes away.
+    """
+    for round_ in range(MOST_ROUNDS):
+        peak = cell_peaks(run, limits, law)
+        worst = peak.max(axis=1)
+        if worst.max() <= ALLOWED:
+            return law
+        cut = worst > (np.inf if fixed or round_ >= REFINE_ROUNDS else REFINE_ABOVE)
+        tight = rows.tight * np.where((peak > ALLOWED) & ~cut[:, None], 1.0 + OVERSHOOT * (peak - 1.0), 1.0)
+        if cut.any():
+            parts = 1 + cut.astype(np.int64)
+            rows = Cells(run, limits, split(rows.nodes, parts), FIVE)
+            tight = np.repeat(tight, parts, axis=0)
+        rows.tight = tight
+        law = solved(run, limits, rows, ends)
+    speed, acceleration = cell_peaks(run, limits, law).max(axis=0)
+    if max(speed, acceleration) <= GUARANTEE:
+        return law
+    if ends != (0.0, 0.0):
+        raise InfeasibleError(
+            f"between two nodes a limit is passed by {max(speed, acceleration) - 1.0:.2g} of itself; "
+            "give more mesh cells, or start and end more slowly"
+        )
+    return law.slowed(max(speed**2, acceleration))
+
+
+def cell_peaks(run: AxisRun, limits: Limits, law: LinearLaw) -> Floats:
+    """(n, 2) largest usage in each cell: of velocity limits and feed, and of acceleration limits."""
+    every = np.arange(len(law.acceleration))
+    parts = [every[first : first + CHUNK] for first in range(0, len(every), CHUNK)]
+    return np.concatenate([peaks_of(run, limits, law, part)[:, :2] for part in parts])
+
+
+def plan_second_order(
+    axis_path: AxisPath,
+    limits: Limits,
+    *,
+    cells: int | None = None,
+    start: EndState = AT_REST,
+    end: EndState = AT_REST,
+    guard: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """The fastest trajectory along all runs without jerk limits; `start` is of the first, `end` of the last.
+
+    Only the speeds of `start` and `end` are held: acceleration may jump, there as anywhere. No lower bound is proved.
+    """
+    began = time.perf_counter()
+    runs = axis_path.runs
+    lengths = np.array([run.s1 - run.s0 for run in runs])
+    tally = Tally(progress, (lengths / lengths.sum()).tolist())
+    crew = Crew(tally)
+
+    def one(k: int) -> LinearLaw:
+        states = start if k == 0 else AT_REST, end if k == len(runs) - 1 else AT_REST
+        law = plan_run(runs[k], limits, cells=cells, start=states[0], end=states[1], guard=guard)
+        tally.of(k)(1.0)
+        return law
+
+    laws = crew.aside(lambda: crew.each(one, range(len(runs))))
+    return Trajectory(
+        axis_path, limits, tuple(laws), planner="second-order", mesh_points=sum(len(law.nodes) for law in laws),
+        solve_seconds=time.perf_counter() - began,
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Cutter-location data: APT and CLSF."""

@@ -1,0 +1,95 @@
+"""The motions that a program commands, in its own coordinates, before any point is laid between them."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.reading.arcs import Arc
+
+RAPID, FEED, JUMP = 0.0, 1.0, 2.0
+"""Kinds of rows. A jump is no motion: it re-reads the same place in the other mode (tip or joints)."""
+
+
+class Rate(NamedTuple):
+    """What F says of a motion: speed of X, Y, Z [m/s] and of rotations in place [rad/s], or its time [s]."""
+
+    speed: float = math.inf
+    turn: float = math.inf
+    time: float = 0.0
+
+
+class Moves:
+    """Rows of motions, appended one by one; stops and dwells are noted at the last position."""
+
+    def __init__(self, rotary: int) -> None:
+        self.rotary = rotary
+        self.rows: list[tuple[float, ...]] = []
+        self.arcs: dict[int, Arc] = {}
+        self.stops: set[int] = set()
+        self.dwells: dict[int, float] = {}
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def add(self, position: list[float], rate: Rate, line: int, kind: float, tip_mode: bool, named: int) -> None:
+        """Note a motion to `position` (3 + rotary); `named` has a bit for each of X, Y, Z named so far."""
+        self.rows.append((*position, *rate, line, kind, tip_mode, named))
+
+    def stop(self) -> None:
+        """Come to rest at the last position; before the first there is nothing to stop."""
+        if self.rows:
+            self.stops.add(len(self.rows) - 1)
+
+    def dwell(self, seconds: float) -> None:
+        """Come to rest at the last position and wait."""
+        self.stop()
+        if self.rows:
+            last = len(self.rows) - 1
+            self.dwells[last] = self.dwells.get(last, 0.0) + seconds
+
+    def table(self) -> MoveTable:
+        """The motions as arrays, from the start of the path on."""
+        width = 3 + self.rotary
+        array = np.array(self.rows, dtype=float).reshape(len(self.rows), width + 7)
+        first = self._start(array[:, width + 4], array[:, width + 6].astype(int)) if len(array) else 0
+        array = array[first:]
+        count = len(array)
+        stop, dwell = np.zeros(count, dtype=bool), np.zeros(count)
+        stop[[i - first for i in self.stops if i >= first]] = True
+        for index, seconds in self.dwells.items():
+            if index >= first:
+                dwell[index - first] = seconds
+        arcs = {i - first: arc for i, arc in self.arcs.items() if i > first}
+        return MoveTable(array[:, :width], array[:, width:], stop, dwell, arcs)
+
+    @staticmethod
+    def _start(kind: Floats, named: np.ndarray[tuple[int], np.dtype[np.int64]]) -> int:
+        """Row at whose end the path starts.
+
+        Where the machine stands before the program is unknown, so the path starts where the program first has
+        all the axes it uses positioned: leading rapids that position them one after the other are passed over,
+        but no motion at feed ever is, except the way to the first position.
+        """
+        complete = int(named[-1])
+        for index in range(len(named)):
+            if named[index] == complete:
+                return index
+            if index and kind[index] == FEED:
+                return index - 1
+        return len(named) - 1
+
+
+class MoveTable(NamedTuple):
+    """Moves as arrays; row 0 is the place where the path starts."""
+
+    position: Floats
+    """(n, 3 + rotary) [m, rad] at the end of each row, in the coordinates of its mode."""
+    columns: Floats
+    """(n, 7): speed [m/s], turn [rad/s], time [s], line, kind, tip mode, named."""
+    stop: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    dwell: Floats
+    arcs: dict[int, Arc]

@@ -1,0 +1,173 @@
+"""Lays points along the motions of a program so closely that straight ways between them stay true to it.
+
+Two things are curved in the workpiece frame although the program's words move in proportion: the tool axis
+while rotary joints turn, and the tip while they turn with tool-centre-point mode off. Their curvature is not
+known beforehand, so the pieces are measured, against the chord and the great circle at three places inside, and cut
+into more until all agree; the gap falls with the square of their number.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats, Ints
+from toolpace.reading.arcs import ArcTable
+from toolpace.reading.gcode.kinematics import Frame
+from toolpace.reading.gcode.moves import FEED, JUMP, MoveTable
+from toolpace.reading.points import SAME, assemble
+from toolpace.reading.source import Source
+from toolpace.toolpath import ToolPath
+
+TIP_GAP = 0.45e-6
+"""Most distance of the tip from the chords [m]; a tenth below the promised half micrometre."""
+AXIS_GAP = 0.9e-4
+"""Most angle between the tool axis and the great circle [rad]; a tenth below the promised 1e-4."""
+FIRST_TURN = np.deg2rad(5.0)
+"""Most rotation of a piece before measuring [rad], so that three places inside see the whole of it."""
+MOST_PIECES_OF_BLOCK = 100_000
+MOST_PIECES = 4_000_000
+CHUNK = 100_000
+INSIDE = np.array([0.25, 0.5, 0.75])
+
+
+class Unroll:
+    """The motions of a table as functions of a fraction from 0 to 1 of each."""
+
+    def __init__(self, source: Source, frame: Frame, table: MoveTable) -> None:
+        self.source, self.frame = source, frame
+        self.end = table.position
+        self.start = np.vstack([self.end[:1], self.end[:-1]])
+        self.speed, self.turn, self.time, line, kind, tip_mode, _ = table.columns.T
+        jump = kind == JUMP
+        self.start[jump] = self.end[jump]
+        self.is_feed = kind == FEED
+        self.line: Ints = line.astype(np.int64)
+        self.tip_mode: Bools = tip_mode > 0
+        self.stop, self.dwell = table.stop, table.dwell
+        self.arcs = ArcTable(list(table.arcs.values()))
+        self.arc = np.full(len(self.end), -1)
+        self.arc[list(table.arcs)] = np.arange(len(table.arcs))
+        self.rotation = np.linalg.norm((self.end - self.start)[:, 3:], axis=1)
+        self.length = np.linalg.norm((self.end - self.start)[:, :3], axis=1)
+        self.pieces = np.ones(len(self.end), dtype=np.int64)
+        for row, arc in table.arcs.items():
+            self.length[row] = arc.length()
+            self.pieces[row] = arc.pieces()
+
+    def evaluate(self, move: Ints, t: Floats) -> tuple[Floats, Floats, Floats]:
+        """Tip, tool axis and rotary joints at fractions t (k,) of moves (k,)."""
+        position = self.start[move] + t[:, None] * (self.end - self.start)[move]
+        done = t >= 1
+        position[done] = self.end[move[done]]
+        curved = (self.arc[move] >= 0) & ~done
+        position[curved, :3] = self.arcs.evaluate(self.arc[move[curved]], t[curved])
+        tip, axis = self.frame.place(position, self.tip_mode[move])
+        return tip, axis, position[:, 3:]
+
+    def refine(self) -> None:
+        """Choose how many pieces each move needs."""
+        turning = self.rotation > SAME
+        turned = np.ceil(self.rotation / FIRST_TURN)
+        self._refuse_endless(turned)
+        self.pieces = np.where(turning, np.maximum(self.pieces, turned.astype(np.int64)), self.pieces)
+        self._refuse_endless(self.pieces)
+        todo = np.flatnonzero(turning) if self.frame.machine is not None else np.zeros(0, dtype=np.int64)
+        for _ in range(8):
+            if not len(todo):
+                break
+            excess = self._excess(todo)
+            todo, excess = todo[excess > 1], excess[excess > 1]
+            wanted = self.pieces.astype(float)
+            wanted[todo] = np.maximum(np.ceil(wanted[todo] * np.sqrt(1.1 * excess)), wanted[todo] + 1)
+            self._refuse_endless(wanted)
+            self.pieces = wanted.astype(np.int64)
+
+    def _excess(self, moves: Ints) -> Floats:
+        """Largest gap of each move over what is allowed, as a ratio."""
+        excess = np.zeros(len(moves))
+        bounds = np.cumsum(self.pieces[moves])
+        first = 0
+        while first < len(moves):
+            done = bounds[first - 1] if first else 0
+            last = max(first + 1, int(np.searchsorted(bounds, done + CHUNK, side="right")))
+            excess[first:last] = self._excess_at_once(moves[first:last])
+            first = last
+        return excess
+
+    def _excess_at_once(self, moves: Ints) -> Floats:
+        move, piece, count = _pieces_of(moves, self.pieces[moves])
+        tip0, axis0, _ = self.evaluate(move, piece / count)
+        tip1, axis1, _ = self.evaluate(move, (piece + 1) / count)
+        worst = np.zeros(len(move))
+        for inside in INSIDE:
+            tip, axis, _ = self.evaluate(move, (piece + inside) / count)
+            gap = np.linalg.norm(tip - tip0 - inside * (tip1 - tip0), axis=1)
+            turn = np.linalg.norm(axis - great_circle(axis0, axis1, float(inside)), axis=1)
+            worst = np.maximum(worst, np.maximum(gap / TIP_GAP, turn / AXIS_GAP))
+        starts = np.concatenate([[0], np.cumsum(self.pieces[moves])[:-1]])
+        return np.asarray(np.maximum.reduceat(worst, starts))
+
+    def _refuse_endless(self, pieces: Floats | Ints) -> None:
+        worst = int(np.argmax(pieces))
+        if not pieces[worst] <= MOST_PIECES_OF_BLOCK or not pieces.sum() <= MOST_PIECES:
+            self.source.fail(
+                f"this block turns {np.rad2deg(self.rotation[worst]):.6g} deg over "
+                f"{self.length[worst] * 1e3:.6g} mm of way and would take {float(pieces[worst]):.3g} points "
+                f"(at most {MOST_PIECES_OF_BLOCK} a block, {MOST_PIECES} in all): "
+                "check its numbers, or split the program",
+                int(self.line[worst]),
+            )
+
+    def caps(self) -> tuple[Floats, Floats]:
+        """Feed [m/s] and least time [s] of each move, from what F means in its mode."""
+        travels = self.length > SAME
+        turns = self.rotation > SAME
+        # The speed word speaks of the joints X, Y, Z outside tip mode: no cap on the tip, but a time.
+        by_time = self.is_feed & travels & turns & ~self.tip_mode
+        in_place = self.is_feed & ~travels & turns
+        timed = self.is_feed & (self.time > 0)
+        least_time = np.zeros(len(self.end))
+        least_time[by_time] = (self.length / self.speed)[by_time]
+        least_time[in_place] = (self.rotation / self.turn)[in_place]
+        least_time[timed] = self.time[timed]
+        feed = np.where(self.is_feed & ~by_time & ~in_place & ~timed, self.speed, np.inf)
+        return feed, least_time
+
+    def toolpath(self, blocks: int, skipped: dict[str, int]) -> ToolPath:
+        """The points of all moves; inserted ones share the block number and the least time of their block."""
+        self.refine()
+        move, piece, count = _pieces_of(np.arange(len(self.end)), self.pieces)
+        tip, axis, rotary = self.evaluate(move, (piece + 1) / count)
+        feed, least_time = self.caps()
+        ends = piece + 1 == count
+        return assemble(
+            self.source,
+            tip=tip,
+            axis=axis,
+            feed=feed[move],
+            least_time=least_time[move] / count,
+            block=self.line[move],
+            stop=self.stop[move] & ends,
+            dwell=np.where(ends, self.dwell[move], 0.0),
+            rotary=None if self.frame.machine is None else rotary,
+            rotary_joints=self.frame.rotary_names,
+            blocks=blocks,
+            skipped=skipped,
+        )
+
+
+def great_circle(a: Floats, b: Floats, t: float | Floats) -> Floats:
+    """Unit vectors at fraction t from a to b (n, 3) along the great circle (Shoemake 1985, slerp)."""
+    angle = 2 * np.arcsin(np.clip(np.linalg.norm(b - a, axis=1) / 2, 0, 1))
+    small = angle < 1e-9
+    sine = np.where(small, 1.0, np.sin(angle))
+    first = np.where(small, 1 - t, np.sin((1 - t) * angle) / sine)
+    second = np.where(small, t, np.sin(t * angle) / sine)
+    return np.asarray(first[:, None] * a + second[:, None] * b)
+
+
+def _pieces_of(moves: Ints, pieces: Ints) -> tuple[Ints, Ints, Ints]:
+    """For every piece of the moves: its move, its number from 0, and how many pieces its move has."""
+    total = np.repeat(pieces, pieces)
+    first = np.repeat(np.cumsum(pieces) - pieces, pieces)
+    return np.repeat(moves, pieces), np.arange(len(total)) - first, total

@@ -1,0 +1,92 @@
+"""The last step of every dialect: from points with their ways to a ToolPath that keeps its promises."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats, Ints
+from toolpace.reading.source import Source
+from toolpace.toolpath import ToolPath
+
+SAME = 1e-12
+"""Points closer than this [m, rad] are the same point."""
+AXIS_ROUNDING = 0.02
+"""How far the length of a tool axis may be from 1: programs round it to three to six decimals."""
+
+
+def assemble(
+    source: Source,
+    *,
+    tip: Floats,
+    axis: Floats,
+    feed: Floats,
+    least_time: Floats,
+    block: Ints,
+    stop: Bools,
+    dwell: Floats,
+    rotary: Floats | None = None,
+    rotary_joints: tuple[str, ...] = (),
+    blocks: int = 0,
+    skipped: dict[str, int] | None = None,
+) -> ToolPath:
+    """ToolPath of points in order (see ToolPath for shapes and units).
+
+    A point equal to the one before is dropped: a repeated position takes no time. Its stop and its dwell move
+    onto the point that stays. The first and the last point are stops.
+    """
+    axis = unit_axes(source, axis, block)
+    n = len(tip)
+    moved = np.ones(n, dtype=bool)
+    if n > 1:
+        moved[1:] = np.abs(np.diff(tip, axis=0)).max(axis=1) > SAME
+        turned = rotary if rotary is not None else axis
+        if turned.shape[1]:
+            moved[1:] |= np.abs(np.diff(turned, axis=0)).max(axis=1) > SAME
+    kept = np.flatnonzero(moved)
+    if len(kept) < 2:
+        refuse_still(source, n)
+    stop = np.logical_or.reduceat(stop, kept)
+    stop[[0, -1]] = True
+    dwell = np.add.reduceat(dwell, kept)
+    feed, least_time = feed[kept], least_time[kept]
+    # Nothing leads to the first point.
+    feed[0], least_time[0] = np.inf, 0.0
+    return ToolPath(
+        tip=np.ascontiguousarray(tip[kept]),
+        axis=np.ascontiguousarray(axis[kept]),
+        feed=feed,
+        least_time=least_time,
+        block=block[kept],
+        stop=stop,
+        dwell=dwell,
+        rotary=None if rotary is None else np.ascontiguousarray(rotary[kept]),
+        rotary_joints=rotary_joints,
+        source=source.name,
+        blocks=blocks,
+        skipped=dict(skipped or {}),
+    )
+
+
+def refuse_still(source: Source, positions: int) -> NoReturn:
+    """Raise the error of a program with fewer than two different positions."""
+    where = ": it names one position only, and the path starts there" if positions else ""
+    source.fail(f"there is no motion in the program{where}; is it complete, and is this its dialect?", 0)
+
+
+def unit_axes(source: Source, axis: Floats, block: Ints) -> Floats:
+    """Tool axes (n, 3) at length 1; ProgramError with the line of the first that is zero or no unit vector."""
+    length = np.linalg.norm(axis, axis=1)
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= AXIS_ROUNDING))
+    if len(wrong):
+        first = wrong[0]
+        line, found = int(block[first]), float(length[first])
+        if found < 1e-6:
+            source.fail("the tool axis i, j, k is zero: give the direction from the tip to the spindle", line)
+        source.fail(
+            f"the tool axis i, j, k has length {found:.6g}, not 1 (2 percent of rounding allowed): "
+            "give a unit vector from the tip to the spindle",
+            line,
+        )
+    return np.asarray(axis / length[:, None])

@@ -1,0 +1,49 @@
+"""One page that shows a motion: what it takes, what holds it back, where; opens without a network."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from toolpace.files import whole_file
+from toolpace.setpoints import SetPoints
+
+if TYPE_CHECKING:
+    from toolpace.judge import Verification
+    from toolpace.toolpath import ToolPath
+    from toolpace.trajectory import Trajectory
+
+__all__ = ["report", "write_report"]
+
+
+def report(
+    trajectory: Trajectory,
+    path: str | os.PathLike[str],
+    toolpath: ToolPath | None = None,
+    verification: Verification | None = None,
+    dt: float = 1e-3,
+) -> None:
+    """Write the report of a trajectory, sampled every `dt` [s], as one HTML file, whole or not at all.
+
+    With the tool path its feeds are shown beside the tip's speed; with a verification, its verdict. The file
+    holds all it needs (5 MB of it are plotly.js) and at most 120 000 points of each curve: of a longer
+    motion, the least and the largest value of each stretch, so that no peak is lost.
+    """
+    write_report(path, trajectory, trajectory.sample(dt), toolpath, verification)
+
+
+def write_report(
+    path: str | os.PathLike[str],
+    trajectory: Trajectory,
+    setpoints: SetPoints,
+    toolpath: ToolPath | None = None,
+    verification: Verification | None = None,
+    facts: Mapping[str, Any] | None = None,
+) -> None:
+    """Write the report from set-points that were sampled already; `facts` are the keys of plan.json, as far
+    as known."""
+    from toolpace.reporting.page import page
+
+    with whole_file(path) as temporary:
+        temporary.write_text(page(trajectory, setpoints, toolpath, verification, facts or {}), encoding="utf-8")

@@ -1,0 +1,251 @@
+"""The page itself: tables made here, charts by the script that goes with it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from html import escape
+from importlib.resources import files
+from string import Template
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toolpace import __version__
+from toolpace.machine.limits import KINDS
+from toolpace.reporting.limiting import NOTHING, binding, names
+from toolpace.reporting.scene import scene, stations
+from toolpace.reporting.series import blocks_over_time, channels, encoded, feed_cap, packed
+from toolpace.reporting.words import NEUTRAL, colours, duration, figure, joint_colour, limit_words, percent
+from toolpace.setpoints import SetPoints
+
+if TYPE_CHECKING:
+    from toolpace.judge import Verification
+    from toolpace.toolpath import ToolPath
+    from toolpace.trajectory import Trajectory
+
+PLACES = 12
+WORTH_A_WORD = 1e-3
+"""Places where the lower bound leaves room that are listed, and the gap from which they are."""
+STRIP = 20_000
+"""Columns of the strip that shows what limits where."""
+
+
+def page(
+    trajectory: Trajectory,
+    setpoints: SetPoints,
+    toolpath: ToolPath | None,
+    verification: Verification | None,
+    facts: Mapping[str, Any],
+) -> str:
+    """The whole HTML text."""
+    from plotly.offline import get_plotlyjs
+
+    machine = trajectory.axis_path.machine
+    units = ["rad" if r else "m" for r in machine.is_rotary] if machine is not None else [""] * len(setpoints.joints)
+    program = str(facts.get("program") or (toolpath.source if toolpath is not None else "") or "motion")
+    where = str(facts.get("machine") or (machine.name if machine is not None else ""))
+    title = f"{program} on {where}" if where else program
+    here = files("toolpace.reporting")
+    palette = colours(setpoints.joints)
+    return Template(here.joinpath("page.html").read_text(encoding="utf-8")).substitute(
+        title=escape(title),
+        program=escape(program),
+        machine=escape(where),
+        verdict=_verdict(verification),
+        cards=_cards(trajectory, setpoints, toolpath, verification, facts),
+        insight=_insight(trajectory.limited_by()),
+        bars=_bars(trajectory.limited_by(), palette),
+        open_places=_open_places(trajectory),
+        usage=_usage(trajectory, units),
+        checks=_checks(verification),
+        version=escape(__version__),
+        planner=escape(trajectory.planner),
+        points=f"{len(setpoints):,}".replace(",", " "),
+        css=here.joinpath("page.css").read_text(encoding="utf-8"),
+        script=here.joinpath("page.js").read_text(encoding="utf-8"),
+        data=_data(trajectory, setpoints, toolpath, units, palette),
+        plotly=get_plotlyjs(),
+    )
+
+
+def _data(
+    trajectory: Trajectory,
+    setpoints: SetPoints,
+    toolpath: ToolPath | None,
+    units: list[str],
+    palette: Mapping[str, str],
+) -> str:
+    """All that the script draws, as JSON that cannot end the element it stands in."""
+    columns = min(STRIP, 4 * len(setpoints))
+    strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
+    data: dict[str, Any] = {
+        "end": float(setpoints.t[-1]),
+        "duration": float(trajectory.duration),
+        "joints": list(setpoints.joints),
+        "channels": [packed(channel) for channel in channels(setpoints, trajectory.limits, units, toolpath)],
+        "blocks": blocks_over_time(setpoints),
+        "limits": [limit_words(name) for name in names(setpoints.joints)],
+        "colours": list(palette.values()),
+        "joint_colours": [joint_colour(j) for j in range(len(setpoints.joints))],
+        "strip": encoded(binding(trajectory, strip_times).astype("<i2")),
+        "nothing": NOTHING,
+    }
+    if setpoints.has_tool:
+        at = stations(setpoints)
+        cap = feed_cap(setpoints, toolpath) if toolpath is not None else None
+        times = np.asarray(np.minimum(setpoints.t[at], trajectory.duration), dtype=np.float64)
+        limiting = binding(trajectory, times)
+        data["scene"] = scene(setpoints, at, limiting, cap)
+    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _verdict(verification: Verification | None) -> str:
+    """A badge: verified, failed, or not judged."""
+    if verification is None:
+        return '<span class="badge quiet">not verified</span>'
+    if verification.ok:
+        return f'<span class="badge good">verified · {len(verification.checks)} checks</span>'
+    return f'<span class="badge bad">verification failed · {len(verification.findings)} findings</span>'
+
+
+def _cards(
+    trajectory: Trajectory,
+    setpoints: SetPoints,
+    toolpath: ToolPath | None,
+    verification: Verification | None,
+    facts: Mapping[str, Any],
+) -> str:
+    """The figures one asks for first."""
+    cards = [("Time", duration(trajectory.duration), f"{trajectory.duration:.3f} s", "big")]
+    bound = trajectory.lower_bound
+    if bound > 0.0 and math.isfinite(bound):
+        note = f"this motion is at most {percent(trajectory.gap)} slower"
+        if trajectory.continuous_bound > 0.0:
+            unmeshed = trajectory.duration / trajectory.continuous_bound - 1.0
+            note += f"; {percent(unmeshed)} by the bound on no mesh"
+        cards.append(("Best possible", duration(bound), note, ""))
+    if setpoints.has_tool:
+        steps = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
+        length = float(steps.sum())
+        mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
+        shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
+        cards.append(("Way of the tip", shown, f"{mean:.0f} mm/min on average", ""))
+    stops = max(len(trajectory.laws) - 1, 0)
+    blocks = int(facts.get("blocks") or (toolpath.blocks or len(toolpath) if toolpath is not None else 0))
+    if blocks:
+        shown = f"{blocks:,}".replace(",", "\u202f")
+        cards.append(("Blocks", shown, f"{stops} stop{'' if stops == 1 else 's'} on the way", ""))
+    off = [_worse(facts.get("tip_deviation_mm"), getattr(verification, "tip_deviation", None), 1e3)]
+    off.append(_worse(facts.get("axis_deviation_deg"), getattr(verification, "axis_deviation", None), 180.0 / math.pi))
+    if off[0] is not None:
+        allowed = facts.get("tip_tolerance_mm")
+        note = f"of {allowed * 1e3:.4g} µm allowed" if allowed else "from the program"
+        cards.append(("Tip deviation", f"{off[0] * 1e3:.2f} µm", note, ""))
+    if off[1] is not None:
+        allowed = facts.get("axis_tolerance_deg")
+        note = f"of {allowed:.4g}° allowed" if allowed else "from the program"
+        cards.append(("Axis deviation", f"{off[1]:.4f}°", note, ""))
+    worst = trajectory.usage().worst
+    cards.append(("Peak use of limits", percent(worst), "at any time, worst of all", ""))
+    if facts.get("solve_s") is not None:
+        spent = float(facts.get("fit_s") or 0.0) + float(facts["solve_s"])
+        cards.append(("Computed in", f"{spent:.2f} s", f"{trajectory.mesh_points} mesh points", ""))
+    return "\n".join(
+        f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
+        f'<div class="note">{escape(note)}</div></div>'
+        for label, value, note, kind in cards
+    )
+
+
+def _worse(told: Any, judged: float | None, scale: float) -> float | None:
+    """The larger of two deviations as far as they are known, in shop-floor units."""
+    known = [float(told)] if told is not None else []
+    known += [judged * scale] if judged is not None and math.isfinite(judged) else []
+    return max(known) if known else None
+
+
+def _insight(shares: Mapping[str, float]) -> str:
+    """One sentence: what to change to be faster."""
+    ranked = [(name, share) for name, share in shares.items() if name not in ("nothing", "dwell")]
+    if not ranked:
+        return "No limit binds for any share of the time."
+    name, share = max(ranked, key=lambda item: item[1])
+    text = f"<b>{escape(limit_words(name))}</b> holds the motion back for {percent(share)} of the time"
+    if name == "feed":
+        return f"{text}: a higher feed in the program would save the most."
+    return f"{text}: that limit costs the most time."
+
+
+def _bars(shares: Mapping[str, float], palette: Mapping[str, str]) -> str:
+    """Share of the time that each limit binds, largest first, as bars."""
+    rows = []
+    shown = [(name, share) for name, share in shares.items() if share >= 5e-4]
+    top = max((share for _, share in shown), default=1.0)
+    for name, share in sorted(shown, key=lambda item: -item[1])[:12]:
+        colour = palette.get(name, NEUTRAL)
+        rows.append(
+            f'<div class="bar"><span class="name">{escape(limit_words(name))}</span>'
+            f'<span class="track"><span class="fill" style="width:{100.0 * share / top:.2f}%;background:{colour}">'
+            f'</span></span><span class="share">{percent(share)}</span></div>'
+        )
+    return "\n".join(rows)
+
+
+def _open_places(trajectory: Trajectory) -> str:
+    """Where the lower bound leaves room, the most first, folded away."""
+    places = sorted(trajectory.open_places, key=lambda place: -place.seconds)[:PLACES]
+    if not places or trajectory.gap < WORTH_A_WORD:
+        return ""
+    rows = "".join(
+        f"<tr><td>{duration(place.start)} to {duration(place.end)}</td><td>{place.block or ''}</td>"
+        f"<td>{figure(1e3 * place.seconds)} ms</td></tr>"
+        for place in places
+    )
+    open_ = trajectory.duration - trajectory.lower_bound
+    return (
+        f'<details class="open"><summary>At most {figure(1e3 * open_)} ms ({percent(trajectory.gap)}) could still be '
+        "gained: where the proof leaves room</summary>"
+        '<div class="scroll"><table class="checks"><thead><tr><th>Time</th><th>Block</th><th>At most</th></tr></thead>'
+        f"<tbody>{rows}</tbody></table></div></details>"
+    )
+
+
+def _usage(trajectory: Trajectory, units: list[str]) -> str:
+    """Peak use of every limit: a row an axis, a column a kind, with the figures behind the percentage."""
+    usage, limits = trajectory.usage(), trajectory.limits
+    per = {"velocity": "/s", "acceleration": "/s²", "jerk": "/s³"}
+    head = "".join(f"<th>{kind.capitalize()}</th>" for kind in KINDS)
+    rows = []
+    for j, joint in enumerate(trajectory.joints):
+        scale, unit = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "°")}.get(units[j], (1.0, ""))
+        cells = []
+        for kind in KINDS:
+            share, limit = getattr(usage, kind)[joint], float(getattr(limits, kind)[j]) * scale
+            text = f"of {figure(limit)} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
+            cells.append(
+                f'<td><div class="use"><span class="meter"><span style="width:{100.0 * min(share, 1.0):.1f}%;'
+                f'background:{joint_colour(j)}"></span></span><b>{percent(share)}</b></div><small>{text}</small></td>'
+            )
+        rows.append(f'<tr><th><i style="background:{joint_colour(j)}"></i>{escape(joint)}</th>{"".join(cells)}</tr>')
+    feed = f'<p class="feed">Feed: <b>{percent(usage.feed)}</b> of what the program allows, at its peak.</p>'
+    return f'<table class="usage"><thead><tr><th></th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>{feed}'
+
+
+def _checks(verification: Verification | None) -> str:
+    """Every check of the verification, failed ones first, folded away where all is well."""
+    if verification is None:
+        return ""
+    rows = []
+    for row in sorted(verification.rows(), key=lambda row: row[-1] == "ok"):
+        *cells, verdict = (escape(cell) for cell in row)
+        shown = "".join(f"<td>{cell}</td>" for cell in cells)
+        rows.append(f'<tr class="{"ok" if verdict == "ok" else "failed"}">{shown}<td>{verdict}</td></tr>')
+    fold = "" if verification.ok else " open"
+    return (
+        f'<section class="panel"><details{fold}><summary><h2>Verification</h2><span>from {verification.set_points} '
+        f"set-points every {verification.dt * 1e3:g} ms, the machine and the program alone</span></summary>"
+        '<div class="scroll"><table class="checks"><thead><tr><th>Check</th><th>Worst</th><th>Allowed</th>'
+        f"<th>Where</th><th></th></tr></thead><tbody>{''.join(rows)}</tbody></table></div></details></section>"
+    )

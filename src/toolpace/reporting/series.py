@@ -1,0 +1,128 @@
+"""The curves of the report: every channel over time as small integers, its peaks kept."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.machine.limits import KINDS, Limits
+from toolpace.setpoints import SetPoints
+from toolpace.toolpath import ToolPath
+
+MOST = 120_000
+"""Points of each channel in the file; a browser thins them again to what its screen can show."""
+_FULL = 32_000
+_MISSING = -32_768
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One curve: what it is, and its values at the set-points."""
+
+    name: str
+    panel: str
+    """"feed", "velocity", "acceleration" or "jerk"."""
+    joint: int
+    """Number of the joint; -1 for the tip."""
+    values: Floats
+    """(n,) in what the panel shows: a share of the limit, or mm/min."""
+    peak: float = 1.0
+    """What 1 stands for, in the unit below."""
+    unit: str = ""
+
+
+def encoded(values: npt.NDArray[Any]) -> str:
+    """Raw little-endian bytes as text."""
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
+
+
+def tip_speed(setpoints: SetPoints) -> Floats:
+    """(n,) speed of the tip [m/s] by differences over one step each way."""
+    if not setpoints.has_tool or len(setpoints) < 2:
+        return np.zeros(0)
+    step = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1)) / np.diff(setpoints.t)
+    speed: Floats = np.concatenate((step[:1], 0.5 * (step[1:] + step[:-1]), step[-1:]))
+    return speed
+
+
+def feed_cap(setpoints: SetPoints, toolpath: ToolPath) -> Floats:
+    """(n,) the feed that the program asks for in the block of each set-point [m/s]; inf where it asks for
+    none."""
+    way = np.zeros(len(toolpath))
+    way[1:] = np.sqrt(((toolpath.tip[1:] - toolpath.tip[:-1]) ** 2).sum(axis=1))
+    timed = (toolpath.least_time > 0.0) & (way > 0.0)
+    cap = np.where(timed, np.minimum(toolpath.feed, way / np.where(timed, toolpath.least_time, 1.0)), toolpath.feed)
+    blocks, where = np.unique(toolpath.block[1:], return_inverse=True)
+    if not len(blocks):
+        return np.full(len(setpoints), np.inf)
+    most = np.zeros(len(blocks))
+    np.maximum.at(most, where, cap[1:])
+    at = np.clip(np.searchsorted(blocks, setpoints.block), 0, len(blocks) - 1)
+    found: Floats = np.where(blocks[at] == setpoints.block, most[at], np.inf)
+    return found
+
+
+def channels(setpoints: SetPoints, limits: Limits, units: list[str], toolpath: ToolPath | None) -> list[Channel]:
+    """All curves: tip speed and cap, then each kind of each joint over its limit."""
+    found = []
+    if setpoints.has_tool:
+        found.append(Channel("tip speed", "feed", -1, tip_speed(setpoints) * 60e3, 1.0, "mm/min"))
+        if toolpath is not None:
+            cap = feed_cap(setpoints, toolpath) * 60e3
+            if np.isfinite(cap).any():
+                found.append(Channel("feed in the program", "feed", -1, cap, 1.0, "mm/min"))
+    per = {"velocity": "/s", "acceleration": "/s²", "jerk": "/s³"}
+    for kind, values in zip(KINDS, (setpoints.qd, setpoints.qdd, setpoints.qddd)):
+        for j, joint in enumerate(setpoints.joints):
+            limit = float(getattr(limits, kind)[j])
+            if np.isfinite(limit):
+                scale = {"m": 1e3, "rad": 180.0 / np.pi}.get(units[j], 1.0)
+                unit = {"m": "mm", "rad": "°"}.get(units[j], "") + per[kind]
+                found.append(Channel(joint, kind, j, values[:, j] / limit, limit * scale, unit))
+    return found
+
+
+def thinned(values: Floats, most: int = MOST) -> Floats:
+    """At most `most` values: of each stretch the least and the largest, in the order in which they come."""
+    n = len(values)
+    if n <= most:
+        return values
+    edges = np.linspace(0, n, most // 2 + 1).astype(np.int64)
+    low = np.minimum.reduceat(values, edges[:-1])
+    high = np.maximum.reduceat(values, edges[:-1])
+    falling = values[edges[:-1]] > values[np.maximum(edges[1:] - 1, edges[:-1])]
+    out: Floats = np.empty(2 * len(low))
+    out[0::2] = np.where(falling, high, low)
+    out[1::2] = np.where(falling, low, high)
+    return out
+
+
+def packed(channel: Channel) -> dict[str, Any]:
+    """A channel for the page: 16-bit integers times a scale; a gap where there is no value."""
+    values = channel.values
+    finite = np.isfinite(values)
+    top = float(np.abs(values[finite]).max()) if finite.any() else 1.0
+    scale = max(top, 1e-12) / _FULL
+    small = thinned(np.where(finite, values / scale, np.inf))
+    whole = np.where(np.isfinite(small), np.round(np.where(np.isfinite(small), small, 0.0)), _MISSING)
+    return {
+        "name": channel.name,
+        "panel": channel.panel,
+        "joint": channel.joint,
+        "scale": scale,
+        "peak": channel.peak,
+        "unit": channel.unit,
+        "top": top,
+        "data": encoded(whole.astype("<i2")),
+    }
+
+
+def blocks_over_time(setpoints: SetPoints, most: int = 40_000) -> dict[str, Any]:
+    """Line numbers over time, for the texts that a pointer calls up."""
+    at = np.linspace(0, len(setpoints) - 1, min(len(setpoints), most)).astype(np.int64)
+    return {"data": encoded(setpoints.block[at].astype("<i4"))}

@@ -1,0 +1,68 @@
+"""Words, figures and colours of the report."""
+
+from __future__ import annotations
+
+import colorsys
+import math
+
+from toolpace.machine.limits import KINDS
+
+FEED = "#14a37f"
+NEUTRAL = "#c3c9d2"
+_JOINTS = ("#2f6fed", "#f0862b", "#8a4fd8", "#d6336c", "#0c9bb3", "#7a8a1a", "#8c5a3c", "#56657a")
+_LIGHTER = {"velocity": 0.62, "acceleration": 0.32, "jerk": 0.0}
+
+
+def joint_colour(joint: int) -> str:
+    """The colour of a joint, the same in every chart."""
+    return _JOINTS[joint % len(_JOINTS)]
+
+
+def colours(joints: tuple[str, ...]) -> dict[str, str]:
+    """Name of each limit to its colour: the hue says which joint, the paleness which kind (jerk is the
+    strongest)."""
+    found = {"feed": FEED}
+    for kind in KINDS:
+        for j, joint in enumerate(joints):
+            found[f"{kind} {joint}"] = _paler(joint_colour(j), _LIGHTER[kind])
+    return found
+
+
+def _paler(colour: str, share: float) -> str:
+    """A colour mixed with white."""
+    hue, light, strong = colorsys.rgb_to_hls(*(int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)))
+    rgb = colorsys.hls_to_rgb(hue, light + share * (0.93 - light), strong)
+    return "#" + "".join(f"{round(255.0 * value):02x}" for value in rgb)
+
+
+def limit_words(name: str) -> str:
+    """The name of a limit as one says it: "jerk A" is "Jerk of A"."""
+    known = {"feed": "Programmed feed", "nothing": "Between limits", "dwell": "Dwell"}
+    kind, _, joint = name.partition(" ")
+    return known.get(name) or f"{kind.capitalize()} of {joint}"
+
+
+def percent(share: float) -> str:
+    """A share in percent, with as many digits as tell something; what is just above 1 shows that it is."""
+    value = 100.0 * share
+    if not math.isfinite(value):
+        return "unbounded"
+    if 99.9 <= value < 100.1:
+        return f"{value:.2f} %"
+    return f"{value:.3f} %" if value < 0.1 else f"{value:.1f} %"
+
+
+def duration(seconds: float) -> str:
+    """A time as a machinist reads it: 12.34 s, 4 min 05.2 s, 1 h 02 min 05 s."""
+    if seconds < 60.0:
+        return f"{seconds:.2f} s"
+    if seconds < 3600.0:
+        minutes, tenths = divmod(round(seconds * 10.0), 600)
+        return f"{minutes} min {tenths / 10.0:04.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes // 60} h {minutes % 60:02d} min {rest:02d} s"
+
+
+def figure(value: float) -> str:
+    """A positive figure with about four digits, thousands set apart by a narrow space: 50 000."""
+    return f"{value:.4g}" if value < 1000.0 else f"{round(value):,}".replace(",", "\u202f")
