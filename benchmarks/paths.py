@@ -9,7 +9,8 @@ import numpy as np
 from benchmarks import published
 from benchmarks.jets import path_of
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path

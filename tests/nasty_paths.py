@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from benchmarks.jets import Jets, along, beside, harmonics, path_of, standing, straight
 
-from toolpace.axispath.axispath import AxisPath, CallableRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.callable import CallableRun
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 

@@ -10,7 +10,8 @@ import copp_py as copp
 import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed, resting, usage
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.machine.limits import Limits
 
 PASSES = 12

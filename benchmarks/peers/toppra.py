@@ -10,7 +10,8 @@ from toppra.constraint import JointAccelerationConstraint, JointVelocityConstrai
 from toppra.interpolator import AbstractGeometricPath
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.machine.limits import Limits
 
 logging.getLogger("toppra").setLevel(logging.CRITICAL)

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import UsageError
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits

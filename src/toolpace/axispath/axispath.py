@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,49 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
-from toolpace.errors import PathError, UsageError
-from toolpace.toolpath import ToolPath
-from toolpace.workers import Lock
+from toolpace.arrays import Floats
+from toolpace.axispath.callable import CallableRun
+from toolpace.axispath.follow import FollowRun, branches_of
+from toolpace.axispath.run import AxisRun
+from toolpace.errors import UsageError
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.path.path import Path
-    from toolpace.path.run import PathRun
-
-GRID = 401
-"""Points of a run, beside its breaks, at which the solution of the inverse kinematics is chosen."""
-TURN_A_CELL = 0.3
-"""Most turn of a rotary joint between two of them [rad]: the solutions are half a turn apart."""
-SHORTEST_CELL = 1e-13
-"""Shortest step of that grid, as a share of the run."""
-POLE = 1e-9
-"""Sine of the angle between tool axis and pole below which the first rotary joint is free on an exact path."""
-
-
-class AxisRun(ABC):
-    """One stretch between two stops, three times differentiable but for its `breaks`."""
-
-    s0: float
-    s1: float
-    breaks: Floats
-    """(k,) parameter values inside the run where the third derivative or the speed cap may jump."""
-    hints: Floats
-    """(h,) parameter values between which the run is smooth on the scale of a mesh cell; may be empty."""
-    dwell: float = 0.0
-    """Time to wait at the end [s]."""
-
-    @abstractmethod
-    def evaluate(self, s: Floats) -> Floats:
-        """(4, n, joints): positions and three derivatives along s, from the right at a break [m or rad over s]."""
-
-    @abstractmethod
-    def speed_cap(self, s: Floats) -> Floats:
-        """(n,) most ds/dt that feed and block times allow, from the right at a break; inf without a cap."""
-
-    def block_at(self, s: Floats) -> Ints:
-        """(n,) line number of the block at s; 0 where there is no program."""
-        return np.zeros(len(s), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -95,164 +60,8 @@ class AxisPath:
     @classmethod
     def follow(cls, path: Path, machine: Machine) -> AxisPath:
         """The joints of a machine that carries tool tip and tool axis along a path."""
-        branches = _branches(path, machine)
+        branches = branches_of(path, machine)
         runs = tuple(FollowRun(run, machine, branch) for run, branch in zip(path.runs, branches))
         return cls(runs, machine.joints, machine, path.first_dwell)
 
 
-class CallableRun(AxisRun):
-    """A run given by a function of (s, order)."""
-
-    def __init__(
-        self,
-        f: Callable[[Floats, int], npt.ArrayLike],
-        s0: float,
-        s1: float,
-        speed_cap: float | Callable[[Floats], npt.ArrayLike],
-        breaks: Floats,
-        hints: npt.ArrayLike = (),
-    ) -> None:
-        self.f, self.cap = f, speed_cap
-        self.s0, self.s1, self.breaks = s0, s1, breaks[(breaks > s0) & (breaks < s1)]
-        places = np.asarray(hints, dtype=float).ravel()
-        places = places[(places > s0) & (places < s1)]
-        self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
-        # a caller's function may remember what it was asked last
-        self.lock = Lock()
-
-    def evaluate(self, s: Floats) -> Floats:
-        with self.lock:
-            values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
-        for order, value in enumerate(values):
-            if value.ndim != 2 or value.shape != (len(s), values[0].shape[-1]):
-                raise PathError(
-                    f"path: f(s, {order}) has shape {value.shape} for {len(s)} values of s, not (n, joints)"
-                )
-            if not np.isfinite(value).all():
-                where = s[np.argmin(np.isfinite(value).all(axis=1))]
-                raise PathError(f"path: f(s, {order}) is not finite at s = {where:.9g}")
-        return np.stack(values)
-
-    def speed_cap(self, s: Floats) -> Floats:
-        if callable(self.cap):
-            with self.lock:
-                cap = self.cap(s)
-        else:
-            cap = self.cap
-        return np.broadcast_to(np.asarray(cap, dtype=float), s.shape).copy()
-
-
-@dataclass(frozen=True)
-class Branch:
-    """Rotary joints on a grid along a run: which of both solutions, and which turn, is meant."""
-
-    s: Floats
-    rotary: Floats
-    """(n, 2) [rad]"""
-
-    def near(self, s: Floats) -> Floats:
-        """(n, 2) rotary joints about s."""
-        return np.column_stack([np.interp(s, self.s, self.rotary[:, i]) for i in range(2)])
-
-
-def _branches(path: Path, machine: Machine) -> list[Branch | None]:
-    """The solution taken along each run: chosen over the whole path, where the path gives tool axes only.
-
-    Between two points of the grid the nearest solution is meant. Where the tool axis passes close to its pole, the
-    first rotary joint turns far on a short way, and on a coarse grid the other solution looks nearer: where a joint
-    turns far, or the solution changes, the grid is made finer. Raises PathError where that does not end.
-    """
-    grids = [np.unique(np.concatenate([np.linspace(run.s0, run.s1, GRID), run.breaks])) for run in path.runs]
-    if path.runs[0].evaluate(grids[0][:1]).axis is None:
-        return [None] * len(path.runs)
-    while True:
-        ends = np.cumsum([len(s) for s in grids])[:-1]
-        points = _points(path, grids)
-        rotary = machine.choose_rotary(points, POLE)
-        parts = list(zip(np.split(rotary, ends), np.split(_sides(machine, points.axis, rotary), ends)))
-        done = True
-        for k, (turns, side) in enumerate(parts):
-            s = grids[k]
-            turn = np.diff(turns, axis=0)
-            wide = np.abs(turn).max(axis=1) > TURN_A_CELL
-            short = np.diff(s) < max(SHORTEST_CELL * (s[-1] - s[0]), 8.0 * float(np.spacing(np.abs(s).max())))
-            if (wide & short).any():
-                at = int(np.argmax(wide & short))
-                raise _jump(path, machine, k, float(s[at]), turn[at])
-            # a change of solution on the shortest way is the pole itself
-            look = np.flatnonzero((wide | (side[1:] * side[:-1] < 0)) & ~short)
-            if len(look):
-                done = False
-                grids[k] = np.union1d(s, s[look, None] + np.diff(s)[look, None] * np.array([0.25, 0.5, 0.75]))
-        if done:
-            return [Branch(s, turns) for s, (turns, _) in zip(grids, parts)]
-
-
-def _sides(machine: Machine, axis: Floats, rotary: Floats) -> Ints:
-    """(n,) 1 or -1: which of both solutions for the axes (n, 3) is taken; 0 at the pole."""
-    solutions, pole = machine.rotary_solutions(axis, POLE)
-    off = np.abs(np.remainder(rotary[:, None] - solutions + np.pi, 2.0 * np.pi) - np.pi).sum(axis=2)
-    return np.where(pole, 0, np.where(off[:, 0] <= off[:, 1], 1, -1))
-
-
-def _points(path: Path, grids: list[Floats]) -> ToolPath:
-    """The path at the points of a grid of each run."""
-    jets = [run.evaluate(s) for run, s in zip(path.runs, grids)]
-    axes = [jet.axis[0] for jet in jets if jet.axis is not None]
-    count = sum(map(len, grids))
-    nothing = np.zeros(count)
-    return ToolPath(
-        np.concatenate([jet.tip[0] for jet in jets]),
-        np.concatenate(axes),
-        np.full(count, np.inf),
-        nothing,
-        np.concatenate([run.block_at(s) for run, s in zip(path.runs, grids)]),
-        np.isin(np.arange(count), [0, count - 1]),
-        nothing,
-    )
-
-
-def _jump(path: Path, machine: Machine, run: int, s: float, turn: Floats) -> PathError:
-    joint = int(np.abs(turn).argmax())
-    block = int(path.runs[run].block_at(np.array([s]))[0])
-    place = f"s = {s:.9g}" + (f" (block {block})" if block else "")
-    name = machine.joints[machine.rotary[joint]]
-    return PathError(
-        f"path: at {place} joint {name} would have to turn by {np.degrees(abs(turn[joint])):.3g} deg at once;"
-        " lead the tool axis around its pole, or give the joint more travel"
-    )
-
-
-class FollowRun(AxisRun):
-    """The joints of a machine along one run of a path."""
-
-    def __init__(self, run: PathRun, machine: Machine, branch: Branch | None) -> None:
-        self.run, self.machine, self.branch = run, machine, branch
-        self.s0, self.s1, self.hints, self.dwell = run.s0, run.s1, run.breaks, run.dwell
-        length = np.diff(run.block_start)
-        self.pace = np.divide(length, run.least_time, where=run.least_time > 0.0, out=np.full(len(length), np.inf))
-        """Most ds/dt in each block for the sake of its least time."""
-        jumps = (run.feed[1:] != run.feed[:-1]) | (self.pace[1:] != self.pace[:-1])
-        kinks = run.breaks[1:-1] if run.third_jumps else np.empty(0)
-        self.breaks = np.union1d(run.block_start[1:-1][jumps], kinks)
-
-    def evaluate(self, s: Floats) -> Floats:
-        jet = self.run.evaluate(s)
-        rotary = jet.rotary
-        if rotary is None:
-            assert jet.axis is not None and self.branch is not None
-            rotary = self.machine.rotary_jets(jet.axis, self.branch.near(s))
-        return self.machine.linear_jets(jet.tip, rotary)
-
-    def speed_cap(self, s: Floats) -> Floats:
-        block = self.run.block_index(s)
-        feed = self.run.feed[block]
-        cap: Floats = self.pace[block]
-        if np.isfinite(feed).any():
-            speed = np.linalg.norm(self.run.evaluate(s).tip[1], axis=1)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                cap = np.minimum(cap, np.where(speed > 0.0, feed / speed, np.inf))
-        return cap
-
-    def block_at(self, s: Floats) -> Ints:
-        return self.run.block_at(s)

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import PathError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
 from toolpace.motion import joint_motion

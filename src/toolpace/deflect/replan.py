@@ -9,7 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath, AxisRun, FollowRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.follow import FollowRun
+from toolpace.axispath.run import AxisRun
 from toolpace.deflect.detour import Detour, DetourRun, Known, tip_velocity
 from toolpace.deflect.projection import project
 from toolpace.deflect.search import Judge, shortest_detour

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import limit_ratios

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.kernels.motion import usage
 from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw

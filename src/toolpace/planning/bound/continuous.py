@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import continuous_dual, first_guess
 from toolpace.laws.spline import SplineLaw

@@ -12,7 +12,7 @@ import threading
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import dual
 from toolpace.laws.spline import SplineLaw

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import UsageError
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits

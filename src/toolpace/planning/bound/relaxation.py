@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.kernels.optimal import relaxation
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.kernels.planners import genetic
 from toolpace.laws.quintic import INSIDE, QuinticLaw

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import UsageError
 from toolpace.machine.limits import KINDS, Limits
 

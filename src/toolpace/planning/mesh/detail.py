@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 

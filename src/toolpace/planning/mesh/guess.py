@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 from toolpace.planning.mesh.detail import allowed, closer_look

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.machine.limits import Limits
 from toolpace.planning.mesh.guess import Guess, from_graded, guess, places, ramp_time, to_graded
 

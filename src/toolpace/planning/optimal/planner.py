@@ -7,7 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits

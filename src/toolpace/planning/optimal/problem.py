@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits

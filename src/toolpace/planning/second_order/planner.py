@@ -13,7 +13,8 @@ from collections.abc import Callable
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath, AxisRun
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.kernels.planners import reachability
 from toolpace.laws.linear import LinearLaw

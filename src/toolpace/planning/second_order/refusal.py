@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisRun
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.kernels.planners import reachability
 from toolpace.machine.limits import Limits

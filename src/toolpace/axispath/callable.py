@@ -1,0 +1,55 @@
+"""A run that a function of (s, order) gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.axispath.run import AxisRun
+from toolpace.errors import PathError
+from toolpace.workers import Lock
+
+
+class CallableRun(AxisRun):
+    """A run given by a function of (s, order)."""
+
+    def __init__(
+        self,
+        f: Callable[[Floats, int], npt.ArrayLike],
+        s0: float,
+        s1: float,
+        speed_cap: float | Callable[[Floats], npt.ArrayLike],
+        breaks: Floats,
+        hints: npt.ArrayLike = (),
+    ) -> None:
+        self.f, self.cap = f, speed_cap
+        self.s0, self.s1, self.breaks = s0, s1, breaks[(breaks > s0) & (breaks < s1)]
+        places = np.asarray(hints, dtype=float).ravel()
+        places = places[(places > s0) & (places < s1)]
+        self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
+        # a caller's function may remember what it was asked last
+        self.lock = Lock()
+
+    def evaluate(self, s: Floats) -> Floats:
+        with self.lock:
+            values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
+        for order, value in enumerate(values):
+            if value.ndim != 2 or value.shape != (len(s), values[0].shape[-1]):
+                raise PathError(
+                    f"path: f(s, {order}) has shape {value.shape} for {len(s)} values of s, not (n, joints)"
+                )
+            if not np.isfinite(value).all():
+                where = s[np.argmin(np.isfinite(value).all(axis=1))]
+                raise PathError(f"path: f(s, {order}) is not finite at s = {where:.9g}")
+        return np.stack(values)
+
+    def speed_cap(self, s: Floats) -> Floats:
+        if callable(self.cap):
+            with self.lock:
+                cap = self.cap(s)
+        else:
+            cap = self.cap
+        return np.broadcast_to(np.asarray(cap, dtype=float), s.shape).copy()

@@ -1,0 +1,34 @@
+"""One stretch of joint positions between two stops: what a planner asks of it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from toolpace.arrays import Floats, Ints
+
+
+class AxisRun(ABC):
+    """One stretch between two stops, three times differentiable but for its `breaks`."""
+
+    s0: float
+    s1: float
+    breaks: Floats
+    """(k,) parameter values inside the run where the third derivative or the speed cap may jump."""
+    hints: Floats
+    """(h,) parameter values between which the run is smooth on the scale of a mesh cell; may be empty."""
+    dwell: float = 0.0
+    """Time to wait at the end [s]."""
+
+    @abstractmethod
+    def evaluate(self, s: Floats) -> Floats:
+        """(4, n, joints): positions and three derivatives along s, from the right at a break [m or rad over s]."""
+
+    @abstractmethod
+    def speed_cap(self, s: Floats) -> Floats:
+        """(n,) most ds/dt that feed and block times allow, from the right at a break; inf without a cap."""
+
+    def block_at(self, s: Floats) -> Ints:
+        """(n,) line number of the block at s; 0 where there is no program."""
+        return np.zeros(len(s), dtype=np.int64)
