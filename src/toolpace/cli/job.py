@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.cli.steps import Steps
-from toolpace.machine.refusals import check_travel
 from toolpace.planning.guarantee import PROMISED
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
             tell.note = f"gap {before:.3%}, now {trajectory.gap:.3%}"
     with steps.step("sampling") as tell:
         setpoints = trajectory.sample(job.dt)
-        check_travel(job.machine, setpoints.q, setpoints.block, toolpath.source)
+        job.machine.check_travel(setpoints.q, setpoints.block, toolpath.source)
         trajectory.usage()
         tell.note = f"{len(setpoints)} set-points"
     with steps.step("verifying"):
@@ -103,7 +102,7 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
 def check_program(toolpath: ToolPath, machine: Machine) -> None:
     """Raise ReachError where a point of the program itself is out of travel, before any long work."""
     rotary = machine.choose_rotary(toolpath) if toolpath.rotary is None else toolpath.rotary
-    check_travel(machine, machine.joints_at(toolpath.tip, rotary), toolpath.block, toolpath.source)
+    machine.check_travel(machine.joints_at(toolpath.tip, rotary), toolpath.block, toolpath.source)
 
 
 def warm_up(steps: Steps) -> None:

@@ -6,16 +6,13 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
-
-if TYPE_CHECKING:
-    from toolpace.path.fit.polyline import Machine
-    from toolpace.toolpath import ToolPath
+from toolpace.toolpath import ToolPath
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import PathError
+from toolpace.machine.machine import Machine
 from toolpace.path.fit.knots import refined_at
-from toolpace.path.fit.polyline import Machine, Polyline
+from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.spline import Spline, knots_of
 from toolpace.path.fit.windows import Range, ranges, side_by_side

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError
+from toolpace.machine.machine import Machine
 from toolpace.toolpath import ToolPath
 
 LEAST_CELL = 1e-7
@@ -21,28 +21,6 @@ LEAST_CELL = 1e-7
 
 POLE_LEVER = 0.03
 """Sine of the angle to a pole below which a turn about it counts as if there [1]."""
-
-
-class Limits(Protocol):
-    """What the fit asks of the limits of a machine."""
-
-    @property
-    def jerk(self) -> Floats: ...
-
-
-class Machine(Protocol):
-    """What the fit asks of a machine."""
-
-    @property
-    def limits(self) -> Limits: ...
-    @property
-    def linear(self) -> Ints: ...
-    @property
-    def rotary(self) -> Ints: ...
-    def choose_rotary(self, toolpath: ToolPath) -> Floats: ...
-    def axis_at(self, rotary: Floats) -> Floats: ...
-    def axis_jets(self, rotary: Floats) -> Floats: ...
-    def tip_lever(self, tip: Floats, rotary: Floats) -> Floats: ...
 
 
 @dataclass(frozen=True)
