@@ -13,7 +13,6 @@ from toolpace.planning.guarantee import PROMISED
 if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
-    from toolpace.toolpath import ToolPath
     from toolpace.write import PlanRecord
 
 
@@ -43,7 +42,6 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     warm_up(steps)
     with steps.step("reading") as tell:
         toolpath = read(job.program, job.machine, job.dialect, feed=job.feed)
-        check_program(toolpath, job.machine)
         skipped = sum(toolpath.skipped.values())
         tell.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
 
@@ -97,12 +95,6 @@ def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     record = msgspec.structs.replace(record, step_s=dict(steps.seconds))
     write.write_plan(job.out / PLAN, record)
     return record, verification
-
-
-def check_program(toolpath: ToolPath, machine: Machine) -> None:
-    """Raise ReachError where a point of the program itself is out of travel, before any long work."""
-    rotary = machine.choose_rotary(toolpath) if toolpath.rotary is None else toolpath.rotary
-    machine.check_travel(machine.joints_at(toolpath.tip, rotary), toolpath.block, toolpath.source)
 
 
 def warm_up(steps: Steps) -> None:

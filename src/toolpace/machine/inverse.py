@@ -10,7 +10,7 @@ from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import ReachError
 from toolpace.machine import kinematics
 from toolpace.machine.geometry import Geometry
-from toolpace.machine.refusals import check_travel, place, tilt_out_of_travel, unreachable_tilt
+from toolpace.machine.refusals import check_travel, rotary_jump, tilt_out_of_travel, unreachable_tilt
 from toolpace.toolpath import ToolPath
 
 TURN = 2.0 * math.pi
@@ -44,21 +44,32 @@ def _given(geometry: Geometry, toolpath: ToolPath) -> Floats | None:
 
 
 def _chosen(geometry: Geometry, toolpath: ToolPath, pole_tolerance: float) -> Floats:
-    from toolpace.kernels.kinematics import poles
-
-    axis = np.ascontiguousarray(toolpath.axis)
-    frame, travel = geometry.frame, np.ascontiguousarray(geometry.travel[geometry.rotary])
-    solutions, pole = kinematics.rotary_solutions(geometry, axis, pole_tolerance)
-    lost = np.isnan(solutions).any(axis=(1, 2))
-    if lost.any():
-        first = int(np.argmax(lost))
-        raise unreachable_tilt(geometry, axis[first], int(toolpath.block[first]), toolpath.source)
-    rotary = np.empty((len(axis), 2))
+    solutions, pole = solutions_along(geometry, toolpath, pole_tolerance)
+    rotary = np.empty((len(pole), 2))
     points = np.flatnonzero(~pole)
     if len(points):
         rotary[points] = _fixed(geometry, toolpath, solutions[points], points)
-    poles.settle_poles(frame, axis, np.ascontiguousarray(toolpath.tip), pole, travel, pole_tolerance, rotary)
+    settle(geometry, toolpath, pole, pole_tolerance, rotary)
     return rotary
+
+
+def solutions_along(geometry: Geometry, toolpath: ToolPath, pole_tolerance: float) -> tuple[Floats, Bools]:
+    """Both solutions (n, 2, 2) at each point, and which lie at the pole (n,). Raises ReachError where there is none."""
+    solutions, pole = kinematics.rotary_solutions(geometry, toolpath.axis, pole_tolerance)
+    lost = np.isnan(solutions).any(axis=(1, 2))
+    if lost.any():
+        first = int(np.argmax(lost))
+        raise unreachable_tilt(geometry, toolpath.axis[first], int(toolpath.block[first]), toolpath.source)
+    return solutions, pole
+
+
+def settle(geometry: Geometry, toolpath: ToolPath, pole: Bools, pole_tolerance: float, rotary: Floats) -> None:
+    """Fill in the rotary positions (n, 2) at poles (n,): the first joint turns evenly between both sides."""
+    from toolpace.kernels.kinematics import poles
+
+    axis, tip = np.ascontiguousarray(toolpath.axis), np.ascontiguousarray(toolpath.tip)
+    travel = np.ascontiguousarray(geometry.travel[geometry.rotary])
+    poles.settle_poles(geometry.frame, axis, tip, pole, travel, pole_tolerance, rotary)
 
 
 def _fixed(geometry: Geometry, toolpath: ToolPath, solutions: Floats, points: Ints) -> Floats:
@@ -89,7 +100,9 @@ def _fixed(geometry: Geometry, toolpath: ToolPath, solutions: Floats, points: In
     )
     cut = jumps & ~rapid
     if cut.any():
-        raise _broken(geometry, toolpath, points, chosen, int(np.argmax(cut)))
+        at = int(np.argmax(cut))
+        blocks = int(toolpath.block[points[at - 1]]), int(toolpath.block[points[at]])
+        raise rotary_jump(geometry, chosen[at - 1], chosen[at], blocks, toolpath.source)
     return chosen
 
 
@@ -133,21 +146,3 @@ def _turns(solutions: Floats, travel: Floats, endless: Bools) -> tuple[Ints, Int
         low, high = max(low, centre - most), min(high, centre + most)
         first[joint], slots[joint] = low, high - low + 1
     return first, slots
-
-
-def _broken(geometry: Geometry, toolpath: ToolPath, points: Ints, chosen: Floats, at: int) -> ReachError:
-    names = [geometry.joints[joint] for joint in geometry.rotary]
-    before, after = np.degrees(chosen[at - 1]), np.degrees(chosen[at])
-    travel = ", ".join(
-        f"{name} {math.degrees(low):g} .. {math.degrees(high):g} deg"
-        for name, (low, high) in zip(names, geometry.travel[geometry.rotary])
-        if math.isfinite(low)
-    )
-    line = int(toolpath.block[points[at]])
-    return ReachError(
-        f"{place(toolpath.source, line)}the rotary joints run out of travel ({travel}): between lines "
-        f"{int(toolpath.block[points[at - 1]])} and {line} they would have to jump from "
-        f"{names[0]} {before[0]:.3f} {names[1]} {before[1]:.3f} to {names[0]} {after[0]:.3f} {names[1]} "
-        f"{after[1]:.3f} deg while cutting; split the program there with a retract (rapid), or give the "
-        "joint more travel, or wrap = true"
-    )

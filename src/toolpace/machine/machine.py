@@ -9,6 +9,7 @@ from pathlib import Path
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import MachineError, UsageError
 from toolpace.machine import kinematics
+from toolpace.machine.continuation import rotary_between, turn_between
 from toolpace.machine.file import MachineFile, did_you_mean, read_machine, write_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
@@ -190,6 +191,19 @@ class Machine:
     def choose_rotary(self, toolpath: ToolPath, pole_tolerance: float = POLE_TOLERANCE) -> Floats:
         """Rotary positions (n, 2) [rad] along a tool path, unwound; see machine/inverse.py. Raises ReachError."""
         return choose_rotary(self.geometry, toolpath, pole_tolerance)
+
+    def turn_between(self, axis: Floats, pole_tolerance: float = POLE_TOLERANCE) -> Floats:
+        """(n - 1,) most turn of a rotary joint from one tool axis (n, 3) to the next on either solution [rad]."""
+        return turn_between(self.geometry, axis, pole_tolerance)
+
+    def rotary_between(
+        self, toolpath: ToolPath, known: Ints, rotary: Floats, pole_tolerance: float = POLE_TOLERANCE
+    ) -> Floats:
+        """Rotary positions (n, 2) [rad] along a tool path with points put in, on the branch chosen without them.
+
+        Those at its points `known` (k,) are `rotary` (k, 2); see machine/continuation.py. Raises ReachError.
+        """
+        return rotary_between(self.geometry, toolpath, known, rotary, pole_tolerance)
 
     def check_travel(self, q: Floats, block: Ints, source: str = "") -> None:
         """Raise ReachError where joint positions (n, m) leave the travel.

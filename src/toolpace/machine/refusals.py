@@ -86,6 +86,26 @@ def tilt_out_of_travel(geometry: Geometry, solutions: Floats, block: int, source
     )
 
 
+def rotary_jump(
+    geometry: Geometry, before: Floats, after: Floats, blocks: tuple[int, int], source: str = ""
+) -> ReachError:
+    """The error for rotary positions (2,) `before` and `after` that no motion within travel joins while cutting."""
+    names = [geometry.joints[joint] for joint in geometry.rotary]
+    travel = ", ".join(
+        f"{name} {math.degrees(low):g} .. {math.degrees(high):g} deg"
+        for name, (low, high) in zip(names, geometry.travel[geometry.rotary])
+        if math.isfinite(low)
+    )
+    here, there = np.degrees(before), np.degrees(after)
+    return ReachError(
+        f"{place(source, blocks[1])}the rotary joints run out of travel ({travel}): between lines "
+        f"{blocks[0]} and {blocks[1]} they would have to jump from "
+        f"{names[0]} {here[0]:.3f} {names[1]} {here[1]:.3f} to {names[0]} {there[0]:.3f} {names[1]} "
+        f"{there[1]:.3f} deg while cutting; split the program there with a retract (rapid), or give the "
+        "joint more travel, or wrap = true"
+    )
+
+
 def singular_pose(geometry: Geometry, rotary: Floats) -> ReachError:
     """The error for rotary positions (2,) at which the linear joints act in one plane."""
     where = ", ".join(
