@@ -9,6 +9,7 @@ from tests.support.random_paths import harmonics, random_limits
 from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import EndState
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
 
 
