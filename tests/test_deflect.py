@@ -14,7 +14,6 @@ from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.detour import DetourRun
 from toolpace.deflect.projection import descend
-from toolpace.deflect.replan import passing_time
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
@@ -200,7 +199,7 @@ def test_detour_parameter_and_its_inverse() -> None:
 @pytest.mark.parametrize("rejoin", ["fastest", "projection"])
 def test_study_deflection_is_replanned_in_motion(planner: str, rejoin: str) -> None:
     old = CASES["study"].plan("genetic" if planner == "genetic" else "optimal")
-    time = passing_time(old.laws[0], TWENTIETH[0])
+    time = old.laws[0].passing_time(TWENTIETH[0])
     interval = TWENTIETH if rejoin == "projection" else None
     new = deflect.replan(old, time, DEFLECTION, planner=planner, rejoin=rejoin, interval=interval)
     judge(old, new, time, np.array(DEFLECTION), old.tip([time])[1][0])

@@ -11,7 +11,6 @@ from toolpace import deflect
 from toolpace.arrays import Floats
 from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.quintic import quintic_through
-from toolpace.deflect.replan import passing_time
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
@@ -105,7 +104,7 @@ def usage(trajectory: Trajectory) -> dict[str, object]:
 
 def periods(study: Study, trajectory: Trajectory) -> Floats:
     """(31,) time in each interval, T_i [s]."""
-    passed = [passing_time(trajectory.laws[0], float(s)) for s in study.points]
+    passed = [trajectory.laws[0].passing_time(float(s)) for s in study.points]
     return np.diff(passed)
 
 
@@ -127,8 +126,8 @@ def simulate(progress: Callable[[float], None]) -> Study:
     whole = deflect.project(path, DEFLECTION)
     first = genetic[GENERATIONS[0]]
     instant = {
-        "genetic": passing_time(first.laws[0], where[0]),
-        "optimal": passing_time(optimal.laws[0], where[0]),
+        "genetic": first.laws[0].passing_time(where[0]),
+        "optimal": optimal.laws[0].passing_time(where[0]),
     }
     back = {
         "genetic": deflect.replan(
