@@ -16,8 +16,11 @@ TOLERANCE = 1e-4
 """Share of a limit by which it may be exceeded."""
 
 _KINDS = ("velocity", "acceleration", "jerk")
+"""First, second and third derivative."""
 _PER = ("s", "s2", "s3")
+"""What their units are divided by."""
 _EPS = float(np.finfo(np.float64).eps)
+"""Relative distance from 1 to the next number: rounding is at most half of it."""
 
 
 def unit_of(base: str, order: int) -> str:

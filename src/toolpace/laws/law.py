@@ -11,8 +11,9 @@ import numpy as np
 from toolpace.arrays import Floats
 
 PROBES = 20_000
+"""Probes of a whole law, shared among its cells."""
 FEWEST_PROBES, MOST_PROBES = 9, 65
-"""Probes of a whole law, and of one of its cells: more where a coarse mesh leaves much room between nodes."""
+"""Probes of one cell: more where a coarse mesh leaves much room between nodes."""
 CELLS_AT_A_TIME = 10_000
 """Cells of a spline that are probed in one piece, to keep memory low."""
 HALVINGS = 80
