@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError, UsageError
-from toolpace.path.fit.deviation import PARTS, Check
+from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.knots import first_breaks, refined_at
 from toolpace.path.fit.polyline import Machine, Polyline, polylines
@@ -77,7 +77,7 @@ def fit_run(
     """One run that starts at parameter `start` [m], and its deviations in tolerances."""
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
-    check = Check(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
+    check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
     begin = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine, check.between)
     spline, data = begin[0].copy(), begin[1]
     narrow: list[tuple[Floats, Floats]] = []
