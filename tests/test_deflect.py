@@ -20,7 +20,10 @@ from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
+from toolpace.planning.genetic.planner import Genetic
+from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.planner import plan
+from toolpace.planning.second_order.planner import SecondOrder
 from toolpace.trajectory import Trajectory
 
 MACHINE = Machine.load("paper-ab")
@@ -342,6 +345,10 @@ def test_axis_out_of_reach_is_refused() -> None:
     "options, words",
     [
         ({"planner": "best"}, "unknown planner"),
+        ({"planner": "genetik"}, "did you mean 'genetic'"),
+        ({"planner": "genetic", "generation": 3}, "generations"),
+        ({"planner": "direct", "guard": False}, "has no options, but guard"),
+        ({"planner": SecondOrder()}, "accelerations jump"),
         ({"rejoin": "soon"}, "rejoin at 'soon'"),
         ({"rejoin": 5.0}, "rejoin at s = 5"),
         ({"axis": (0, 0, 0)}, "not all zero"),
@@ -355,6 +362,17 @@ def test_bad_arguments(options: dict[str, object], words: str) -> None:
         deflect.replan(old, 99.0, DEFLECTION)
     with pytest.raises(UsageError, match="finite coordinates"):
         deflect.replan(old, 1.0, (0.0, 0.0))
+
+
+def test_a_planner_object_is_what_its_short_name_asks_for() -> None:
+    old = CASES["study"].plan("genetic")
+    for given, name, options in (
+        (Genetic(generations=2), "genetic", {"generations": 2}),
+        (Optimal(mesh=300, bound=True), "optimal", {"mesh": 300}),
+    ):
+        one = deflect.replan(old, 1.0, DEFLECTION, rejoin="projection", planner=given)
+        two = deflect.replan(old, 1.0, DEFLECTION, rejoin="projection", planner=name, **options)
+        assert one.duration == two.duration and one.planner == two.planner == name
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -11,6 +11,7 @@ replan: a trajectory, a time, a deflection
 from __future__ import annotations
 
 import time as clock
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +27,12 @@ from toolpace.deflect.search import shortest_detour
 from toolpace.deflect.timing import timing_of
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.machine.machine import Machine
+from toolpace.planning.planner import Planner
 from toolpace.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.optimal.planner import Optimal
 
 
 def replan(
@@ -36,7 +42,7 @@ def replan(
     machine: Machine | None = None,
     *,
     axis: npt.ArrayLike | None = None,
-    planner: str = "optimal",
+    planner: str | Optimal | Genetic | Planner = "optimal",
     rejoin: str | float = "fastest",
     interval: tuple[float, float] | None = None,
     **options: object,
@@ -48,10 +54,12 @@ def replan(
     the path where the whole takes least time ("fastest"), at the parameter `rejoin`, or, as in the paper, at the
     "projection" of the deflection on the path or on the `interval` (from s, to s) of it; from there it stays on it.
 
-    `planner`: "optimal" times detour and rest of the run anew; "genetic" (the paper's) the detour and the way on to
-    the next reference point, with `options` of `Genetic`; "direct" keeps to the motion from which both start. The
-    feed holds for the tip on the detour; where the deflection itself has made the commanded joint velocities a faster
-    tip, the excess fades. Raises InfeasibleError, with the figures, where no way back within limits and travel exists.
+    `planner` is an object, or in short the name of one with its `options`, as for `plan`: "optimal" times detour and
+    rest of the run anew, and so does a planner of one's own; "genetic" (the paper's) the detour and the way on to the
+    next reference point; "direct" keeps to the motion from which both start. The feed holds for the tip on the detour;
+    where the deflection itself has made the commanded joint velocities a faster tip, the excess fades. Raises
+    UsageError for arguments that make no sense, and InfeasibleError, with the figures, where no way back within limits
+    and travel exists.
     """
     began = clock.perf_counter()
     timing = timing_of(planner, options)
@@ -78,12 +86,12 @@ def replan(
     run = DetourRun(detour, machine, feasibility.excess)
     law = direct_law(run)
     if not run.ends_here:
-        law = timing(run, trajectory.limits, law)
+        law = timing.law(run, trajectory.limits, law)
 
     following = index if run.ends_here and run.join <= commanded.run.s0 else index + 1
     path = AxisPath((run, *trajectory.axis_path.runs[following:]), trajectory.joints, machine)
     laws = (law, *trajectory.laws[following:])
-    return Trajectory(path, trajectory.limits, laws, planner=planner, solve_seconds=clock.perf_counter() - began)
+    return Trajectory(path, trajectory.limits, laws, planner=timing.name, solve_seconds=clock.perf_counter() - began)
 
 
 def check_replannable(trajectory: Trajectory, time: float) -> None:

@@ -1,4 +1,4 @@
-"""The fastest law of a detour and the rest of its run."""
+"""The law of a detour and the rest of its run, timed anew by a planner of runs."""
 
 from __future__ import annotations
 
@@ -9,22 +9,21 @@ from toolpace.deflect.detour import DetourRun
 from toolpace.errors import InfeasibleError
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import Limits
-from toolpace.planning.endstate import EndState
+from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.guarantee import PROMISED
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.planner import Planner
 from toolpace.trajectory import Trajectory
+from toolpace.workers import UNTOLD, Workers
 
 MEETS = 1e-9
 """How far the law may begin from the state it shall, relative to its speed and acceleration: rounding."""
 
 
-def optimal_law(
-    run: DetourRun, limits: Limits, direct: TimeLaw, *, cells: int | None = None, guard: bool = True
-) -> TimeLaw:
-    """The fastest law, or the direct one where that is as fast."""
+def planned_law(run: DetourRun, limits: Limits, direct: TimeLaw, planner: Planner) -> TimeLaw:
+    """The law that the planner finds, or the direct one where that is as fast, or keeps to what the other does not."""
     _, v, a, _ = run.parameter(np.zeros(1))[:, 0]
     try:
-        law, _ = plan_run(run, limits, start=EndState(float(v), float(a)), cells=cells, guard=guard)
+        law = planner.plan_run(run, limits, EndState(float(v), float(a)), AT_REST, Workers(), UNTOLD).law
     except InfeasibleError:
         return direct
     begin = law.at(np.zeros(1))[:3, 0]
