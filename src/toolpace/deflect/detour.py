@@ -23,6 +23,13 @@ from toolpace.laws.chain import ChainLaw
 from toolpace.laws.quintic import QuinticLaw
 from toolpace.machine.machine import Machine
 
+HINTS = 13
+"""Places along a detour between which it is simple."""
+STRAIGHT = 1e-6
+"""Share of v^2 / a up to which the parameter is taken as linear in time before Newton's steps, which do the rest."""
+NEWTON_STEPS = 2
+"""From the closed form, or from the line; each squares the error, so that two leave rounding."""
+
 
 @dataclass(frozen=True)
 class Detour:
@@ -107,7 +114,7 @@ class DetourRun(AxisRun):
         own = self.parameter(self.kinks)[0]
         later = commanded.run.breaks[commanded.run.breaks > self.join]
         self.breaks = np.concatenate([own, [] if self.ends_here else [self.join], [] if self.ends_here else later])
-        even = self.parameter(np.linspace(0.0, detour.duration, 13))[0]
+        even = self.parameter(np.linspace(0.0, detour.duration, HINTS))[0]
         hints = commanded.run.hints
         after = np.empty(0) if self.ends_here else hints[hints > self.join]
         self.hints = np.concatenate([even, after]) if len(hints) else even
@@ -132,8 +139,8 @@ class DetourRun(AxisRun):
         if abs(self.a) > 0.0:
             k = self.a * way / self.v**2
             z = 2.0 * np.sinh(np.arcsinh((4.0 + 6.0 * k) / 2.0) / 3.0)
-            x = np.where(np.abs(k) > 1e-6, (z - 1.0) * self.v / self.a, x)
-        for _ in range(2):
+            x = np.where(np.abs(k) > STRAIGHT, (z - 1.0) * self.v / self.a, x)
+        for _ in range(NEWTON_STEPS):
             y = self.a * x / self.v
             x = x - (self.v * x * (1.0 + y / 2.0 + y * y / 6.0) - way) / (self.v * (1.0 + y + y * y / 2.0))
         return np.clip(x + self.detour.duration, 0.0, self.detour.duration)

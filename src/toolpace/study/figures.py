@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.deflect.detour import DetourRun
+from toolpace.deflect.feed import tip_velocity
 from toolpace.study.simulation import DEFLECTION, FEED, Study, detour_run
 from toolpace.trajectory import Trajectory
 
@@ -162,11 +163,9 @@ def feeds(study: Study, number: int, parts: Mapping[str, tuple[Trajectory, ...]]
         time, speed, pace = [], [], []
         for trajectory, t, shift in timeline(own, study.instant[name]):
             motion = trajectory.at(t)
-            step = 1e-6
-            ahead, behind = (study.machine.forward(motion.q + sign * step * motion.qd)[0] for sign in (1.0, -1.0))
             state = trajectory.laws[0].at(t)
             time.append(t + shift)
-            speed.append(1e3 * np.linalg.norm(ahead - behind, axis=1) / (2.0 * step))
+            speed.append(1e3 * np.linalg.norm(tip_velocity(study.machine, motion.q, motion.qd), axis=1))
             pace.append(state[1] / lengths(study, trajectory, state[0]))
         feed.append(Curve(NAMES[name], joined(time), joined(speed), colour))
         rate.append(Curve(NAMES[name], joined(time), joined(pace), colour))
