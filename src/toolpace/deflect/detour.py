@@ -99,7 +99,7 @@ class Known:
         return resting
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Detour:
     """Joint motion over `carry + period` from a deflected pose to the state of a known motion at `rejoin`.
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.description import one_line
 
 PROBES = 20_000
 FEWEST_PROBES, MOST_PROBES = 9, 65
@@ -17,7 +18,7 @@ CELLS_AT_A_TIME = 10_000
 """Cells of a spline that are probed in one piece, to keep memory low."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Probe:
     """States of a time law, dense enough to see every peak between them."""
 
@@ -28,6 +29,9 @@ class Probe:
     share: Floats
     """(n,) time that each state stands for [s]; sums to the duration."""
 
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.state.shape[1]} states")
+
 
 class TimeLaw(ABC):
     """s(t) from s0 to s1, three times differentiable but for jumps of the third derivative."""
@@ -36,6 +40,9 @@ class TimeLaw(ABC):
     s1: float
     duration: float
     """[s]"""
+
+    def __repr__(self) -> str:
+        return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g} in {self.duration:.6g} s")
 
     @property
     def jumps(self) -> Floats:
