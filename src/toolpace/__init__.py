@@ -22,30 +22,52 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from toolpace import deflect
     from toolpace.axispath.axispath import AxisPath
+    from toolpace.axispath.run import AxisRun
     from toolpace.errors import ToolpaceError
-    from toolpace.judge import Verification, verify
+    from toolpace.judge import Check, Sampled, Verification, verify
+    from toolpace.laws.law import Probe, TimeLaw
+    from toolpace.machine.file import ChainFile, JointFile, MachineFile
+    from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
+    from toolpace.motion import Motion
     from toolpace.path.path import Path
+    from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.endstate import EndState
     from toolpace.planning.planner import plan
-    from toolpace.reading import apply_feed, read, read_text
+    from toolpace.reading import Kinematics, apply_feed, read, read_text
     from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
-    from toolpace.trajectory import Trajectory
+    from toolpace.trajectory import OpenPlace, Trajectory
+    from toolpace.usage import Usage
 
 __all__ = [
     "AxisPath",
+    "AxisRun",
+    "ChainFile",
+    "Check",
     "EndState",
+    "Geometry",
+    "JointFile",
+    "Kinematics",
     "Limits",
     "Machine",
+    "MachineFile",
+    "Motion",
+    "OpenPlace",
     "Path",
+    "PathJet",
+    "PathRun",
+    "Probe",
+    "Sampled",
     "SetPoints",
+    "TimeLaw",
     "ToolPath",
     "ToolpaceError",
     "Trajectory",
+    "Usage",
     "Verification",
     "__version__",
     "apply_feed",
@@ -60,14 +82,29 @@ __all__ = [
 
 _HOME = {
     "AxisPath": "axispath.axispath",
+    "AxisRun": "axispath.run",
+    "ChainFile": "machine.file",
+    "Check": "judge",
     "EndState": "planning.endstate",
+    "Geometry": "machine.geometry",
+    "JointFile": "machine.file",
+    "Kinematics": "reading",
     "Limits": "machine.limits",
     "Machine": "machine.machine",
+    "MachineFile": "machine.file",
+    "Motion": "motion",
+    "OpenPlace": "trajectory",
     "Path": "path.path",
+    "PathJet": "path.run",
+    "PathRun": "path.run",
+    "Probe": "laws.law",
+    "Sampled": "judge",
     "SetPoints": "setpoints",
+    "TimeLaw": "laws.law",
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",
+    "Usage": "usage",
     "Verification": "judge",
     "apply_feed": "reading",
     "plan": "planning.planner",
