@@ -45,10 +45,14 @@ def fit_runs(
     lines = polylines(toolpath, tip_tolerance, axis_tolerance, machine)
     total = sum(len(line.s) for line in lines)
     done = part = 0
+    told = 0.0
 
     def report(share: float) -> None:
+        # a repair smooths once more: what was told is not taken back
+        nonlocal told
+        told = max(told, (done + share * part) / total)
         if progress is not None:
-            progress((done + share * part) / total)
+            progress(told)
 
     for line in lines:
         part = len(line.s)
