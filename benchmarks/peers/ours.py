@@ -6,7 +6,7 @@ from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import ToolpaceError
 from toolpace.machine.limits import Limits
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, judge: bool = True) -> Outcome:
@@ -14,7 +14,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, j
     run = axis_path.runs[0]
     watch = Stopwatch()
     try:
-        law, points = plan_run(run, limits, cells=n, guard=guard)
+        law, points = fastest_law(run, limits, cells=n, guard=guard)
     except ToolpaceError as error:
         return failed(watch(), str(error))
     seconds = watch()

@@ -11,7 +11,7 @@ from toolpace.axispath.axispath import AxisPath
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.problem import discretise
 from toolpace.planning.optimal.solve import solve, start_from
 
@@ -48,7 +48,7 @@ def moving(seed):
     """The same between states that a slowed-down motion along the whole path passes; one end may be at rest."""
     f, limits, options = ingredients(seed, breaks=False)
     run = AxisPath.from_callable(f, **options).runs[0]
-    law, _ = plan_run(run, limits, cells=80)
+    law, _ = fastest_law(run, limits, cells=80)
     rng = np.random.default_rng(seed)
     at = law.at(law.duration * np.array([rng.uniform(0.15, 0.4), rng.uniform(0.6, 0.85)]))
     slow = rng.uniform(0.5, 0.9)

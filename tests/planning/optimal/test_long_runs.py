@@ -27,12 +27,12 @@ from toolpace.planning.guarantee import GUARANTEE, PROMISED
 from toolpace.planning.mesh.guess import places
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import meshed_run, windows
-from toolpace.planning.optimal.ease import easing, kept, slowing
-from toolpace.planning.optimal.meshed_run import Course
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.ease import easing, slowing, within_guarantee
+from toolpace.planning.optimal.meshed_run import MeshedRun
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.peaks import cell_peaks
 from toolpace.planning.planner import plan
-from toolpace.workers import Crew, Tally
+from toolpace.workers import CallersProgress, Workers
 
 CELLS = 9000
 ROOT = Path(__file__).parents[3]
@@ -42,6 +42,7 @@ ROOT = Path(__file__).parents[3]
 def short_windows(monkeypatch):
     """What long runs are treated as, at lengths that are quickly solved in one piece too."""
     monkeypatch.setattr(meshed_run, "KEPT", 2000)
+    monkeypatch.setattr(pieces, "WHOLE", 2000)
     monkeypatch.setattr(windows, "WINDOW", 2500)
     monkeypatch.setattr(pieces, "PIECE", 1500)
 
@@ -102,9 +103,9 @@ def cut(law, run, limits, shares):
 
 def test_windows_between_ends_in_motion(short_windows):
     path, limits = long_path(CELLS)
-    law, _ = plan_run(path.runs[0], limits, cells=CELLS)
+    law, _ = fastest_law(path.runs[0], limits, cells=CELLS)
     run, start, end = cut(law, path.runs[0], limits, (0.05, 0.95))
-    piece, _ = plan_run(run, limits, cells=CELLS, start=start, end=end)
+    piece, _ = fastest_law(run, limits, cells=CELLS, start=start, end=end)
     assert piece.at(np.array([0.0]))[1, 0] == pytest.approx(start.speed, rel=1e-6)
     assert piece.at(np.array([piece.duration]))[1, 0] == pytest.approx(end.speed, rel=1e-6)
     found = bound_long_run(run, limits, piece, start, end)
@@ -114,7 +115,7 @@ def test_windows_between_ends_in_motion(short_windows):
 @pytest.mark.parametrize("guard", [False, True])
 def test_bound_from_pieces_is_that_of_the_whole(guard, short_windows):
     path, limits = long_path(CELLS)
-    law, _ = plan_run(path.runs[0], limits, cells=CELLS, guard=guard)
+    law, _ = fastest_law(path.runs[0], limits, cells=CELLS, guard=guard)
     whole, pieces = bound_run(path.runs[0], limits, law), bound_long_run(path.runs[0], limits, law)
     assert pieces.mesh_duration == pytest.approx(whole.mesh_duration, rel=1e-12)
     assert pieces.mesh_bound == pytest.approx(whole.mesh_bound, rel=2e-5)
@@ -124,7 +125,7 @@ def test_bound_from_pieces_is_that_of_the_whole(guard, short_windows):
 def test_bound_from_pieces_is_never_above_the_best(seed, short_windows):
     """The unguarded plan obeys the rows at the nodes: no bound of that mesh may lie above its time."""
     path = AxisPath.from_callable(harmonics(seed, modes=30))
-    law, _ = plan_run(path.runs[0], random_limits(seed), cells=4000, guard=False)
+    law, _ = fastest_law(path.runs[0], random_limits(seed), cells=4000, guard=False)
     found = bound_long_run(path.runs[0], random_limits(seed), law)
     assert found.gap < 0.05 and found.mesh_bound <= found.mesh_duration
 
@@ -134,7 +135,7 @@ def test_any_multipliers_of_pieces_give_a_bound(seed, short_windows, monkeypatch
     """Pieces that give up at once are joined to a bound too, a weak one."""
     monkeypatch.setattr(bounds, "MOST_STEPS", 3 + seed)
     path, limits = long_path(CELLS)
-    law, _ = plan_run(path.runs[0], limits, cells=CELLS, guard=False)
+    law, _ = fastest_law(path.runs[0], limits, cells=CELLS, guard=False)
     found = bound_long_run(path.runs[0], limits, law)
     assert found.mesh_bound <= found.mesh_duration
 
@@ -161,13 +162,12 @@ def test_gathered_multipliers_keep_kappa_positive_when_mixed():
 
 
 def left_too_fast(by):
-    """A course, a law of it that is too fast by a share `by` of z at one place, and the usage in its cells."""
+    """A run on its mesh, a law of it that is too fast by a share `by` of z at one place, and the usage in its cells."""
     path, limits = long_path(3000)
     run = path.runs[0]
     nodes, rough = first_mesh(run, limits, (0.0, 0.0), 3000)
-    of_run = Course(run, limits, nodes, (AT_REST, AT_REST), rough.highest)
-    law, _ = plan_run(run, limits, cells=3000)
-    of_run.ramp = 0.1
+    of_run = MeshedRun(run, limits, nodes, (AT_REST, AT_REST), rough.highest, (rough.s, rough.t), ramp=0.1)
+    law, _ = fastest_law(run, limits, cells=3000)
     c = law.c.copy()
     c[1500:1503] *= 1.0 + by
     law = SplineLaw(law.nodes, c, law.rest)
@@ -177,7 +177,7 @@ def left_too_fast(by):
 def test_a_place_that_stays_above_is_eased_alone():
     of_run, law, peak = left_too_fast(1e-5)
     assert peak.max() > GUARANTEE
-    eased = kept(of_run, law, Crew())
+    eased = within_guarantee(of_run, law, Workers())
     assert cell_peaks(of_run, eased).max() <= GUARANTEE
     left = easing(law, peak, of_run.ramp)
     assert left[0] == left[-1] == 1.0 and left.min() < 1.0
@@ -217,22 +217,17 @@ def test_a_callers_function_is_asked_by_one_thread_at_a_time(short_windows):
 def test_progress_within_a_run(bound, short_windows, monkeypatch):
     """There is word of each part of a run. Who asked hears it in his own thread, as far as he gets to listen."""
     words, seen, threads = [0.0], [], set()
-    of = Tally.of
+    pass_on = CallersProgress.__call__
 
-    def overheard(tally, run):
-        pass_on = of(tally, run)
-
-        def word(share):
-            words.append(share)
-            pass_on(share)
-
-        return word
+    def overheard(told, share):
+        words.append(share)
+        pass_on(told, share)
 
     def tell(share):
         seen.append(share)
         threads.add(threading.get_ident())
 
-    monkeypatch.setattr(Tally, "of", overheard)
+    monkeypatch.setattr(CallersProgress, "__call__", overheard)
     in_one_piece(bound=bound, progress=tell)
     assert len(set(words)) > 10 and np.diff(sorted(words)).max() < 0.6
     assert seen[-1] == 1.0 and seen == sorted(set(seen))

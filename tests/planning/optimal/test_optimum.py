@@ -9,7 +9,7 @@ from tests.support.random_paths import harmonics, random_limits
 from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import EndState
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
 
 
@@ -19,7 +19,7 @@ def compare(path, limits, cells, start=None, end=None):
     from testbed import ipopt
 
     states = {"start": start or EndState(), "end": end or EndState()}
-    law, _ = plan_run(path.runs[0], limits, cells=cells, guard=False, **states)
+    law, _ = fastest_law(path.runs[0], limits, cells=cells, guard=False, **states)
     best = ipopt.optimum(path, limits, cells, **states)
     assert best.note == ipopt.SUCCEEDED
     return law.duration / best.law.duration
