@@ -10,8 +10,6 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from toolpace.planning.guarantee import PROMISED
-
 FOLDER = Path(__file__).parents[1] / "examples"
 TESTED = {
     "01_plan_a_program",
@@ -37,7 +35,7 @@ def test_each_example_is_tested():
 
 def test_plan_a_program(tmp_path, capsys):
     trajectory = load("01_plan_a_program").main(tmp_path)
-    assert trajectory.usage().worst <= PROMISED
+    assert trajectory.usage().worst <= 1.0001
     assert {path.name for path in tmp_path.iterdir()} == {"blade.ngc", "setpoints.npz", "report.html"}
     assert "limited by" in capsys.readouterr().out
 
@@ -63,7 +61,7 @@ def test_exact_path():
 def test_any_joints():
     module = load("04_any_joints")
     trajectory = module.main()
-    assert trajectory.usage().worst <= PROMISED and len(trajectory.joints) == 7
+    assert trajectory.usage().worst <= 1.0001 and len(trajectory.joints) == 7
     s, h = np.linspace(0.1, 0.9, 9), 1e-6
     for order in range(3):
         slope = (module.joints(s + h, order) - module.joints(s - h, order)) / (2.0 * h)

@@ -15,8 +15,8 @@ import pytest
 from tests.support import motions
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
-from toolpace.reporting import report
-from toolpace.reporting.limiting import NOTHING, binding, names
+from toolpace.reporting import limiting, report
+from toolpace.reporting.limiting import NOTHING, binding
 from toolpace.reporting.series import Channel, feed_cap, packed, thinned
 from toolpace.reporting.words import colours, duration, limit_words, percent
 
@@ -106,7 +106,7 @@ def test_binding_is_the_feed_where_the_motion_cruises_and_nothing_where_it_pause
     fast = motions.Trajectory()
     fast.limits = fast.limits.scaled(2.0, 2.0, 2.0)
     cruise, pause = 0.5 * fast.laws[0].duration, fast.starts[1] - 0.1
-    assert [names(fast.joints)[k] for k in binding(fast, np.array([cruise]))] == ["feed"]
+    assert [limiting.names(fast.joints)[k] for k in binding(fast, np.array([cruise]))] == ["feed"]
     assert binding(fast, np.array([pause])).tolist() == [NOTHING]
 
 
@@ -119,7 +119,7 @@ def test_binding_is_the_joint_whose_limit_is_lowered():
         velocity = np.full(len(slow.joints), np.inf)
         velocity[k] = 0.9 * speed[k]
         slow.limits = Limits(velocity, np.inf, np.inf, slow.joints)
-        assert names(slow.joints)[binding(slow, cruise)[0]] == f"velocity {joint}"
+        assert limiting.names(slow.joints)[binding(slow, cruise)[0]] == f"velocity {joint}"
 
 
 def test_words():
