@@ -25,10 +25,6 @@ demo: $(VENV)/.base  ## plan the bundled part on a bundled machine and name the 
 test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for; with CI=true the long sweeps too
 	$(BIN)/python -m pytest -n 2 $(PYTEST)
 
-.PHONY: census
-census:  ## count modules, circles, long functions; CENSUS=--strict fails where a rule of the house is broken
-	$(PYTHON) tools/census.py $(CENSUS)
-
 check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/mypy
