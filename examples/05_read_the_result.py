@@ -14,8 +14,8 @@ def main() -> tp.Trajectory:
     trajectory = tp.plan(tp.Path.fit(toolpath, machine=machine), machine)
 
     middle = trajectory.at(trajectory.duration / 2.0)
-    print("joints [m, rad]", dict(zip(trajectory.joints, middle.q[0].round(5))))
-    print("velocities     ", dict(zip(trajectory.joints, middle.qd[0].round(5))))
+    print("joints [m, rad]", dict(zip(trajectory.joints, middle.q.round(5))))
+    print("velocities     ", dict(zip(trajectory.joints, middle.qd.round(5))))
 
     usage = trajectory.usage()
     print("jerk over its limit, at the peak:", {joint: round(r, 4) for joint, r in usage.jerk.items()})

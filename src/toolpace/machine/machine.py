@@ -7,10 +7,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.errors import MachineError, UsageError
+from toolpace.description import one_line
+from toolpace.equality import ByValue
+from toolpace.errors import MachineError, UsageError, did_you_mean
 from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
-from toolpace.machine.file import MachineFile, did_you_mean, read_machine, write_machine
+from toolpace.machine.file import MachineFile, read_machine, write_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
 from toolpace.machine.limits import Limits
@@ -24,7 +26,7 @@ FOLDER = Path(__file__).parent / "builtin"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Machine:
+class Machine(ByValue):
     """Three linear and two rotary joints in any order, closed-form kinematics, limits and travel.
 
     Built-in machines come from `Machine.load(name)`, own ones from a TOML file. Arrays are in SI units;
@@ -34,7 +36,7 @@ class Machine:
 
     file: MachineFile
     """The figures of the machine file, in SI units."""
-    source: str = ""
+    source: str = field(default="", compare=False)
     """The file, for messages."""
     name: str = field(init=False)
     joints: tuple[str, ...] = field(init=False)
@@ -54,7 +56,7 @@ class Machine:
     """(m,) whether the joint turns without end."""
     tool_length: float = field(init=False)
     """From the spindle nose to the tip [m]."""
-    geometry: Geometry = field(init=False)
+    geometry: Geometry = field(init=False, compare=False)
     """Joints, travel and chain as plain arrays: what the kinematics need."""
 
     def __post_init__(self) -> None:
@@ -217,4 +219,4 @@ class Machine:
         return rows(self.file, self.kind)
 
     def __repr__(self) -> str:
-        return f"<Machine {title(self.file, self.kind)}>"
+        return one_line(self, title(self.file, self.kind))
