@@ -12,7 +12,7 @@ from benchmarks.paths import Case
 from benchmarks.peers import Outcome, copp, ipopt, lp, ours, ruckig, toppra
 from benchmarks.tables import Row
 from toolpace.errors import ToolpaceError
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 
 MESHES = (200, 1000, 5000)
 VERY_FINE = 20_000
@@ -70,7 +70,7 @@ def with_objective(case: Case, n: int, outcome: Outcome) -> Outcome:
     if not outcome.ok:
         return outcome
     try:
-        law, _ = plan_run(case.run, case.limits, cells=n, guard=False)
+        law, _ = fastest_law(case.run, case.limits, cells=n, guard=False)
     except ToolpaceError:
         return outcome
     problem, _, _ = ours.mesh_problem(case.axis_path, case.limits, n)

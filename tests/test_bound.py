@@ -21,7 +21,7 @@ from toolpace.planning.bound.problem import Knots, start_within
 from toolpace.planning.bound.relaxation import bound_run, coefficients, lower_bound
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.problem import discretise
 from toolpace.planning.optimal.solve import Stalled, solve, start_from
 
@@ -58,7 +58,7 @@ def moving(seed):
     """The same between states that a slowed-down motion along the whole path passes; one end may be at rest."""
     f, limits, options = ingredients(seed, breaks=False)
     run = AxisPath.from_callable(f, **options).runs[0]
-    law, _ = plan_run(run, limits, cells=80)
+    law, _ = fastest_law(run, limits, cells=80)
     rng = np.random.default_rng(seed)
     at = law.at(law.duration * np.array([rng.uniform(0.15, 0.4), rng.uniform(0.6, 0.85)]))
     slow = rng.uniform(0.5, 0.9)
@@ -295,7 +295,7 @@ def test_tiny_problems(cells, joints):
 def test_straight_line_has_no_gap():
     run = AxisPath.from_callable(lambda s, order: np.stack([s if order == 0 else (order == 1) + 0.0 * s], 1)).runs[0]
     limits = Limits([1.0], [3.0], [20.0])
-    law, _ = plan_run(run, limits, cells=400, guard=False)
+    law, _ = fastest_law(run, limits, cells=400, guard=False)
     found = bound_run(run, limits, law)
     assert found.gap < 2e-5 and len(found.places) == 0
 
@@ -303,8 +303,8 @@ def test_straight_line_has_no_gap():
 def test_of_a_guarded_plan_is_by_the_limits_as_they_are():
     """Tightening slows the plan, not the bound."""
     run, limits, _, _ = small(5, joints=4, breaks=False)
-    free, _ = plan_run(run, limits, cells=80, guard=False)
-    held, _ = plan_run(run, limits, cells=80, guard=True)
+    free, _ = fastest_law(run, limits, cells=80, guard=False)
+    held, _ = fastest_law(run, limits, cells=80, guard=True)
     a, b = bound_run(run, limits, free), bound_run(run, limits, held)
     assert np.array_equal(free.nodes, held.nodes)
     assert b.mesh_bound == pytest.approx(a.mesh_bound, rel=3e-5)
@@ -321,7 +321,7 @@ def test_slower_limits_scale_the_bound(k):
     run, limits, _, _ = small(12, joints=4)
     gaps = []
     for given_ in (limits, limits.scaled(1.0 / k, 1.0 / k**2, 1.0 / k**3)):
-        law, _ = plan_run(run, given_, cells=120, guard=False)
+        law, _ = fastest_law(run, given_, cells=120, guard=False)
         gaps.append(bound_run(run, given_, law).gap)
     assert gaps[1] == pytest.approx(gaps[0], abs=3e-5)
 
@@ -337,7 +337,7 @@ def test_a_place_where_the_relaxation_stands_still_is_named():
 
     run = AxisPath.from_callable(bent).runs[0]
     limits = Limits([1.0, 1.0], [4.0, 4.0], [20.0, 20.0])
-    law, _ = plan_run(run, limits, cells=300, guard=False)
+    law, _ = fastest_law(run, limits, cells=300, guard=False)
     found = bound_run(run, limits, law)
     assert found.gap > 1e-3 and len(found.places) > 0 and np.all(np.abs(found.places[:, :2] - 0.5) < 0.1)
     assert (found.places[:, 2] > 0.0).all() and (found.places[:, 1] >= found.places[:, 0]).all()

@@ -13,7 +13,7 @@ from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
 from toolpace.planning.bound.continuous import continuous_bound, gauss
 from toolpace.planning.endstate import EndState
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ def test_straight_line_in_closed_form(limits):
     best = s_curve(1.0, *limits)
     run = line().runs[0]
     bounds = Limits([velocity], [acceleration], [jerk])
-    law, _ = plan_run(run, bounds)
+    law, _ = fastest_law(run, bounds)
     assert law.duration == pytest.approx(best, rel=2e-4)
     found = continuous_bound(run, bounds, law)
     assert found <= best * (1.0 + 1e-9)
@@ -39,7 +39,7 @@ def test_holds_whatever_the_plan():
     limits = Limits([1.0], [1.0], [10.0])
     best = s_curve(1.0, 1.0, 1.0, 10.0)
     for cells in (8, 12, 20, 60):
-        law, _ = plan_run(run, limits, cells=cells)
+        law, _ = fastest_law(run, limits, cells=cells)
         for by in (1.0, 1.3, 3.0):
             assert continuous_bound(run, limits, law.slowed(by)) <= best * (1.0 + 1e-9)
 
@@ -47,13 +47,13 @@ def test_holds_whatever_the_plan():
 def check(seed, worst):
     run = AxisPath.from_callable(harmonics(seed, 4, 4)).runs[0]
     limits = random_limits(seed, 4, tight=bool(seed % 2))
-    law, _ = plan_run(run, limits)
+    law, _ = fastest_law(run, limits)
     found = continuous_bound(run, limits, law)
     assert 0.0 <= found <= law.duration
     assert law.duration / found - 1.0 < worst
     # coarser plans hold limits between their nodes too, so none of them may be faster
     for cells in (40, 150):
-        other, _ = plan_run(run, limits, cells=cells)
+        other, _ = fastest_law(run, limits, cells=cells)
         assert found <= other.duration * (1.0 + 1e-4)
     return law.duration / found - 1.0
 
@@ -72,7 +72,7 @@ def test_a_hundred_random_paths():
 def test_plans_of_the_benchmarks_are_near_the_best_motion_there_is():
     gaps = {}
     for case in all_cases(4):
-        law, _ = plan_run(case.run, case.limits)
+        law, _ = fastest_law(case.run, case.limits)
         gaps[case.name] = law.duration / continuous_bound(case.run, case.limits, law) - 1.0
     flank = gaps.pop("flank")
     assert 0.0 < flank < 0.03 and max(gaps.values()) < 1e-3 and min(gaps.values()) > 0.0
@@ -89,7 +89,7 @@ def test_a_proved_trajectory_has_it():
 def test_none_for_ends_in_motion():
     run = line().runs[0]
     limits = Limits([1.0], [1.0], [10.0])
-    law, _ = plan_run(run, limits, start=EndState(0.3))
+    law, _ = fastest_law(run, limits, start=EndState(0.3))
     assert continuous_bound(run, limits, law) == 0.0
 
 

@@ -156,7 +156,7 @@ def test_no_individual_names_interval_and_limit(arc: tuple[AxisPath, Limits]) ->
         ({"population": 1}, "population is 1"),
         ({"bits": 16}, "bits is 16"),
         ({"selection": "luck"}, "known are tournament, roulette"),
-        ({"mutations": 1}, "unknown option mutations"),
+        ({"mutations": 1}, "no option 'mutations'; did you mean 'mutation'"),
         ({"intervals": 1}, "1 intervals"),
         ({"reserve": 0.0}, "reserve is 0"),
     ],

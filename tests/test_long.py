@@ -29,12 +29,12 @@ from toolpace.planning.guarantee import GUARANTEE as KEPT_BELOW
 from toolpace.planning.mesh.guess import places
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import meshed_run, windows
-from toolpace.planning.optimal.ease import easing, kept, slowing
-from toolpace.planning.optimal.meshed_run import Course
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.ease import easing, slowing, within_guarantee
+from toolpace.planning.optimal.meshed_run import MeshedRun
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.peaks import cell_peaks
 from toolpace.planning.planner import plan
-from toolpace.workers import Crew, Tally
+from toolpace.workers import CallersProgress, Workers, side_by_side
 
 CELLS = 9000
 
@@ -43,6 +43,7 @@ CELLS = 9000
 def short_windows(monkeypatch):
     """What long runs are treated as, at lengths that are quickly solved in one piece too."""
     monkeypatch.setattr(meshed_run, "KEPT", 2000)
+    monkeypatch.setattr(pieces, "WHOLE", 2000)
     monkeypatch.setattr(windows, "WINDOW", 2500)
     monkeypatch.setattr(pieces, "PIECE", 1500)
 
@@ -103,9 +104,9 @@ def cut(law, run, limits, shares):
 
 def test_windows_between_ends_in_motion(short_windows):
     path, limits = long_path(CELLS)
-    law, _ = plan_run(path.runs[0], limits, cells=CELLS)
+    law, _ = fastest_law(path.runs[0], limits, cells=CELLS)
     run, start, end = cut(law, path.runs[0], limits, (0.05, 0.95))
-    piece, _ = plan_run(run, limits, cells=CELLS, start=start, end=end)
+    piece, _ = fastest_law(run, limits, cells=CELLS, start=start, end=end)
     assert piece.at(np.array([0.0]))[1, 0] == pytest.approx(start.speed, rel=1e-6)
     assert piece.at(np.array([piece.duration]))[1, 0] == pytest.approx(end.speed, rel=1e-6)
     found = bound_long_run(run, limits, piece, start, end)
@@ -115,7 +116,7 @@ def test_windows_between_ends_in_motion(short_windows):
 @pytest.mark.parametrize("guard", [False, True])
 def test_bound_from_pieces_is_that_of_the_whole(guard, short_windows):
     path, limits = long_path(CELLS)
-    law, _ = plan_run(path.runs[0], limits, cells=CELLS, guard=guard)
+    law, _ = fastest_law(path.runs[0], limits, cells=CELLS, guard=guard)
     whole, pieces = bound_run(path.runs[0], limits, law), bound_long_run(path.runs[0], limits, law)
     assert pieces.mesh_duration == pytest.approx(whole.mesh_duration, rel=1e-12)
     assert pieces.mesh_bound == pytest.approx(whole.mesh_bound, rel=2e-5)
@@ -125,7 +126,7 @@ def test_bound_from_pieces_is_that_of_the_whole(guard, short_windows):
 def test_bound_from_pieces_is_never_above_the_best(seed, short_windows):
     """The unguarded plan obeys the rows at the nodes: no bound of that mesh may lie above its time."""
     path = AxisPath.from_callable(harmonics(seed, modes=30))
-    law, _ = plan_run(path.runs[0], random_limits(seed), cells=4000, guard=False)
+    law, _ = fastest_law(path.runs[0], random_limits(seed), cells=4000, guard=False)
     found = bound_long_run(path.runs[0], random_limits(seed), law)
     assert found.gap < 0.05 and found.mesh_bound <= found.mesh_duration
 
@@ -135,7 +136,7 @@ def test_any_multipliers_of_pieces_give_a_bound(seed, short_windows, monkeypatch
     """Pieces that give up at once are joined to a bound too, a weak one."""
     monkeypatch.setattr(bounds, "MOST_STEPS", 3 + seed)
     path, limits = long_path(CELLS)
-    law, _ = plan_run(path.runs[0], limits, cells=CELLS, guard=False)
+    law, _ = fastest_law(path.runs[0], limits, cells=CELLS, guard=False)
     found = bound_long_run(path.runs[0], limits, law)
     assert found.mesh_bound <= found.mesh_duration
 
@@ -162,13 +163,12 @@ def test_gathered_multipliers_keep_kappa_positive_when_mixed():
 
 
 def left_too_fast(by):
-    """A course, a law of it that is too fast by a share `by` of z at one place, and the usage in its cells."""
+    """A run on its mesh, a law of it that is too fast by a share `by` of z at one place, and the usage in its cells."""
     path, limits = long_path(3000)
     run = path.runs[0]
     nodes, rough = first_mesh(run, limits, (0.0, 0.0), 3000)
-    of_run = Course(run, limits, nodes, (AT_REST, AT_REST), rough.highest)
-    law, _ = plan_run(run, limits, cells=3000)
-    of_run.ramp = 0.1
+    of_run = MeshedRun(run, limits, nodes, (AT_REST, AT_REST), rough.highest, (rough.s, rough.t), ramp=0.1)
+    law, _ = fastest_law(run, limits, cells=3000)
     c = law.c.copy()
     c[1500:1503] *= 1.0 + by
     law = SplineLaw(law.nodes, c, law.rest)
@@ -178,7 +178,7 @@ def left_too_fast(by):
 def test_a_place_that_stays_above_is_eased_alone():
     of_run, law, peak = left_too_fast(1e-5)
     assert peak.max() > KEPT_BELOW
-    eased = kept(of_run, law, Crew())
+    eased = within_guarantee(of_run, law, Workers())
     assert cell_peaks(of_run, eased).max() <= KEPT_BELOW
     left = easing(law, peak, of_run.ramp)
     assert left[0] == left[-1] == 1.0 and left.min() < 1.0
@@ -232,22 +232,21 @@ def test_progress_within_a_run(bound, short_windows, monkeypatch):
 
 def test_progress_of_many_runs_ends_at_one():
     seen = []
-    tally = Tally(seen.append, [0.25] * 4)
-    crew = Crew(tally)
-    crew.aside(lambda: crew.each(lambda k: tally.of(k)(1.0), range(4)))
+    side_by_side(lambda k, workers, progress: progress(1.0), [0.25] * 4, seen.append)
     assert seen[-1] == 1.0 and (np.diff(seen) > 0.0).all()
 
 
 def test_word_of_the_last_piece_is_passed_on_when_a_helper_has_it():
     seen, owner = [], threading.get_ident()
-    tally = Tally(seen.append, [0.5, 0.5])
+    told = CallersProgress(seen.append)
+    parts = told.split([0.5, 0.5])
 
     def work(k):
         # the helper ends last, and before the owner looks again
         time.sleep(0.0 if threading.get_ident() == owner else crews.BREATH / 5.0)
-        tally.of(k)(1.0)
+        parts[k](1.0)
 
-    Crew(tally).each(work, range(2))
+    Workers(told).each(work, range(2))
     assert seen[-1] == 1.0
 
 
@@ -261,13 +260,13 @@ def test_an_error_in_a_piece_stops_the_others():
         done.append(k)
 
     with pytest.raises(ValueError, match="the fourth"):
-        Crew().each(work, range(1000))
+        Workers().each(work, range(1000))
     assert len(done) < 100
 
 
 def test_work_within_work_comes_to_an_end():
-    crew = Crew()
-    sums = crew.each(lambda k: sum(crew.each(lambda i: i * k, range(20))), range(20))
+    workers = Workers()
+    sums = workers.each(lambda k: sum(workers.each(lambda i: i * k, range(20))), range(20))
     assert sums == [190 * k for k in range(20)]
 
 

@@ -8,7 +8,7 @@ import pytest
 from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import EndState
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
 
 JOINTS = 5
@@ -39,7 +39,7 @@ def compare(path, limits, cells, start=None, end=None):
     from benchmarks.peers import ipopt
 
     states = {"start": start or EndState(), "end": end or EndState()}
-    law, _ = plan_run(path.runs[0], limits, cells=cells, guard=False, **states)
+    law, _ = fastest_law(path.runs[0], limits, cells=cells, guard=False, **states)
     best = ipopt.solve(path, limits, cells, **states)
     assert best.ok, best.note
     return law.duration / best.duration

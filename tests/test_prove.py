@@ -17,8 +17,8 @@ from toolpace.planning.bound.open_places import losses_by_knot, settled
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import bound_run, relaxed
-from toolpace.planning.optimal.planner import plan_run
-from toolpace.workers import Crew, untold
+from toolpace.planning.optimal.planner import fastest_law
+from toolpace.workers import UNTOLD, Progress, Workers
 
 FAR = 1e9
 """[s]"""
@@ -124,7 +124,7 @@ def test_beyond_a_border_ipopt_finds_nothing_below_what_was_asked(seed):
 def test_jcde2022_flank_is_the_best_there_is():
     """The gap of 1.6 percent on the flank is the relaxation's: the plan is the global optimum of its mesh."""
     case = flank()
-    law, _ = plan_run(case.run, case.limits, cells=400, guard=False)
+    law, _ = fastest_law(case.run, case.limits, cells=400, guard=False)
     before = bound_run(case.run, case.limits, law)
     after = prove_run(case.run, case.limits, law, 1e-4, time.monotonic() + FAR)
     assert before.gap > 0.015 and 0.0 <= after.gap < 1e-4
@@ -134,9 +134,9 @@ def test_jcde2022_flank_is_the_best_there_is():
 @pytest.mark.parametrize("number", [11, 17])
 def test_random_cases_with_a_gap_are_the_best_there_is(number):
     case = next(case for case in all_cases() if case.name.startswith(f"random {number}"))
-    law, _ = plan_run(case.run, case.limits, cells=400, guard=False)
+    law, _ = fastest_law(case.run, case.limits, cells=400, guard=False)
     shares: list[float] = []
-    after = prove_run(case.run, case.limits, law, 1e-4, time.monotonic() + FAR, tell=shares.append)
+    after = prove_run(case.run, case.limits, law, 1e-4, time.monotonic() + FAR, progress=Progress(shares.append))
     assert after.gap < 1e-4 and shares == sorted(shares)
 
 
@@ -187,4 +187,4 @@ def test_only_plans_with_a_mesh_can_be_proved():
 def test_nothing_to_close_ends_at_once():
     problem, c = solved(1, cells=40)
     part, _ = whole(Knots(problem), c)
-    assert close(part, 0.0, 0.0, time.monotonic() + FAR, 1.0, Crew(), untold) == 0.0
+    assert close(part, 0.0, 0.0, time.monotonic() + FAR, 1.0, Workers(), UNTOLD) == 0.0

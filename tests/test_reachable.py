@@ -8,7 +8,7 @@ import pytest
 from test_oracle import harmonics, random_limits
 from toolpace.axispath.axispath import AxisPath
 from toolpace.kernels.planners import reachability
-from toolpace.planning.second_order.planner import plan_run
+from toolpace.planning.second_order.planner import second_order_law
 from toolpace.planning.second_order.problem import BOTH_ENDS, FIVE, Cells
 
 
@@ -59,7 +59,7 @@ def test_intervals_are_those_of_linear_programs(seed, place):
     n, joints = int(rng.integers(6, 16)), int(rng.integers(1, 6))
     path = AxisPath.from_callable(harmonics(seed, joints))
     run, limits = path.runs[0], random_limits(seed, joints)
-    end = 0.0 if seed % 2 else 0.5 * plan_run(run, limits, cells=200, guard=False).speed[150]
+    end = 0.0 if seed % 2 else 0.5 * second_order_law(run, limits, cells=200, guard=False).speed[150]
     nodes = np.linspace(0.0, 1.0 if end == 0.0 else 0.75, n + 1)
     cells = Cells(run, limits, nodes, place)
     ends = (1e9, end**2)

@@ -15,7 +15,7 @@ from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
 from toolpace.planning.planner import plan
-from toolpace.planning.second_order.planner import plan_run
+from toolpace.planning.second_order.planner import second_order_law
 
 ALLOWED = 1.0001
 FREE = Limits([np.inf, np.inf], 1.0, np.inf)
@@ -41,7 +41,7 @@ def second(path, limits, **options):
 def test_line_is_bang_bang(length, a):
     trajectory = second(line(length), Limits(np.inf, a, 1.0))
     assert trajectory.duration == pytest.approx(2.0 * np.sqrt(length / a), rel=1e-6)
-    middle = plan_run(line(length).runs[0], Limits(np.inf, a, 1.0), nodes=np.linspace(0.0, length, 11))
+    middle = second_order_law(line(length).runs[0], Limits(np.inf, a, 1.0), nodes=np.linspace(0.0, length, 11))
     assert middle.duration == pytest.approx(2.0 * np.sqrt(length / a), rel=1e-14)
 
 
@@ -72,7 +72,7 @@ def test_quarter_circle():
     best = 4.0 * np.sin(np.pi / 8)
     losses = []
     for n in (250, 500, 1000, 2000):
-        law = plan_run(path.runs[0], FREE, cells=n, start=EndState(1.0), end=EndState(1.0))
+        law = second_order_law(path.runs[0], FREE, cells=n, start=EndState(1.0), end=EndState(1.0))
         losses.append(law.duration / best - 1.0)
     assert losses[-1] < 1e-3
     # the acceleration of a cell is what its worse end allows: first order in the mesh
@@ -138,7 +138,7 @@ def test_loose_jerk_limits_come_close(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_loss_of_the_mesh_is_of_first_order(seed):
     run, limits = AxisPath.from_callable(harmonics(seed)).runs[0], random_limits(seed)
-    coarse, middle, fine = (plan_run(run, limits, cells=n).duration for n in (500, 2000, 8000))
+    coarse, middle, fine = (second_order_law(run, limits, cells=n).duration for n in (500, 2000, 8000))
     assert 2.5 < (coarse - middle) / (middle - fine) < 8.0
     assert fine < middle < coarse < fine * 1.005
 
@@ -156,7 +156,7 @@ def test_paper_arc_is_bounded_by_its_feed():
 def test_moving_ends(seed):
     """A piece of a motion, between the speeds that the whole has there, takes as long as it does in the whole."""
     f, limits = harmonics(seed), random_limits(seed)
-    whole = plan_run(AxisPath.from_callable(f).runs[0], limits, cells=4000)
+    whole = second_order_law(AxisPath.from_callable(f).runs[0], limits, cells=4000)
     i, j = 1200, 3100
     piece = AxisPath.from_callable(f, whole.nodes[i], whole.nodes[j])
     states = [EndState(0.999 * whole.speed[k]) for k in (i, j)]
@@ -339,7 +339,7 @@ def test_many_random_paths_with_random_ends(seed):
     rng = np.random.default_rng(seed)
     joints = int(rng.integers(1, 8))
     path, limits = AxisPath.from_callable(harmonics(seed, joints)), random_limits(seed, joints)
-    whole = plan_run(path.runs[0], limits, cells=500)
+    whole = second_order_law(path.runs[0], limits, cells=500)
     i, j = sorted(rng.choice(np.arange(20, 480), 2, replace=False))
     piece = AxisPath.from_callable(harmonics(seed, joints), whole.nodes[i], whole.nodes[j])
     share = rng.uniform(0.2, 0.95)

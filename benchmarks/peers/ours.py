@@ -10,7 +10,7 @@ from toolpace.errors import ToolpaceError
 from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.problem import Problem, discretise
 
 
@@ -19,7 +19,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, j
     run = axis_path.runs[0]
     watch = Stopwatch()
     try:
-        law, points = plan_run(run, limits, cells=n, guard=guard)
+        law, points = fastest_law(run, limits, cells=n, guard=guard)
     except ToolpaceError as error:
         return failed(watch(), str(error))
     seconds = watch()

@@ -225,11 +225,11 @@ def direct_law(run: DetourRun) -> QuinticLaw:
 
 def optimal_law(run: DetourRun, limits: Limits, direct: TimeLaw, options: dict[str, Any]) -> TimeLaw:
     """The fastest law of detour and rest, or the direct one where that is as fast."""
-    from toolpace.planning.optimal.planner import plan_run
+    from toolpace.planning.optimal.planner import fastest_law
 
     _, v, a, _ = run.parameter(np.zeros(1))[:, 0]
     try:
-        law, _ = plan_run(run, limits, start=EndState(float(v), float(a)), **options)
+        law, _ = fastest_law(run, limits, start=EndState(float(v), float(a)), **options)
     except InfeasibleError:
         return direct
     begin = law.at(np.zeros(1))[:3, 0]
