@@ -6,7 +6,6 @@ Everything comes from this repository and from installed packages: no step asks 
 from __future__ import annotations
 
 import importlib.util
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -14,12 +13,10 @@ from typing import Any
 from sphinx.application import Sphinx
 from sphinx.util.fileutil import copy_asset
 
+import toolpace
+
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
-os.environ.setdefault("MPLBACKEND", "agg")
-
-import docstrings  # noqa: E402
-import toolpace  # noqa: E402
 
 project = "toolpace"
 author = "the toolpace developers"
@@ -27,6 +24,7 @@ copyright = f"2026, {author}"
 release = version = toolpace.__version__
 
 extensions = [
+    "docstrings",
     "cyclopts.ext.sphinx",
     "myst_parser",
     "sphinx.ext.autodoc",
@@ -42,7 +40,8 @@ nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|npt|os|pathlib|collections|typing|datetime)\b.*"),
     ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping"),
     # Parts of the inside that public fields show: they have names, and no page.
-    ("py:.*", r"toolpace\.(machine\.(file|geometry)|path\.run|axispath\.run|laws\.law)\..*"),
+    ("py:.*", r"toolpace\.(machine\.(file|geometry)|path\.run|axispath\.run|laws\.law|workers)\..*"),
+    ("py:.*", r"(toolpace\.judge\.)?Sampled|(tuple|dict)\[str"),
 ]
 default_role = "code"
 
@@ -54,7 +53,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_type_aliases = {
-    name: name for name in ("Floats", "Ints", "Bools", "npt.ArrayLike", "Machine", "Kinematics", "Sampled")
+    name: name for name in ("Floats", "Ints", "Bools", "npt.ArrayLike", "Machine")
 }
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 88
@@ -66,6 +65,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "download_all_examples": False,
     "remove_config_comments": True,
+    "capture_repr": (),
     "show_memory": False,
     "show_signature": False,
     "write_computation_times": False,
@@ -115,6 +115,4 @@ def links_within_the_site(app: Sphinx, page: str, text: list[str]) -> None:
 def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("build-finished", copy_mathjax)
     app.connect("source-read", links_within_the_site)
-    app.connect("autodoc-process-docstring", docstrings.as_markup)
-    app.connect("autodoc-process-signature", docstrings.with_short_types)
     return {"parallel_read_safe": True}

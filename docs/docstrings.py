@@ -11,6 +11,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from sphinx.application import Sphinx
+
 ALIAS = re.compile(r"TypeAliasForwardRef\('([^']*)'\)")
 MARKUP = re.compile(r"[*|\\]|_(?=\W|$)")
 ENTRY = re.compile(r"\w+: ")
@@ -19,7 +21,7 @@ ENTRY = re.compile(r"\w+: ")
 def as_markup(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
     """Rewrite the lines of one docstring in place, as autodoc asks for it."""
     paragraphs = re.split(r"\n\s*\n", "\n".join(lines).strip("\n"))
-    lines[:] = "\n\n".join(map(_paragraph, paragraphs)).split("\n") + [""]
+    lines[:] = [*"\n\n".join(map(_paragraph, paragraphs)).split("\n"), ""]
 
 
 def with_short_types(
@@ -49,3 +51,10 @@ def _escaped(row: str) -> str:
     parts = row.split("`")
     parts[::2] = [MARKUP.sub(lambda found: "\\" + found.group(), part) for part in parts[::2]]
     return "`".join(parts)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    app.setup_extension("sphinx.ext.autodoc")
+    app.connect("autodoc-process-docstring", as_markup)
+    app.connect("autodoc-process-signature", with_short_types)
+    return {"parallel_read_safe": True}

@@ -2,8 +2,8 @@
 A curve given exactly
 =====================
 
-Paths need not come from programs. Here an arc with its tool axis is given as such, and timed against what the feed alone
-would take.
+Paths need not come from programs. Here an arc with its tool axis is given as such, and timed against what the feed
+alone would take.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ What a trajectory knows
 Motion at any time, peaks, what binds, and where in the program.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 from __future__ import annotations
 
 import matplotlib.pyplot as plt
@@ -14,9 +16,13 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 import toolpace as tp
 from toolpace import demo
 
+# %%
+# An impeller of seven blades, by a tool that goes down one side of a blade and up the other.
+
 machine = tp.Machine.load("xyzac-trunnion")
-toolpath = tp.read_text(demo.spiral_program(300, machine), machine, feed="none")
-trajectory = tp.plan(tp.Path.fit(toolpath, machine=machine), machine)
+toolpath = tp.read_text(demo.impeller_program(machine, 60), machine)
+path = tp.Path.fit(toolpath, machine=machine)
+trajectory = tp.plan(path, machine)
 
 # %%
 # The motion at any time, not only at set-points.
@@ -29,8 +35,8 @@ print("velocities     ", dict(zip(trajectory.joints, middle.qd[0].round(5).tolis
 # Peaks over limits in continuous time, and what holds the motion back for how long.
 
 usage, limited_by = trajectory.usage(), trajectory.limited_by()
-print("jerk over its limit, at the peak:", {joint: round(r, 4) for joint, r in usage.jerk.items()})
-print("share of the time in which each limit binds:", {name: round(share, 3) for name, share in limited_by.items()})
+for name, share in limited_by.items():
+    print(f"{name:15} {share:6.2%}")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.5), layout="constrained")
 for kind, shift in (("velocity", -0.27), ("acceleration", 0.0), ("jerk", 0.27)):
@@ -46,24 +52,27 @@ right.set(xlabel="share of the time [%]", title="what holds the motion back")
 plt.show()
 
 # %%
-# Set-points know their place in the program. Where is the tool slowest, but for its start and its end?
+# Set-points know their place in the program. Where is the tool slowest while it cuts, but for the ends of a blade?
 
 points = trajectory.sample(1e-3)
-speed = np.linalg.norm(np.diff(points.tip, axis=0), axis=1) / 1e-3
-slowest = 100 + int(np.argmin(speed[100:-100]))
-print(f"slowest at {points.t[slowest]:.3f} s, block {points.block[slowest]}: {speed[slowest] * 60e3:.0f} mm/min")
+tip, speed = 1e3 * points.tip, 60.0 * np.linalg.norm(np.gradient(points.tip, 1e-3, axis=0), axis=1)
+cuts = tip[:, 2] < 34.0
+slowest = np.flatnonzero(cuts)[np.argmin(speed[cuts])]
+print(f"slowest at {points.t[slowest]:.3f} s, block {points.block[slowest]}: {speed[slowest]:.3f} m/min")
 
-tip = 1e3 * points.tip
+# %%
+# The path in space: rapids in grey, the rest coloured by the speed of the tip.
+
 figure = plt.figure(figsize=(9, 6.5), layout="constrained")
 space = figure.add_subplot(projection="3d")
-pieces = Line3DCollection(np.stack([tip[:-1], tip[1:]], axis=1), cmap="viridis", linewidths=3)
-pieces.set_array(speed * 60e3)
-space.add_collection3d(pieces)
-every = slice(0, None, 60)
-space.quiver(*tip[every].T, *points.axis[every].T, length=6.0, color="grey", linewidth=0.7, arrow_length_ratio=0.0)
-space.plot(*tip[slowest], "o", color="red", label="slowest")
-space.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
+rapid = speed[1:] > 1.02 * demo.FEED * 60.0
+pieces = np.stack([tip[:-1], tip[1:]], axis=1)
+space.add_collection3d(Line3DCollection(pieces[rapid], color="lightgrey", linewidths=0.8))
+coloured = Line3DCollection(pieces[~rapid], cmap="plasma", linewidths=2.2)
+coloured.set_array(speed[1:][~rapid])
+space.add_collection3d(coloured)
+space.set(xlim=(-42, 42), ylim=(-42, 42), zlim=(0, 76), xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
 space.set_aspect("equal")
-space.legend()
-figure.colorbar(pieces, label="speed of the tip [mm/min]", shrink=0.7)
+space.view_init(34, -60)
+figure.colorbar(coloured, label="speed of the tip [m/min]", shrink=0.6)
 plt.show()

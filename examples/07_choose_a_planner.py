@@ -17,11 +17,12 @@ machine = tp.Machine.load("paper-ab")
 path = tp.Path.paper_arc(feed=0.06)
 plans = {
     "optimal": tp.plan(path, machine),
-    "genetic, 10 generations": tp.plan(path, machine, planner="genetic", generations=10),
-    "second order": tp.plan(path, machine, planner="second-order"),
+    "genetic, 10 generations": tp.plan(path, machine, planner=tp.Genetic(generations=10)),
+    "second order": tp.plan(path, machine, planner=tp.SecondOrder()),
 }
 for name, trajectory in plans.items():
-    print(f"{name:25} {trajectory.duration:.4f} s, most jerk {max(trajectory.usage().jerk.values()):.4f} of its limit")
+    jerk = max(trajectory.usage().jerk.values())
+    print(f"{name:25} {trajectory.duration:.4f} s, jerk up to {jerk:.4f} of its limit")
 
 # %%
 # Accelerations of the planner without jerk limits jump: its jerk is infinite, and no machine can follow.

@@ -28,21 +28,21 @@ print(f"left to run: {trajectory.duration - time:.4f} s as planned, {again.durat
 print(f"worst use of a limit {again.usage().worst:.5f}")
 
 # %%
-# Distance from the arc and joint B, which has to make room for the way back, over time.
+# Distance from the arc, and the acceleration of joint B, over time.
 
 points, planned = again.sample(1e-3), trajectory.sample(1e-3)
 radius = np.hypot(np.hypot(points.tip[:, 0], points.tip[:, 1]), points.tip[:, 2])
 across = (points.tip[:, 0] - points.tip[:, 1]) / np.sqrt(2.0)
 off = np.hypot(radius - 0.1, across)
-figure, (distance, jerk) = plt.subplots(1, 2, figsize=(12, 4.5), layout="constrained")
+figure, (distance, joint_b) = plt.subplots(1, 2, figsize=(12, 4.5), layout="constrained")
 distance.plot(time + points.t, 1e3 * off)
 distance.set(xlabel="time [s]", ylabel="distance from the path [mm]", xlim=(time - 0.1, time + 1.0))
 joint = machine.joints.index("B")
-jerk.plot(planned.t, planned.qdd[:, joint], color="grey", label="as planned")
-jerk.plot(time + points.t, points.qdd[:, joint], label="from the deflection on")
-jerk.set(xlabel="time [s]", ylabel="acceleration of B [rad/s²]", xlim=(time - 0.1, time + 1.0))
-jerk.legend()
-for panel in (distance, jerk):
+joint_b.plot(planned.t, planned.qdd[:, joint], color="grey", label="as planned")
+joint_b.plot(time + points.t, points.qdd[:, joint], label="from the deflection on")
+joint_b.set(xlabel="time [s]", ylabel="acceleration of B [rad/s²]", xlim=(time - 0.1, time + 1.0))
+joint_b.legend()
+for panel in (distance, joint_b):
     panel.axvline(time, color="black", linestyle=":", linewidth=0.8)
     panel.grid(alpha=0.3)
 plt.show()

@@ -20,8 +20,8 @@ HERE = {name for name in PEERS if importlib.util.find_spec(name)}
 def blocks_of(page: str) -> list[tuple[str, str]]:
     """The code blocks of a page, each with what it is said to print."""
     found = BLOCK.findall((DOCS / "coming_from" / f"{page}.md").read_text(encoding="utf-8"))
-    followers = [*found[1:], ("", "")]
-    return [(code, said if after == "text" else "") for (kind, code), (after, said) in zip(found, followers) if kind == "python"]
+    pairs = zip(found, [*found[1:], ("", "")])
+    return [(code, said if after == "text" else "") for (kind, code), (after, said) in pairs if kind == "python"]
 
 
 def needs(code: str, peer: str) -> bool:

@@ -32,7 +32,8 @@ def box(name: str) -> str:
     w, h = BOX
     return (
         f'<rect x="{x - w / 2:g}" y="{y - h / 2:g}" width="{w}" height="{h}" rx="7" fill="{fill}" stroke="{LINE}"/>'
-        f'<text x="{x}" y="{y - 2}" font-weight="600">{name}</text><text x="{x}" y="{y + 14}" font-size="10">{words}</text>'
+        f'<text x="{x}" y="{y - 2}" font-weight="600">{name}</text>'
+        f'<text x="{x}" y="{y + 14}" font-size="10">{words}</text>'
     )
 
 
