@@ -35,6 +35,7 @@ EVOLVE_SLACK = 2e-4
 SLOWEST = 1.6
 """Longest period that a first population holds, as a multiple of that at the mean of both preset speeds."""
 FASTEST = 0.7
+"""The shortest such period, as the same multiple."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ WINDOW = 8_000
 SEAM_RAMPS = 60.0
 """Half the width of the stretch over the seam between two windows."""
 SEAM_LOSS = 0.1
+"""Share of z by which the stretch over a seam is slowed down before it is solved: its ends are at their best."""
 
 
 class Stretch(NamedTuple):
