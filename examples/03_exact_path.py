@@ -30,7 +30,7 @@ print(f"worst use of a limit {trajectory.usage().worst:.5f}")
 # The same arc at higher feeds: from some feed on the axes decide, and a higher feed buys nothing.
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
-feeds = np.array([0.03, 0.06, 0.09, 0.12])
+feeds = np.array([0.03, 0.045, 0.06, 0.075, 0.09])
 durations = []
 for asked in feeds:
     faster = tp.plan(tp.Path.paper_arc(asked), machine)

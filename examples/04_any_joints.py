@@ -34,7 +34,7 @@ fixed = tp.plan(path, limits, mesh=200)
 print(f"{fixed.duration:.4f} s on {fixed.mesh_points}")
 
 # %%
-# Seven joints, three limits: a limit of one joint or another is always reached. Limits are the dashed lines.
+# Seven joints, three limits each, as dashed lines: nearly all the time one joint or another is at one of them.
 
 points = trajectory.sample(1e-3)
 figure, panels = plt.subplots(3, 1, figsize=(10, 7.5), sharex=True, layout="constrained")

@@ -67,7 +67,7 @@ figure = plt.figure(figsize=(9, 6.5), layout="constrained")
 space = figure.add_subplot(projection="3d")
 rapid = speed[1:] > 1.02 * demo.FEED * 60.0
 pieces = np.stack([tip[:-1], tip[1:]], axis=1)
-space.add_collection3d(Line3DCollection(pieces[rapid], color="lightgrey", linewidths=0.8))
+space.add_collection3d(Line3DCollection(pieces[rapid], color="grey", linewidths=0.6))
 coloured = Line3DCollection(pieces[~rapid], cmap="plasma", linewidths=2.2)
 coloured.set_array(speed[1:][~rapid])
 space.add_collection3d(coloured)

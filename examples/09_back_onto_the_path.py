@@ -18,7 +18,7 @@ machine = tp.Machine.load("paper-ab")
 trajectory = tp.plan(tp.Path.paper_arc(), machine)
 
 # %%
-# At 2.5 s the tip was measured here, 0.7 mm from where it should be.
+# At 2.5 s the tip was measured here.
 
 time, measured = 2.5, np.array([0.059, 0.0568, 0.0589])
 commanded = trajectory.tip([time])[0][0]

@@ -73,7 +73,9 @@ def test_exact_path():
     assert example.by_feed == pytest.approx(5.23599, abs=1e-5)
     # Speeding up and slowing down within the limits cannot be had for nothing.
     assert example.by_feed < example.trajectory.duration < 1.05 * example.by_feed
-    assert all(quick < slow for slow, quick in pairwise(example.durations))
+    # From some feed on the axes decide.
+    assert all(quick < slow for slow, quick in pairwise(example.durations[:4]))
+    assert example.durations[4] == pytest.approx(example.durations[3], rel=1e-3)
 
 
 def test_any_joints():
@@ -106,5 +108,5 @@ def test_choose_a_planner():
 def test_back_onto_the_path():
     example = load("09_back_onto_the_path")
     assert example.again.usage().worst <= 1.0001
-    assert example.off[0] == pytest.approx(np.linalg.norm(example.measured - example.commanded), rel=0.2)
-    assert np.abs(example.off[-1]) < 1e-9
+    assert 0.0 < example.off[0] <= np.linalg.norm(example.measured - example.commanded)
+    assert example.off[-1] < 1e-9
