@@ -12,8 +12,8 @@ import numpy as np
 from rich.progress import track
 
 from benchmarks.machine import RESULTS, written_by
-from benchmarks.paths import Case, all_cases
 from benchmarks.tables import Table
+from testbed.cases import Case, all_cases
 from toolpace.errors import ToolpaceError
 from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.bound.prove import prove_run

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import toolpace
-from benchmarks import published
 from benchmarks.machine import RESULTS, processor
+from testbed import published
 from toolpace import deflect
 from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.detour import DetourRun, tip_velocity

@@ -21,9 +21,9 @@ from pathlib import Path as File
 from typing import Any
 from unittest.mock import patch
 
-from benchmarks.longpath import long_path
 from benchmarks.machine import RESULTS, most_memory
 from benchmarks.tables import Table
+from testbed.long_path import long_path
 from toolpace.planning.bound import pieces
 from toolpace.planning.optimal import meshed_run
 from toolpace.planning.planner import plan

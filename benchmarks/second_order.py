@@ -9,9 +9,9 @@ import statistics
 from collections.abc import Callable
 
 from benchmarks.machine import RESULTS, written_by
-from benchmarks.paths import Case, all_cases
 from benchmarks.peers import copp_second_order, second_order, toppra
 from benchmarks.tables import Table, text
+from testbed.cases import Case, all_cases
 from toolpace.planning.optimal import planner as optimal
 from toolpace.planning.second_order import planner
 
