@@ -44,6 +44,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"(toolpace\.judge\.)?Sampled|(tuple|dict)\[str"),
 ]
 default_role = "code"
+smartquotes = False  # primes are derivatives
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "substitution"]
 myst_heading_anchors = 3
