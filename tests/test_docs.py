@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 import toolpace as tp
+from toolpace import demo
 
 DOCS = Path(__file__).parents[1] / "docs"
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NOTES = sorted((DOCS / "design").glob("*.md"))
 PEERS = ("toppra", "ruckig")
 HERE = {name for name in PEERS if importlib.util.find_spec(name)}
 """Peers that are installed: `bench` asks for them."""
@@ -58,3 +60,24 @@ def test_every_result_of_the_benchmarks_is_a_page():
 def test_every_design_note_is_in_the_contents():
     contents = (DOCS / "design" / "index.md").read_text(encoding="utf-8").split()
     assert {page.stem for page in (DOCS / "design").glob("*.md")} - {"index"} <= set(contents)
+
+
+@pytest.mark.parametrize("page", sorted(page.stem for page in (DOCS / "tutorial").glob("*.md")))
+def test_tutorial_runs(page, tmp_path, monkeypatch):
+    (tmp_path / "part.ngc").write_text(demo.spiral_program(60), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for kind, code in BLOCK.findall((DOCS / "tutorial" / f"{page}.md").read_text(encoding="utf-8")):
+        if kind == "python":
+            exec(compile(code, f"{page}.md", "exec"), names)
+
+
+@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", *(f"docs/design/{p.name}" for p in NOTES)])
+def test_files_that_a_document_names_exist(document):
+    """Named from the top of the project, from the package, from the results of the benchmarks, or from beside it."""
+    text = (DOCS.parent / document).read_text(encoding="utf-8")
+    named = set(re.findall(r"`([\w./-]+/[\w.-]+\.(?:py|md|json|toml))`|\]\(((?!http)[\w./-]+)\)", text))
+    top = DOCS.parent
+    places = (top, top / "src" / "toolpace", (top / document).parent)
+    missing = [name for pair in named for name in pair if name and not any((at / name).exists() for at in places)]
+    assert not missing
