@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.tool_paths import tilted, toolpath_through
 from toolpace.path.fit import knots, smooth
-from toolpace.path.fit.deviation import Check
+from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.polyline import polylines
 from toolpace.path.fit.spline import knots_of
@@ -79,7 +79,7 @@ def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
 
     line = polylines(wave(n, span, 5), TIP, AXIS, None)[0]
     weight = np.ones(3)
-    look = Check(line, AXIS, None, False).between
+    look = Comparison(line, AXIS, None, False).between
     spline, data = inside_spline(line, knots.first_breaks(line.s), weight, AXIS, None, look)
     breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
