@@ -19,7 +19,6 @@ from toolpace.judge import verify
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
-from toolpace.planning import guarantee
 from toolpace.planning.endstate import EndState
 from toolpace.planning.genetic.planner import Genetic
 from toolpace.planning.guarantee import PROMISED
@@ -33,7 +32,6 @@ ARC = Path.paper_arc()
 LENGTH = ARC.runs[0].s1
 DEFLECTION = (0.059, 0.0568, 0.0589)
 TWENTIETH = (19 * LENGTH / 31, 20 * LENGTH / 31)
-PROMISED = guarantee.PROMISED
 
 
 @dataclass
