@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from tests.support.tool_paths import make, spiral, tilted
+from tests.support.tool_paths import spiral, tilted, toolpath_through
 from toolpace.cli import job, main
 from toolpace.kernels.kinematics import branches
 from toolpace.machine.machine import Machine
@@ -63,7 +63,7 @@ def test_past_the_pole_decides_once(choices, offset):
     """The points around the pole are put in before the choice; those put in later follow it."""
     tilt = np.linspace(-0.3, 0.3, 8)
     axis = np.stack([np.sin(tilt), np.full(8, offset), np.cos(tilt)], axis=1)
-    toolpath = make(np.stack([0.1 * tilt, 0 * tilt, 0 * tilt], axis=1), axis)
+    toolpath = toolpath_through(np.stack([0.1 * tilt, 0 * tilt, 0 * tilt], axis=1), axis)
     dense, _ = refined(toolpath, 1e-3, MACHINE)
     assert len(choices) == 1
     np.testing.assert_allclose(MACHINE.axis_at(dense.rotary), dense.axis, atol=1.1e-4)
