@@ -21,7 +21,8 @@ from benchmarks.machine import RESULTS, processor
 from testbed import published
 from toolpace import deflect
 from toolpace.axispath.quintic import quintic_through
-from toolpace.deflect.detour import DetourRun, tip_velocity
+from toolpace.deflect.detour import DetourRun
+from toolpace.deflect.feed import tip_velocity
 from toolpace.errors import InfeasibleError
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path

@@ -14,15 +14,17 @@ from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.detour import DetourRun
 from toolpace.deflect.projection import descend
-from toolpace.deflect.replan import passing_time
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
-from toolpace.planning import guarantee
 from toolpace.planning.endstate import EndState
+from toolpace.planning.genetic.planner import Genetic
+from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.planner import plan
+from toolpace.planning.second_order.planner import SecondOrder
 from toolpace.trajectory import Trajectory
 
 MACHINE = Machine.load("paper-ab")
@@ -30,7 +32,6 @@ ARC = Path.paper_arc()
 LENGTH = ARC.runs[0].s1
 DEFLECTION = (0.059, 0.0568, 0.0589)
 TWENTIETH = (19 * LENGTH / 31, 20 * LENGTH / 31)
-PROMISED = guarantee.PROMISED
 
 
 @dataclass
@@ -201,7 +202,7 @@ def test_detour_parameter_and_its_inverse() -> None:
 @pytest.mark.parametrize("rejoin", ["fastest", "projection"])
 def test_study_deflection_is_replanned_in_motion(planner: str, rejoin: str) -> None:
     old = CASES["study"].plan("genetic" if planner == "genetic" else "optimal")
-    time = passing_time(old.laws[0], TWENTIETH[0])
+    time = old.laws[0].passing_time(TWENTIETH[0])
     interval = TWENTIETH if rejoin == "projection" else None
     new = deflect.replan(old, time, DEFLECTION, planner=planner, rejoin=rejoin, interval=interval)
     judge(old, new, time, np.array(DEFLECTION), old.tip([time])[1][0])
@@ -344,6 +345,10 @@ def test_axis_out_of_reach_is_refused() -> None:
     "options, words",
     [
         ({"planner": "best"}, "unknown planner"),
+        ({"planner": "genetik"}, "did you mean 'genetic'"),
+        ({"planner": "genetic", "generation": 3}, "generations"),
+        ({"planner": "direct", "guard": False}, "has no options, but guard"),
+        ({"planner": SecondOrder()}, "accelerations jump"),
         ({"rejoin": "soon"}, "rejoin at 'soon'"),
         ({"rejoin": 5.0}, "rejoin at s = 5"),
         ({"axis": (0, 0, 0)}, "not all zero"),
@@ -357,6 +362,17 @@ def test_bad_arguments(options: dict[str, object], words: str) -> None:
         deflect.replan(old, 99.0, DEFLECTION)
     with pytest.raises(UsageError, match="finite coordinates"):
         deflect.replan(old, 1.0, (0.0, 0.0))
+
+
+def test_a_planner_object_is_what_its_short_name_asks_for() -> None:
+    old = CASES["study"].plan("genetic")
+    for given, name, options in (
+        (Genetic(generations=2), "genetic", {"generations": 2}),
+        (Optimal(mesh=300, bound=True), "optimal", {"mesh": 300}),
+    ):
+        one = deflect.replan(old, 1.0, DEFLECTION, rejoin="projection", planner=given)
+        two = deflect.replan(old, 1.0, DEFLECTION, rejoin="projection", planner=name, **options)
+        assert one.duration == two.duration and one.planner == two.planner == name
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -17,7 +17,7 @@ from toolpace.judge import verify
 from toolpace.machine.limits import Limits
 from toolpace.reporting import limiting, report
 from toolpace.reporting.limiting import NOTHING, binding
-from toolpace.reporting.series import Channel, feed_cap, packed, thinned
+from toolpace.reporting.series import Channel, extremes, feed_cap, packed
 from toolpace.reporting.words import colours, duration, limit_words, percent
 
 TRAJECTORY = motions.Trajectory()
@@ -79,10 +79,10 @@ def test_a_name_cannot_break_the_page(tmp_path):
 def test_thinning_keeps_every_peak():
     values = np.zeros(1_000_000)
     values[123_457], values[876_543] = 1.0, -2.0
-    small = thinned(values)
+    small = extremes(values)
     assert len(small) <= 120_000
     assert (small.max(), small.min()) == (1.0, -2.0)
-    ramp = thinned(np.arange(500_000.0))
+    ramp = extremes(np.arange(500_000.0))
     assert (np.diff(ramp) > 0.0).all()
 
 

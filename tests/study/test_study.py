@@ -16,7 +16,7 @@ from toolpace.planning.guarantee import PROMISED
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("study")
     told: list[float] = []
-    study.run(out, told.append)
+    study.write_study(out, told.append)
     assert told == sorted(told) and told[-1] == 1.0
     return out
 
@@ -72,11 +72,11 @@ def test_pictures(folder: Path, facts: dict) -> None:
 
 
 def test_errata_are_worked_out_anew() -> None:
-    from toolpace.study.errata import comparison, errata
+    from toolpace.study.errata import all_errata, comparison
     from toolpace.study.simulation import simulate
 
     done = simulate(lambda share: None)
-    lines = {line.where: line.check for line in errata(done)}
+    lines = {line.where: line.check for line in all_errata(done)}
     assert len(lines) == 10
     assert "100 mm" in lines["II.B, point P_t"]
     assert "68.3 mm" in lines["Eq. (6), third line"]

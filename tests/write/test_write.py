@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -37,6 +38,7 @@ CONTRACT = {
 }
 TRAJECTORY = motions.Trajectory()
 POINTS = TRAJECTORY.sample()
+PROGRAM = motions.program()
 PATH = SimpleNamespace(tip_deviation=3e-6, axis_deviation=1e-4, fit_seconds=0.5)
 
 
@@ -47,10 +49,12 @@ def program(tmp_path):
     return path
 
 
-def everything(folder, program, **options):
-    options.setdefault("report", False)
-    machine = motions.machine()
-    return write.write_all(folder, TRAJECTORY, PATH, motions.program(), machine, POINTS, program, **options)
+def everything(folder, program, *, toolpath=PROGRAM, trajectory=TRAJECTORY, csv=False, report=False, **known):
+    result = write.PlanResult(
+        trajectory=trajectory, machine=motions.machine(), setpoints=POINTS, toolpath=toolpath, path=PATH,
+        program=program, **known,
+    )  # fmt: skip
+    return write.write_folder(folder, result, csv=csv, report=report)
 
 
 def test_plan_json_keeps_the_contract(tmp_path, program):
@@ -72,13 +76,21 @@ def test_plan_json_keeps_the_contract(tmp_path, program):
 
 
 def test_an_unknown_bound_is_null(tmp_path, program):
-    machine = motions.machine()
-    record = write.write_all(
-        tmp_path / "o", motions.Trajectory(0.0), PATH, None, machine, POINTS, program, report=False
-    )
+    record = everything(tmp_path / "o", program, toolpath=None, trajectory=motions.Trajectory(0.0))
     assert record.lower_bound_s is None
     assert record.gap is None
     assert write.read_plan(tmp_path / "o") == record
+
+
+def test_plan_json_is_written_once_and_last(tmp_path, program, monkeypatch):
+    """It tells of the time that the other files took, and is moved into place after all of them."""
+    moved = []
+    replace = Path.replace
+    monkeypatch.setattr(Path, "replace", lambda own, target: (moved.append(Path(target).name), replace(own, target))[1])
+    record = everything(tmp_path / "out", program, csv=True, step_s={"reading": 1.0})
+    assert set(record.step_s) == {"reading", write.WRITING} and record.step_s[write.WRITING] > 0.0
+    assert moved.count("plan.json") == 2, "once from its temporary name, once from the temporary folder"
+    assert moved[-1] == "plan.json" and {"machine.toml", "setpoints.csv", "program.ngc"} < set(moved)
 
 
 def test_the_files_are_enough_to_judge_again(tmp_path, program):

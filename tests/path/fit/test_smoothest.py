@@ -8,11 +8,12 @@ import pytest
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import tilted, toolpath_through
 from toolpace.path.fit import knots, smooth
-from toolpace.path.fit.deviation import Check
+from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.polyline import polylines
 from toolpace.path.fit.spline import knots_of
 from toolpace.path.path import Path
+from toolpace.workers import UNTOLD, Workers
 
 TIP, AXIS = 10e-6, 1e-3
 
@@ -77,11 +78,11 @@ def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
 
     line = polylines(wave(n, span, 5), TIP, AXIS, None)[0]
     weight = np.ones(3)
-    look = Check(line, AXIS, None, False).between
-    spline, data = inside_spline(line, knots.first_breaks(line.s), weight, AXIS, None, look)
+    look = Comparison(line, AXIS, None, False).between
+    spline, data = inside_spline(line, knots.first_breaks(line.s), weight, AXIS, None, look, Workers())
     breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
-    smooth.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, lambda share: None)
+    smooth.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, Workers(), UNTOLD)
     place, share = np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(breaks)
     s = (0.5 * (breaks[1:] + breaks[:-1])[:, None] + half[:, None] * place).ravel()

@@ -19,7 +19,7 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError, UsageError
-from toolpace.path.fit.deviation import PARTS, Check
+from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.knots import first_breaks, refined_at
 from toolpace.path.fit.polyline import Machine, Polyline, polylines
@@ -93,7 +93,7 @@ def fit_run(
     """One run that starts at parameter `start` [m]. Raises PathError where no curve fits."""
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
-    check = Check(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
+    check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
     first, samples = inside_spline(
         line, first_breaks(line.s), weight, axis_tolerance, machine, check.between, workers
     )
@@ -151,7 +151,7 @@ class Deviations(NamedTuple):
         return np.flatnonzero(~(self.off <= LIMIT))
 
 
-def deviations(check: Check, spline: Spline, data: Samples) -> Deviations:
+def deviations(check: Comparison, spline: Spline, data: Samples) -> Deviations:
     """Look at a spline more closely than its samples do."""
     polynomials = spline.pieces()
     return Deviations(polynomials, *check.closely(polynomials, spline.breaks, data.s))
