@@ -24,7 +24,7 @@ def test_import_loads_no_heavy_library():
 
 
 def test_import_loads_next_to_nothing():
-    """What keeps it short: nothing but modules that Python brings, few of them, and of its own the package and its version alone."""
+    """What keeps it short: few modules, all of them Python's, and of its own the package and its version alone."""
     loaded = python(
         "import sys; before = set(sys.modules); import toolpace; print(*sorted(set(sys.modules) - before))"
     ).split()
