@@ -127,13 +127,11 @@ def dual_integral(
     ideal = 0.5 * np.maximum(kappa, LEAST_KAPPA) / v**3
     measure = v.reshape(shape) * rule * length[:, None]
     wide = (*shape, len(limits))
-    return float(
-        continuous_dual.best_value(
-            COUNTS, theta.reshape(shape), kappa.reshape(shape), ideal.reshape(shape), cap,
-            np.abs(lam).sum(axis=1).reshape(shape), measure, v.reshape(shape), q1.reshape(wide), lam.reshape(wide),
-            limits.acceleration, length, rule, integral,
-        )
+    cells = continuous_dual.Cells(
+        theta.reshape(shape), kappa.reshape(shape), ideal.reshape(shape), cap,
+        np.abs(lam).sum(axis=1).reshape(shape), measure, v.reshape(shape), q1.reshape(wide), lam.reshape(wide), length,
     )  # fmt: skip
+    return continuous_dual.best_value(COUNTS, cells, limits.acceleration, continuous_dual.Rule(rule, integral))
 
 
 def widest_at_breaks(run: AxisRun, law: SplineLaw, edges: Floats, cap: Floats) -> Floats:

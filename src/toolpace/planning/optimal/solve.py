@@ -87,13 +87,11 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
             # z has fallen to nothing: no start
             continue
         found, status, _, gap, gradient = solver.maximise_speed(
-            problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
-            relief, problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
-        )  # fmt: skip
+            problem.as_points(), problem.as_ends(), begin.copy(), relief, first_gap, TOLERANCE, MOST_STEPS
+        )
         if status == solver.OPTIMAL:
-            optimum: Floats = found
-            return optimum
-        used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, found)
+            return found
+        used, z = limit_rows.usage(problem.as_points(), found)
         worst, kind = divmod(int(np.argmax(used)), used.shape[1])
         stall = Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind])
         if used.max() > 1.0 + BROKEN_BY:
@@ -122,13 +120,12 @@ def within(problem: Problem, c: Floats) -> Floats:
 
 def usage(problem: Problem, c: Floats) -> Floats:
     """(points, 3) largest value over limit of cap, acceleration and jerk rows; c (n,); infinite where z <= 0."""
-    used: Floats = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)[0]
-    return used
+    return limit_rows.usage(problem.as_points(), c)[0]
 
 
 def reliefs(problem: Problem, c: Floats) -> Floats:
     """(points, 3) by how much cap, acceleration and jerk rows must be relaxed for c to lie inside them."""
-    used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)
+    used, z = limit_rows.usage(problem.as_points(), c)
     natural = np.stack([problem.cap, np.ones_like(z), 1.0 / np.sqrt(np.maximum(z, 1e-300))], axis=1)
     relief: Floats = relief_of(used) * natural
     return relief
