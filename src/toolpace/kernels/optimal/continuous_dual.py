@@ -48,7 +48,7 @@ class Rule(NamedTuple):
     """(points, points) of the integrals up to each point."""
 
 
-@jit()
+@jit(inline=True)
 def plain_value(k: int, cells: Cells) -> float:
     """What a cell adds to the bound as it is: the least of kappa / sqrt(z) + theta z less `size`, integrated."""
     theta, kappa, cap, size, measure = cells.theta, cells.kappa, cells.cap, cells.size, cells.measure
@@ -120,7 +120,7 @@ def best_value(counts: Ints, cells: Cells, acceleration: Floats, rule: Rule) -> 
     return float(best[number])
 
 
-@jit()
+@jit(inline=True)
 def steepest(reach: Floats, k: int, count: int) -> tuple[int, float]:
     """The joint whose |q'| over its limit, in `reach` (cells, joints), is largest where it is least in a stretch."""
     joint, least = 0, -1.0

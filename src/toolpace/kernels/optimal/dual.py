@@ -111,7 +111,7 @@ def _transposed(basis: Floats, ends: Ends, b: Floats, sign: float) -> None:
             b[k] = 0.0
 
 
-@jit()
+@jit(inline=True)
 def _owning(ends: Ends, n: int) -> tuple[int, int]:
     """First and last of n knots that own a coefficient."""
     return 0 if ends.end[0] == REST else 1, n - 1 if ends.end[1] == REST else n - 2
@@ -194,7 +194,7 @@ def value_of(knots: KnotRows, low: Floats, high: Floats, gathered: Floats, terms
     return total - (n * (terms + 4)) * UNIT * scale, kappa, theta
 
 
-@jit()
+@jit(inline=True)
 def _forces(knots: KnotRows, gathered: Floats, terms: int) -> tuple[Floats, Floats, Floats]:
     """kappa (n,) less what rounding may have added; price (n + 2,) of the coefficients, and the same of absolutes."""
     basis, weight, n = knots.basis, knots.weight, len(knots.weight)
@@ -210,7 +210,7 @@ def _forces(knots: KnotRows, gathered: Floats, terms: int) -> tuple[Floats, Floa
     return kappa, force, size
 
 
-@jit()
+@jit(inline=True)
 def _tie(ends: Ends, force: Floats, size: Floats) -> tuple[float, float]:
     """Add the outermost coefficients' force and size to their neighbours' at ends at rest.
 
@@ -230,7 +230,7 @@ def _tie(ends: Ends, force: Floats, size: Floats) -> tuple[float, float]:
     return total, scale
 
 
-@jit()
+@jit(inline=True)
 def _errors(knots: KnotRows, theta: Floats, size: Floats, entries: float) -> Floats:
     """(n,) how far off theta (n,) may be by rounding.
 

@@ -49,7 +49,7 @@ class RowSteps(NamedTuple):
     """(tiles, 2 m, 2, TILE) the corrector's, of the multipliers."""
 
 
-@jit()
+@jit(inline=True)
 def in_tiles(rows: Floats) -> RowTiles:
     """The rows (points, 2 m, 3) in tiles, states and multipliers still zero."""
     points, count = rows.shape[0], rows.shape[1]
@@ -58,7 +58,7 @@ def in_tiles(rows: Floats) -> RowTiles:
     return RowTiles(points, of_tiles, np.zeros((tiles, STATES, TILE)), np.zeros((tiles, count, 2, TILE)))
 
 
-@jit()
+@jit(inline=True)
 def steps_of(rows: RowTiles) -> RowSteps:
     """Room for the steps."""
     tiles = len(rows.rows)
@@ -107,7 +107,7 @@ FALLS, GROWS, LINEAR, SQUARE = range(4)
 change or its square."""
 
 
-@jit()
+@jit(inline=True)
 def share_left(gap: float, falls: float, grows: float, linear: float, square: float) -> float:
     """Share of the gap that is left after the longest predictor's step, primal and dual apart.
 
@@ -118,7 +118,7 @@ def share_left(gap: float, falls: float, grows: float, linear: float, square: fl
     return 1.0 + (go * linear - go_dual * (gap + linear) - go * go_dual * (square + linear)) / gap
 
 
-@jit()
+@jit(inline=True)
 def product_aimed_at(gap: float, products: int, left: float) -> float:
     """What the corrector aims at for every product of slack and multiplier: the smaller, the less of the gap is left.
 

@@ -46,7 +46,7 @@ class System(NamedTuple):
     """(n,) a right-hand side; solved, the step of the coefficients."""
 
 
-@jit()
+@jit(inline=True)
 def system_of(n: int) -> System:
     """Room for the system of n coefficients."""
     matrix, spare, rhs, centring = np.empty((3, n)), np.empty((3, n)), np.empty(n), np.empty(n)
@@ -76,7 +76,7 @@ def add_slope(basis: Floats, p: int, k: int, slope: tuple[float, float, float], 
         vector[k + i] += basis[p, 0, i] * g0 + basis[p, 1, i] * g1 + basis[p, 2, i] * g2
 
 
-@jit()
+@jit(inline=True)
 def tie_matrix(matrix: Floats, ends: Ends) -> None:
     """Take the coefficients that an end fixes out of the Newton matrix.
 
@@ -128,7 +128,7 @@ def factor_tied(system: System, ends: Ends) -> bool:
     return True
 
 
-@jit()
+@jit(inline=True)
 def _solve_tied(system: System, ends: Ends) -> None:
     """Overwrite the right-hand side in `direction` by the Newton step, with the coefficients that the ends tie."""
     direction = system.direction
@@ -141,14 +141,14 @@ def _solve_tied(system: System, ends: Ends) -> None:
         direction[n - 1] = direction[n - 2] / ends.ratio[1]
 
 
-@jit()
+@jit(inline=True)
 def aim_at_optimum(system: System, ends: Ends) -> None:
     """Set the predictor's direction: straight at the optimum."""
     system.direction[:] = system.rhs
     _solve_tied(system, ends)
 
 
-@jit()
+@jit(inline=True)
 def aim_at_centre(system: System, ends: Ends, centre: float) -> None:
     """Set the corrector's direction: at products of slack and multiplier of `centre`, with the second-order terms."""
     system.direction[:] = system.rhs - centre * system.centring - system.second

@@ -106,7 +106,7 @@ def relax(
     return bound, best, work.states.wait, least, status, steps
 
 
-@jit()
+@jit(inline=True)
 def _work(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> Work:
     """Room for the iteration."""
     n, tiles = len(low), multipliers.in_tiles(knots.rows)
@@ -116,7 +116,7 @@ def _work(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> Work:
     return Work(knots, own, states, waits, points, tiles, system, knot_steps, row_steps)
 
 
-@jit()
+@jit(inline=True)
 def _start(work: Work, c: Floats, products: int) -> tuple[float, float]:
     """Set states, waits and multipliers for a gap as large as the time at the start.
 
@@ -136,14 +136,14 @@ def _start(work: Work, c: Floats, products: int) -> tuple[float, float]:
     return time, tau
 
 
-@jit()
+@jit(inline=True)
 def _evaluate(work: Work, tau: float) -> None:
     """Complete the states of knots and points from z, z', z'' and wait at the knots."""
     relaxation_knots.complete(work.own, tau, work.states)
     at_points(work.knots.first, work.states.at, work.tiles.at)
 
 
-@jit()
+@jit(inline=True)
 def _newton_system(work: Work, c: Floats) -> tuple[float, float]:
     """Newton matrix and right-hand side for a centring of zero, the waits eliminated; returns gap and value."""
     knots, system, waits, points = work.knots, work.system, work.waits, work.points
@@ -156,7 +156,7 @@ def _newton_system(work: Work, c: Floats) -> tuple[float, float]:
     return gap, value + float(c @ knots.price)
 
 
-@jit()
+@jit(inline=True)
 def _predictor(work: Work, gap: float) -> float:
     """Straight at the optimum, to learn how far one can go: returns the share of the gap that this leaves."""
     knots, system, waits, affine = work.knots, work.system, work.waits, work.knot_steps.affine
@@ -170,7 +170,7 @@ def _predictor(work: Work, gap: float) -> float:
     return share_left(gap, max(falls, of_rows[0]), max(grows, of_rows[1]), linear + of_rows[2], square + of_rows[3])
 
 
-@jit()
+@jit(inline=True)
 def _corrector(work: Work, tau: float, centre: float) -> tuple[float, float]:
     """The step that is taken: centred, with the second-order terms that the predictor revealed.
 
@@ -189,7 +189,7 @@ def _corrector(work: Work, tau: float, centre: float) -> tuple[float, float]:
     return relaxation_knots.within_chords(work.own, tau, work.states, change, go), go_dual
 
 
-@jit()
+@jit(inline=True)
 def _go(work: Work, c: Floats, go: float, go_dual: float) -> None:
     """Go these shares of the corrector's step: with coefficients and waits, and with the multipliers."""
     states, steps = work.states, work.knot_steps

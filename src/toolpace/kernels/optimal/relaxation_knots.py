@@ -91,7 +91,7 @@ class KnotSteps(NamedTuple):
     """(n, 4) the corrector's, of the multipliers of the own rows."""
 
 
-@jit()
+@jit(inline=True)
 def own_rows_of(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> OwnRows:
     """The own rows of knots with z from low to cap (n,)."""
     n, first = len(low), knots.first
@@ -108,26 +108,26 @@ def own_rows_of(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> Ow
     return own
 
 
-@jit()
+@jit(inline=True)
 def states_of(n: int) -> KnotStates:
     """Room for the states of n knots; multipliers zero."""
     at, slack, slope = np.empty((n, STATES)), np.empty((n, 4)), np.empty((n, 4))
     return KnotStates(at, np.empty(n), slack, slope, np.empty((n, 4)), np.zeros((n, 4)))
 
 
-@jit()
+@jit(inline=True)
 def waits_of(n: int) -> Waits:
     """Room for what is known of n waits."""
     return Waits(np.empty((n, 3)), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
 
 
-@jit()
+@jit(inline=True)
 def steps_of(n: int) -> KnotSteps:
     """Room for the steps of n knots."""
     return KnotSteps(np.empty((n, 4)), np.empty((n, 4)), np.zeros((n, 4)))
 
 
-@jit()
+@jit(inline=True)
 def count_of(own: OwnRows) -> int:
     """How many own rows there are."""
     count = 0
@@ -168,7 +168,7 @@ def first_waits(knots: KnotRows, own: OwnRows, states: KnotStates, centre: float
         states.wait[k] = y
 
 
-@jit()
+@jit(inline=True)
 def _balancing(knots: KnotRows, k: int, u: Floats, centre: float) -> tuple[float, float]:
     """The least wait that the jerk rows of a knot ask for at u (n, 3 or more), and the one that balances the time."""
     first, weight, rows = knots.first, knots.weight, knots.rows
@@ -283,7 +283,7 @@ def eliminate_waits(
     return gap, time
 
 
-@jit()
+@jit(inline=True)
 def follow(waits: Waits, change: Floats) -> None:
     """Set the change of the waits, column 3, that belongs to a change (n, 4) of z, z', z''."""
     mean, stiff, pull = waits.mean, waits.stiff, waits.pull
@@ -345,7 +345,7 @@ def correct(own: OwnRows, states: KnotStates, steps: KnotSteps, centre: float) -
     return loss, loss_dual
 
 
-@jit()
+@jit(inline=True)
 def _room(chord: Floats, relaxed: float, z: float, wait: float) -> float:
     """What is left of the chord of a knot, relief included."""
     return float(chord[0] - chord[1] * z - 1.0 / np.sqrt(z) - wait + relaxed)

@@ -51,7 +51,7 @@ class Points(NamedTuple):
     """(points, 4) what its jerk rows add to the second derivatives by the wait."""
 
 
-@jit()
+@jit(inline=True)
 def points_of(knots: KnotRows, tiles: RowTiles) -> Points:
     """The points of the knots."""
     points = Points(
@@ -71,7 +71,7 @@ def at_points(first: Ints, values: Floats, out: Floats) -> None:
                 out[p // TILE, i, p % TILE] = values[k, i]
 
 
-@jit()
+@jit(inline=True)
 def by_point(tiles: Floats, out: Floats) -> None:
     """out (points, count, 2) from tiles (tiles, count, 2, TILE)."""
     for p in range(len(out)):
@@ -79,7 +79,7 @@ def by_point(tiles: Floats, out: Floats) -> None:
             out[p, i, 0], out[p, i, 1] = tiles[p // TILE, i, 0, p % TILE], tiles[p // TILE, i, 1, p % TILE]
 
 
-@jit(reorder=True)
+@jit(reorder=True, inline=True)
 def _means(at: Floats, mean: Floats, lanes: int, out: Floats) -> None:
     """Set what the waits do to the rows of a tile."""
     for p in range(lanes):

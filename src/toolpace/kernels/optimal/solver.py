@@ -80,7 +80,7 @@ def maximise_speed(
     return c, STALLED, most_steps, gap / time, residual / time
 
 
-@jit()
+@jit(inline=True)
 def _scaled(gradient: Floats, c: Floats, ends: Ends) -> float:
     """Size of the gradient (n,) by what the ends leave free, each entry scaled by its coefficient."""
     tie_vector(gradient, ends)
@@ -90,7 +90,7 @@ def _scaled(gradient: Floats, c: Floats, ends: Ends) -> float:
     return residual
 
 
-@jit()
+@jit(inline=True)
 def _predictor(
     points: PointRows, ends: Ends, tiles: RowTiles, caps: Caps, tau: float, steps: RowSteps, gap: float, system: System
 ) -> float:
@@ -100,7 +100,7 @@ def _predictor(
     return solver_rows.predict(points, tiles, caps, tau, steps.affine, gap, system)
 
 
-@jit()
+@jit(inline=True)
 def _corrector(
     points: PointRows, ends: Ends, tiles: RowTiles, caps: Caps, tau: float, steps: RowSteps, centre: float,
     system: System,

@@ -61,7 +61,7 @@ class Caps(NamedTuple):
     """(tiles, TILE) the corrector's steps of these multipliers."""
 
 
-@jit()
+@jit(inline=True)
 def caps_of(points: PointRows, relief: Floats) -> Caps:
     """The caps of a problem with relief (points, 3), their multipliers still zero."""
     n = len(points.node)
@@ -102,7 +102,7 @@ def start(tiles: RowTiles, caps: Caps, tau: float, centre: float) -> None:
             dual_cap[t, p] = centre / (cap[t, p] - at[t, Z, p] + tau * relief[t, CAP, p])
 
 
-@jit()
+@jit(inline=True)
 def duration(tiles: RowTiles, caps: Caps) -> float:
     """The time that is minimised: the sum of weight / sqrt(z)."""
     time = 0.0
