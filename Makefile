@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
 
-.PHONY: help demo test check bench clean
+.PHONY: help demo test check census bench clean
 
 help:  ## what there is to make
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 8
@@ -29,6 +29,9 @@ check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+census:  ## count modules, circles, long functions; CENSUS=--strict fails where a rule of the house is broken
+	$(PYTHON) tools/census.py $(CENSUS)
 
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks

@@ -8,7 +8,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-import motions
+from tests.support import motions
 from toolpace.errors import UsageError
 from toolpace.setpoints import SetPoints
 

@@ -29,7 +29,10 @@ if TYPE_CHECKING:
     from toolpace.path.path import Path
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.endstate import EndState
-    from toolpace.planning.planner import plan
+    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.optimal.planner import Optimal
+    from toolpace.planning.planner import Planner, plan
+    from toolpace.planning.second_order.planner import SecondOrder
     from toolpace.reading import apply_feed, read, read_text
     from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
@@ -39,9 +42,13 @@ if TYPE_CHECKING:
 __all__ = [
     "AxisPath",
     "EndState",
+    "Genetic",
     "Limits",
     "Machine",
+    "Optimal",
     "Path",
+    "Planner",
+    "SecondOrder",
     "SetPoints",
     "ToolPath",
     "ToolpaceError",
@@ -61,9 +68,13 @@ __all__ = [
 _HOME = {
     "AxisPath": "axispath.axispath",
     "EndState": "planning.endstate",
+    "Genetic": "planning.genetic.planner",
     "Limits": "machine.limits",
     "Machine": "machine.machine",
+    "Optimal": "planning.optimal.planner",
     "Path": "path.path",
+    "Planner": "planning.planner",
+    "SecondOrder": "planning.second_order.planner",
     "SetPoints": "setpoints",
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",

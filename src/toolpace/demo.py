@@ -16,15 +16,18 @@ from toolpace.arrays import Floats
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
-Curve = Callable[[Floats], tuple[Floats, Floats]]
+ToolCurve = Callable[[Floats], tuple[Floats, Floats]]
 """Parameter (n,) to tip (n, 3) [m] and tool axis (n, 3), not necessarily of unit length."""
 
 MACHINE = "xyzac-trunnion"
+"""Built-in machine of the demo."""
 FEED = 2.5 / 60.0
 """Feed of both programs [m/s]."""
 BLADES = 7
 TOOL_RADIUS = 2e-3
+"""[m]"""
 HALF_THICKNESS = 0.8e-3
+"""Of a blade [m]."""
 RETRACT = 30e-3
 """How far the tool leaves a blade along its own axis [m]."""
 CLEARANCE = 75e-3
@@ -93,7 +96,7 @@ def _derivative(f: Callable[[Floats], Floats], u: Floats, step: float = 1e-5) ->
     return (f(u + step) - f(u - step)) / (2.0 * step)
 
 
-def blade_spiral(turns: float) -> Curve:
+def blade_spiral(turns: float) -> ToolCurve:
     """A twisted turbine blade finished in one spiral of `turns` round it, as a curve over the angle [rad]."""
     height, long, short = 60e-3, 22e-3, 9e-3
 

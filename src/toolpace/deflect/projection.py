@@ -19,11 +19,14 @@ import numpy.typing as npt
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError
 from toolpace.path.path import Path
+from toolpace.path.run import PathRun
 
 SAMPLES = 400
 """Points of a run, beside its breaks, from which the nearest ones are taken as starts."""
 STARTS = 4
+"""Nearest valleys of the distance that are descended into; of two as near the lower one is not known before."""
 MOST_STEPS = 500
+"""Of one descent. Each is Gauss-Newton's, and near the path a few of them reach the last digits."""
 ROUNDING = 1.0 + 1e-14
 """Rise of the potential that is rounding: its fall cannot be seen any more where the last digits of s are won."""
 CONVERGED = 1e-14
@@ -122,8 +125,8 @@ def project(path: Path, deflection: npt.ArrayLike, *, interval: tuple[float, flo
             continue
         low, high = max(low, run.s0), min(high, run.s1)
 
-        def curve(s: float, run: object = run) -> tuple[Floats, Floats]:
-            jet = run.evaluate(np.array([s])).tip  # type: ignore[attr-defined]
+        def curve(s: float, run: PathRun = run) -> tuple[Floats, Floats]:
+            jet = run.evaluate(np.array([s])).tip
             return jet[0, 0], jet[1, 0]
 
         grid = np.linspace(low, high, SAMPLES)

@@ -11,10 +11,13 @@ import numpy as np
 from toolpace.arrays import Floats
 
 PROBES = 20_000
+"""Probes of a whole law, shared among its cells."""
 FEWEST_PROBES, MOST_PROBES = 9, 65
-"""Probes of a whole law, and of one of its cells: more where a coarse mesh leaves much room between nodes."""
+"""Probes of one cell: more where a coarse mesh leaves much room between nodes."""
 CELLS_AT_A_TIME = 10_000
 """Cells of a spline that are probed in one piece, to keep memory low."""
+HALVINGS = 80
+"""Of a duration until no time between two numbers is left: 53 for its digits, and the rest for times next to zero."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,21 @@ class TimeLaw(ABC):
     @abstractmethod
     def probes(self) -> Iterator[Probe]:
         """States between which nothing is hidden, in pieces that do not take much memory."""
+
+    def passing_time(self, s: float) -> float:
+        """When s is passed [s], by bisection; the start or the end where s is at or beyond it."""
+        low, high = 0.0, self.duration
+        if s <= self.s0:
+            return low
+        if s >= self.s1:
+            return high
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            if self.at(np.array([middle]))[0, 0] < s:
+                low = middle
+            else:
+                high = middle
+        return 0.5 * (low + high)
 
 
 def probes_a_cell(nodes: int) -> int:

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.errors import MachineError, UsageError
-from toolpace.machine.file import MachineFile, did_you_mean, read_machine, write_machine
+from toolpace.errors import MachineError, UsageError, did_you_mean
+from toolpace.machine.file import MachineFile, read_machine, write_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.limits import Limits
 from toolpace.toolpath import ToolPath

@@ -18,7 +18,7 @@ Curve = Callable[[Floats, int], tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class CallableRun(PathRun):
+class CurveRun(PathRun):
     """A run whose derivatives a function knows."""
 
     curve: Curve
@@ -49,12 +49,12 @@ class TwoCurveRun(PathRun):
         return PathJet(tip, unit_jets(point - tip), None)
 
 
-def callable_run(curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None) -> CallableRun:
+def callable_run(curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None) -> CurveRun:
     """One run of one block over [s0, s1]."""
     if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
         raise PathError(f"a path from s0 = {s0:g} to s1 = {s1:g} has no length; give s0 < s1")
     ends = np.array([s0, s1], dtype=np.float64)
-    return CallableRun(breaks=ends if breaks is None else breaks, curve=curve, **one_block(ends, feed))
+    return CurveRun(breaks=ends if breaks is None else breaks, curve=curve, **one_block(ends, feed))
 
 
 class BlockTable(TypedDict):
@@ -78,7 +78,7 @@ def one_block(ends: Floats, feed: float) -> BlockTable:
     }
 
 
-def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float) -> CallableRun:
+def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float) -> CurveRun:
     """A circular arc over its length, the tool axis in its plane at a constant angle to the outward normal.
 
     n (normal, towards you)     P(s) = centre + R (e cos th + f sin th),  th = s / R

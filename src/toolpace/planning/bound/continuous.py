@@ -109,7 +109,7 @@ def dual_integral(
     t = (edges[:-1, None] + length[:, None] * place).ravel()
     s, v, a, _ = law.at(t)
     s = np.clip(s, run.s0, run.s1)
-    q = run.evaluate(s)
+    q = np.ascontiguousarray(run.evaluate(s))
     q1, q2 = q[1], q[2]
     nu_of, lambda_of = spline(jerk, step), spline(acceleration, step)
     nu, nu_t, nu_tt = (nu_of(t, order) for order in range(3))

@@ -106,7 +106,7 @@ def discretise(
     rest = (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1]))
     node, point, left = sides(inner, run.breaks[slice(*np.searchsorted(run.breaks, [nodes[0], nodes[-1]]))])
     point = np.clip(point, run.s0, run.s1)
-    q = run.evaluate(point)
+    q = np.ascontiguousarray(run.evaluate(point))
     problem = Problem(inner, rest, node, (start, end))
     cap, steady, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(point))
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.
