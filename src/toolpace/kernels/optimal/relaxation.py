@@ -18,18 +18,17 @@ The derivation is in docs/design/bound.md.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import multipliers, relaxation_knots, relaxation_rows
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
-from toolpace.kernels.optimal.multipliers import RowSteps, RowTiles, product_aimed_at, share_left
-from toolpace.kernels.optimal.newton import System, aim_at_centre, aim_at_optimum, factor_tied, system_of
-from toolpace.kernels.optimal.relaxation_knots import KnotStates, KnotSteps, OwnRows, Waits, at_knots
-from toolpace.kernels.optimal.relaxation_rows import Points, at_points
+from toolpace.kernels.optimal.multipliers import product_aimed_at, share_left
+from toolpace.kernels.optimal.newton import aim_at_centre, aim_at_optimum, factor_tied
+from toolpace.kernels.optimal.relaxation_knots import at_knots
+from toolpace.kernels.optimal.relaxation_rows import at_points
+from toolpace.kernels.optimal.relaxation_work import Work, count_of, work_of
 from toolpace.kernels.optimal.tiles import advance
 
 CONVERGED, STALLED, BROKEN = 0, 1, 2
@@ -40,20 +39,6 @@ NEAR_ENOUGH = 0.03
 """The same where any bound beyond a given one will do."""
 ROUNDING = 1e-4
 """Gap, as a multiple of what is tolerated, at which further steps only gather rounding."""
-
-
-class Work(NamedTuple):
-    """The problem by knots and by rows in tiles, where the iteration is, and what a step of it works on."""
-
-    knots: KnotRows
-    own: OwnRows
-    states: KnotStates
-    waits: Waits
-    points: Points
-    tiles: RowTiles
-    system: System
-    knot_steps: KnotSteps
-    row_steps: RowSteps
 
 
 @jit()
@@ -68,9 +53,9 @@ def relax(
     between what is minimised and the bound, relative to the time at the start; a bound of `enough` ends it early.
     Returns the bound, its multipliers (points, 2 m, 2), the waits (n,), the least value, status and steps.
     """
-    work = _work(knots, low, cap, relief)
+    work = work_of(knots, low, cap, relief)
     points, count = knots.rows.shape[0], knots.rows.shape[1]
-    products = 2 * points * count + relaxation_knots.count_of(work.own)
+    products = 2 * points * count + count_of(work.own)
     best, dual = np.zeros((points, count, 2)), np.zeros((points, count, 2))
     bound, _, _ = dual_value(knots, low, cap, best)
     scale, tau = _start(work, c, products)
@@ -104,16 +89,6 @@ def relax(
         tau *= 1.0 - go
         _evaluate(work, tau)
     return bound, best, work.states.wait, least, status, steps
-
-
-@jit(inline=True)
-def _work(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> Work:
-    """Room for the iteration."""
-    n, tiles = len(low), multipliers.in_tiles(knots.rows)
-    own, points = relaxation_knots.own_rows_of(knots, low, cap, relief), relaxation_rows.points_of(knots, tiles)
-    states, waits, system = relaxation_knots.states_of(n), relaxation_knots.waits_of(n), system_of(n + 2)
-    knot_steps, row_steps = relaxation_knots.steps_of(n), multipliers.steps_of(tiles)
-    return Work(knots, own, states, waits, points, tiles, system, knot_steps, row_steps)
 
 
 @jit(inline=True)

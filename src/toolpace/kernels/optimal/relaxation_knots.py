@@ -1,140 +1,40 @@
 """The knots of the relaxed problem: their own rows, their waits, and what both have in a Newton step.
 
-A knot has up to four rows of its own, as slacks that shall not be negative, and multipliers for them:
-
-    CAP    cap - z                              FLOOR  z - low                                     with a range
-    WAIT   the wait itself, with rows only      CHORD  chord(z) - 1 / sqrt(z) - wait               with a range and rows
-
-PUSH is the derivative of such a slack by the wait; `tau` the share of the reliefs that still stands. The wait is
-eliminated knot by knot.
+The rows are those of `relaxation_work`, PUSH their derivatives by the wait. `tau` is the share of the reliefs that
+still stands. The wait is eliminated knot by knot.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from toolpace.kernels.arrays import Bools, Floats
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.dual import KnotRows
-from toolpace.kernels.optimal.multipliers import EXTRA, EXTRA_JERK, FALL, LIMIT, STATES, Z
+from toolpace.kernels.optimal.multipliers import EXTRA, EXTRA_JERK, FALL, LIMIT, Z
 from toolpace.kernels.optimal.newton import System, add_curvature, add_slope
+from toolpace.kernels.optimal.relaxation_work import (
+    CAP,
+    CHORD,
+    FLOOR,
+    RELIEF_ACCELERATION,
+    RELIEF_CAP,
+    RELIEF_CHORD,
+    RELIEF_FLOOR,
+    WAIT,
+    KnotStates,
+    KnotSteps,
+    OwnRows,
+    Waits,
+)
 
-CAP, WAIT, FLOOR, CHORD = range(4)
 PUSH = (0.0, 1.0, 0.0, -1.0)
-RELIEF_CAP, RELIEF_ACCELERATION, RELIEF_FLOOR, RELIEF_CHORD = range(4)
-"""Columns of a relief; a wait needs none."""
 TOTAL, V0, V1, V2 = range(4)
 """What the jerk rows of a point add to the second derivatives by the wait: twice, and once with (z, z', z'')."""
 LEAST_LEFT = 0.005
 """Share of the slack of a chord that a step leaves: it falls below what its tangent says."""
 MOST_FALL = 0.6
 """Share of z that a step may take at a knot: beyond it the tangent of 1 / sqrt(z) says nothing."""
-
-
-class OwnRows(NamedTuple):
-    """What the own rows of the knots are."""
-
-    active: Bools
-    """(n, 4) which of them a knot has."""
-    low: Floats
-    """(n,) least z, 0 where unknown."""
-    cap: Floats
-    """(n,) most z."""
-    chord: Floats
-    """(n, 2) height and fall of the line through 1 / sqrt(z) at low and cap."""
-    relief: Floats
-    """(n, 4) of cap, acceleration rows, floor and chord: by how much they are relaxed at first."""
-
-
-class KnotStates(NamedTuple):
-    """Where the iteration is at the knots, and what their own rows are there."""
-
-    at: Floats
-    """(n, STATES) as in `multipliers`; the limit of the jerk rows is pace and wait together."""
-    wait: Floats
-    """(n,) as a pace."""
-    slack: Floats
-    """(n, 4) of the own rows, relief included."""
-    slope: Floats
-    """(n, 4) derivative of the slack by z."""
-    relaxed: Floats
-    """(n, 4) the part of the slack that is relief."""
-    dual: Floats
-    """(n, 4) multipliers of the own rows."""
-
-
-class Waits(NamedTuple):
-    """What is known of the waits once they are eliminated, and what pulls at them."""
-
-    mean: Floats
-    """(n, 3) change of a wait for a change of z, z', z''."""
-    stiff: Floats
-    """(n,) second derivative by a wait."""
-    pull: Floats
-    """(n,) first derivative."""
-    centring: Floats
-    """(n,) what the corrector's is less, times the product of slack and multiplier that is aimed at."""
-    second: Floats
-    """(n,) what it is less by the second-order terms."""
-
-
-class KnotSteps(NamedTuple):
-    """The steps of predictor and corrector at the knots."""
-
-    affine: Floats
-    """(n, 4) the predictor's, of z, z', z'' and wait."""
-    change: Floats
-    """(n, 4) the corrector's."""
-    dual: Floats
-    """(n, 4) the corrector's, of the multipliers of the own rows."""
-
-
-@jit(inline=True)
-def own_rows_of(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> OwnRows:
-    """The own rows of knots with z from low to cap (n,)."""
-    n, first = len(low), knots.first
-    own = OwnRows(np.empty((n, 4), dtype=np.bool_), low, cap, np.zeros((n, 2)), relief)
-    active, chord = own.active, own.chord
-    for k in range(n):
-        with_rows = first[k] < first[k + 1]
-        active[k, CAP], active[k, WAIT] = True, with_rows
-        active[k, FLOOR], active[k, CHORD] = low[k] > 0.0, low[k] > 0.0 and with_rows
-        if active[k, CHORD]:
-            a, b = np.sqrt(low[k]), np.sqrt(cap[k])
-            chord[k, 1] = 1.0 / (a * b * (a + b))
-            chord[k, 0] = 1.0 / a + chord[k, 1] * low[k]
-    return own
-
-
-@jit(inline=True)
-def states_of(n: int) -> KnotStates:
-    """Room for the states of n knots; multipliers zero."""
-    at, slack, slope = np.empty((n, STATES)), np.empty((n, 4)), np.empty((n, 4))
-    return KnotStates(at, np.empty(n), slack, slope, np.empty((n, 4)), np.zeros((n, 4)))
-
-
-@jit(inline=True)
-def waits_of(n: int) -> Waits:
-    """Room for what is known of n waits."""
-    return Waits(np.empty((n, 3)), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
-
-
-@jit(inline=True)
-def steps_of(n: int) -> KnotSteps:
-    """Room for the steps of n knots."""
-    return KnotSteps(np.empty((n, 4)), np.empty((n, 4)), np.zeros((n, 4)))
-
-
-@jit(inline=True)
-def count_of(own: OwnRows) -> int:
-    """How many own rows there are."""
-    count = 0
-    for k in range(len(own.active)):
-        for i in range(4):
-            count += own.active[k, i]
-    return count
 
 
 @jit()

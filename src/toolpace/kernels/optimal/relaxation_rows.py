@@ -7,13 +7,10 @@ wait together.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.optimal.dual import KnotRows
 from toolpace.kernels.optimal.multipliers import (
     BOUND,
     BOUNDS,
@@ -33,33 +30,12 @@ from toolpace.kernels.optimal.multipliers import (
     set_common,
 )
 from toolpace.kernels.optimal.newton import System, add_curvature, add_slope
-from toolpace.kernels.optimal.relaxation_knots import TOTAL, V0, V1, V2, Waits
+from toolpace.kernels.optimal.relaxation_knots import TOTAL, V0, V1, V2
+from toolpace.kernels.optimal.relaxation_work import Points, Waits
 from toolpace.kernels.optimal.tiles import TILE
 
 LEAN, MEAN1, MEAN2 = 0, 2, 4
 """Of the rows of a tile, those of acceleration, and next to it those of jerk: how limit and wait follow z, z', z''."""
-
-
-class Points(NamedTuple):
-    """What the points know of their knots' waits, and the knots of theirs."""
-
-    knot: Ints
-    """(points,) knot of each point."""
-    mean: Floats
-    """(tiles, 3, TILE) change of the wait for a change of z, z', z''."""
-    of_wait: Floats
-    """(points, 4) what its jerk rows add to the second derivatives by the wait."""
-
-
-@jit(inline=True)
-def points_of(knots: KnotRows, tiles: RowTiles) -> Points:
-    """The points of the knots."""
-    points = Points(
-        np.empty(tiles.points, dtype=np.int64), np.zeros((len(tiles.rows), 3, TILE)), np.empty((tiles.points, 4))
-    )
-    for k in range(len(knots.weight)):
-        points.knot[knots.first[k] : knots.first[k + 1]] = k
-    return points
 
 
 @jit()

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.kernels.optimal import newton, relaxation_knots
+from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import relief_of
@@ -156,8 +156,8 @@ def start_within(
     used = np.zeros(len(u))
     np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
     relief = np.zeros((len(u), 4))
-    relief[:, relaxation_knots.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
-    relief[:, relaxation_knots.RELIEF_ACCELERATION] = relief_of(used)
+    relief[:, relaxation_work.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
+    relief[:, relaxation_work.RELIEF_ACCELERATION] = relief_of(used)
     floor = low > 0.0
-    relief[floor, relaxation_knots.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
+    relief[floor, relaxation_work.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief
