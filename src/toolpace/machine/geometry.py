@@ -3,28 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import MachineError
+from toolpace.kernels.kinematics.geometry import Geometry
 from toolpace.machine.file import MachineFile, did_you_mean
 
 PARALLEL = 1e-6
 """Sine below which two directions count as parallel."""
-
-
-@dataclass(frozen=True, eq=False)
-class Geometry:
-    """See kernels/kinematics/chain.py for the meaning of the arrays."""
-
-    frame: Floats
-    """(9, 3) u1, u2, a0, c0, c1, c2 and the linear directions."""
-    group: Ints
-    """(3,) how many rotary joints lie between the workpiece and each linear joint."""
-    place: Ints
-    """(5,) columns of the two rotary joints, then of the linear ones."""
 
 
 def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:

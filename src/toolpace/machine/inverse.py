@@ -74,19 +74,10 @@ def _fixed(machine: Machine, toolpath: ToolPath, solutions: Floats, points: Ints
     bridged = np.diff(points, prepend=points[0] - 1) > 1
     ways = np.isinf(toolpath.feed[: points[-1] + 1])
     rapid: Bools = np.asarray(np.logical_or.reduceat(ways, np.r_[0, points[:-1] + 1]), dtype=np.bool_)
+    axis = np.ascontiguousarray(toolpath.axis[points])
+    path = branches.Points(axis, solutions, penalty, bridged, rapid)
     branches.choose(
-        machine.geometry.frame,
-        np.ascontiguousarray(toolpath.axis[points]),
-        solutions,
-        penalty,
-        bridged,
-        rapid,
-        travel,
-        endless,
-        first_turn,
-        slots,
-        chosen,
-        jumps,
+        machine.geometry.frame, path, branches.Turns(travel, endless, first_turn, slots), chosen, jumps
     )
     cut = jumps & ~rapid
     if cut.any():

@@ -11,8 +11,9 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import MachineError, UsageError
+from toolpace.kernels.kinematics.geometry import Geometry
 from toolpace.machine.file import MachineFile, did_you_mean, read_machine, write_machine
-from toolpace.machine.geometry import Geometry, chain_geometry
+from toolpace.machine.geometry import chain_geometry
 from toolpace.machine.limits import Limits
 from toolpace.toolpath import ToolPath
 
@@ -158,7 +159,7 @@ class Machine:
 
         q = np.ascontiguousarray(q, dtype=float)
         tip, axis = np.empty((len(q), 3)), np.empty((len(q), 3))
-        chain.forward(self.geometry.frame, self.geometry.group, self.geometry.place, q, tip, axis)
+        chain.forward(self.geometry, q, tip, axis)
         return tip, axis
 
     def axis_at(self, rotary: Floats) -> Floats:
@@ -189,8 +190,7 @@ class Machine:
 
         tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
         q = np.empty((len(tip), len(self.joints)))
-        geometry = self.geometry
-        self._check_singular(chain.joints_at(geometry.frame, geometry.group, geometry.place, tip, rotary, q), rotary)
+        self._check_singular(chain.joints_at(self.geometry, tip, rotary, q), rotary)
         return q
 
     def linear_jets(self, tip: Floats, rotary: Floats) -> Floats:
@@ -199,9 +199,7 @@ class Machine:
 
         tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
         q = np.empty((4, tip.shape[1], len(self.joints)))
-        geometry = self.geometry
-        bad = jets.linear_jets(geometry.frame, geometry.group, geometry.place, tip, rotary, q)
-        self._check_singular(bad, rotary[0])
+        self._check_singular(jets.linear_jets(self.geometry, tip, rotary, q), rotary[0])
         return q
 
     def rotary_jets(self, axis: Floats, rotary: Floats) -> Floats:
@@ -210,11 +208,11 @@ class Machine:
         At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be
         reached, and in the derivatives where it lies on the edge of reach.
         """
-        from toolpace.kernels.kinematics import jets
+        from toolpace.kernels.kinematics import rotary_jets
 
         axis, rotary = np.ascontiguousarray(axis, dtype=float), np.ascontiguousarray(rotary, dtype=float)
         out = np.empty((4, axis.shape[1], 2))
-        jets.rotary_jets(self.geometry.frame, POLE, axis, rotary, out)
+        rotary_jets.rotary_jets(self.geometry.frame, POLE, axis, rotary, out)
         return out
 
     def axis_jets(self, rotary: Floats) -> Floats:
