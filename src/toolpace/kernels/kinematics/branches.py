@@ -6,8 +6,9 @@ state the path goes on by the nearest angles of either solution, if the joints m
 near the great circle between the two tool axes; anything else is a jump, which costs more than all motion
 together.
 
-    the states at the first point
-    point by point: the ways from the point before     ways_between
+    point by point: which states there are             lay_out
+      at the first: what each costs                    start
+      at others:    the ways from the point before     ways_between
                     each state on by them              go_on
                     the cheapest state by a jump       jump
     back from the cheapest state at the last point     trace_back
@@ -72,7 +73,11 @@ class States(NamedTuple):
     cost: Floats
     """(states,) least cost up to there; inf where the path does not get there."""
     value: Floats
-    """(states, 2) joint positions, with all turns of endless joints."""
+    """(states, 2) joint positions there, with all turns of endless joints."""
+    base: Floats
+    """(states, 2) joint positions in their slots; of endless joints the angles."""
+    possible: Bools
+    """(states,) whether solution and slots are within travel."""
 
 
 class Trace(NamedTuple):
@@ -124,39 +129,42 @@ def strays(
 
 
 @jit()
-def slot_of(turns: Turns, joint: int, value: float, angle: float) -> int:
-    """Slot of a joint position that is `angle` but for whole turns; -1 where travel or the slots end."""
-    if turns.endless[joint]:
-        return 0
-    if value < turns.travel[joint, 0] - SLACK or value > turns.travel[joint, 1] + SLACK:
+def slot_of(value: float, angle: float, travel: Floats, first: int, slots: int) -> int:
+    """Slot of a joint position that is `angle` but for whole turns; -1 where travel (2,) or the slots end."""
+    if value < travel[0] - SLACK or value > travel[1] + SLACK:
         return -1
-    slot = int(np.round((value - angle) / TURN)) - turns.first[joint]
-    return slot if 0 <= slot < turns.slots[joint] else -1
+    slot = int(np.round((value - angle) / TURN)) - first
+    return slot if 0 <= slot < slots else -1
 
 
 @jit()
-def slots_of(turns: Turns, state: int) -> tuple[int, int, int]:
-    """Solution and slots of both joints of a state."""
-    k1, k2 = turns.slots[0], turns.slots[1]
-    return state // (k1 * k2), (state // k2) % k1, state % k2
+def lay_out(points: Points, turns: Turns, i: int, states: States) -> None:
+    """Joint positions of the states at point i, of endless joints the angles, at infinite cost."""
+    endless, travel, first, slots = turns.endless, turns.travel, turns.first, turns.slots
+    cost, _, base, possible = states
+    angles, penalty = points.angles, points.penalty
+    state = 0
+    for side in range(2):
+        for j1 in range(slots[0]):
+            for j2 in range(slots[1]):
+                a1, a2 = angles[i, side, 0], angles[i, side, 1]
+                v1 = a1 if endless[0] else a1 + TURN * (first[0] + j1)
+                v2 = a2 if endless[1] else a2 + TURN * (first[1] + j2)
+                possible[state] = (
+                    penalty[i, side] < np.inf
+                    and (endless[0] or slot_of(v1, a1, travel[0], first[0], slots[0]) >= 0)
+                    and (endless[1] or slot_of(v2, a2, travel[1], first[1], slots[1]) >= 0)
+                )
+                cost[state] = np.inf
+                base[state, 0] = v1
+                base[state, 1] = v2
+                state += 1
 
 
 @jit()
-def in_slot(turns: Turns, joint: int, slot: int, angle: float) -> float:
-    """Joint position that is `angle` but for the whole turns of a slot; of an endless joint the angle itself."""
-    return angle if turns.endless[joint] else angle + TURN * (turns.first[joint] + slot)
-
-
-@jit()
-def positions(points: Points, turns: Turns, i: int, state: int) -> tuple[int, float, float]:
-    """Solution and joint positions of a state at point i; solution -1 where there is no such state."""
-    side, j1, j2 = slots_of(turns, state)
-    first, second = points.angles[i, side, 0], points.angles[i, side, 1]
-    v1, v2 = in_slot(turns, 0, j1, first), in_slot(turns, 1, j2, second)
-    possible = points.penalty[i, side] < np.inf
-    if possible and slot_of(turns, 0, v1, first) >= 0 and slot_of(turns, 1, v2, second) >= 0:
-        return side, v1, v2
-    return -1, v1, v2
+def new_states(count: int) -> States:
+    """Room for the states of a point."""
+    return States(np.empty(count), np.zeros((count, 2)), np.empty((count, 2)), np.empty(count, np.bool_))
 
 
 @jit()
@@ -170,24 +178,15 @@ def cheapest(cost: Floats) -> int:
 
 
 @jit()
-def offer(after: States, trace: Trace, i: int, target: int, total: float, v1: float, v2: float, state: int) -> bool:
-    """Reach a state of point i at joint positions (v1, v2) from one before, if that costs less than what is known."""
-    if not total < after.cost[target]:
-        return False
-    after.cost[target] = total
-    after.value[target, 0] = v1
-    after.value[target, 1] = v2
-    trace.before[i, target] = state
-    return True
-
-
-@jit()
-def start(points: Points, turns: Turns, after: States, trace: Trace) -> None:
-    """The states at the first point: the nearer the joints are to zero, the better."""
-    for state in range(len(after.cost)):
-        side, v1, v2 = positions(points, turns, 0, state)
-        if side >= 0:
-            offer(after, trace, 0, state, points.penalty[0, side] + HOME * (abs(v1) + abs(v2)), v1, v2, -1)
+def start(penalty: Floats, states: States) -> None:
+    """The states at the first point: the nearer the joints are to zero, the better; penalty (2,) of the solutions."""
+    count = len(states.cost)
+    for state in range(count):
+        if states.possible[state]:
+            v1, v2 = states.base[state, 0], states.base[state, 1]
+            states.value[state, 0] = v1
+            states.value[state, 1] = v2
+            states.cost[state] = penalty[2 * state // count] + HOME * (abs(v1) + abs(v2))
 
 
 @jit()
@@ -197,13 +196,16 @@ def ways_between(frame: Floats, points: Points, turns: Turns, i: int, ways: Ways
     for s in range(2):
         for r in range(2):
             near = wrapped(angles[i, r, 0] - angles[i - 1, s, 0])
-            ways.change[s, r, 0, 0] = near
-            # The other way round can be right where the first joint swings far, close to the pole.
-            ways.change[s, r, 1, 0] = near - TURN if near > 0.0 else near + TURN
-            ways.change[s, r, :, 1] = wrapped(angles[i, r, 1] - angles[i - 1, s, 1])
+            second = wrapped(angles[i, r, 1] - angles[i - 1, s, 1])
             possible = penalty[i, r] < np.inf and penalty[i - 1, s] < np.inf
             for way in range(2):
-                fine = possible and (way == 0 or (not turns.endless[0] and abs(near) > 0.5 * math.pi))
+                ways.change[s, r, way, 0] = near
+                ways.change[s, r, way, 1] = second
+                fine = possible
+                if way == 1:
+                    # The other way round can be right where the first joint swings far, close to the pole.
+                    ways.change[s, r, way, 0] = near - TURN if near > 0.0 else near + TURN
+                    fine = possible and not turns.endless[0] and abs(near) > 0.5 * math.pi
                 if fine and not points.bridged[i]:
                     change = ways.change[s, r, way]
                     fine = not strays(frame, angles[i - 1, s], change, points.axis[i - 1], points.axis[i], scratch)
@@ -212,77 +214,92 @@ def ways_between(frame: Floats, points: Points, turns: Turns, i: int, ways: Ways
 
 @jit()
 def go_on(points: Points, turns: Turns, i: int, ways: Ways, now: States, after: States, trace: Trace) -> None:
-    """Reach the states at point i from those before, by the ways between."""
-    for state in range(len(now.cost)):
-        if not now.cost[state] < np.inf:
+    """Reach the states at point i from those before, by the ways between; after a pole, any turn of the first joint."""
+    endless, travel, first, slots = turns.endless, turns.travel, turns.first, turns.slots
+    angles, penalty = points.angles, points.penalty
+    change, fine = ways
+    now_cost, now_value, cost, value, link = now.cost, now.value, after.cost, after.value, trace.before
+    k1, k2 = slots[0], slots[1]
+    free = points.bridged[i] and not endless[0]
+    for state in range(len(now_cost)):
+        if not now_cost[state] < np.inf:
             continue
-        before, _, _ = slots_of(turns, state)
-        for side in range(2):
-            for way in range(2):
-                if ways.fine[before, side, way]:
-                    land(points, turns, i, state, side, ways.change[before, side, way], now, after, trace)
-
-
-@jit()
-def land(
-    points: Points, turns: Turns, i: int, state: int, side: int, change: Floats,
-    now: States, after: States, trace: Trace,
-) -> None:  # fmt: skip
-    """Reach a solution at point i from a state before by a change (2,); after a pole, any turn of the first joint."""
-    first = points.angles[i, side, 0]
-    v1 = now.value[state, 0] + change[0]
-    v2 = now.value[state, 1] + change[1]
-    j2 = slot_of(turns, 1, v2, points.angles[i, side, 1])
-    if j2 < 0:
-        return
-    free = points.bridged[i] and not turns.endless[0]
-    low = 0 if free else slot_of(turns, 0, v1, first)
-    high = turns.slots[0] if free else low + 1
-    for j1 in range(max(low, 0), high):
-        if free:
-            v1 = in_slot(turns, 0, j1, first)
-            if slot_of(turns, 0, v1, first) < 0:
+        before = state // (k1 * k2)
+        for way in range(4):
+            side = way // 2
+            if not fine[before, side, way % 2]:
                 continue
-        total = now.cost[state] + points.penalty[i, side]
-        total = total + abs(v1 - now.value[state, 0]) + abs(v2 - now.value[state, 1])
-        offer(after, trace, i, (side * turns.slots[0] + j1) * turns.slots[1] + j2, total, v1, v2, state)
+            a1, a2 = angles[i, side, 0], angles[i, side, 1]
+            v1 = now_value[state, 0] + change[before, side, way % 2, 0]
+            v2 = now_value[state, 1] + change[before, side, way % 2, 1]
+            j2 = 0 if endless[1] else slot_of(v2, a2, travel[1], first[1], k2)
+            low = 0 if free or endless[0] else slot_of(v1, a1, travel[0], first[0], k1)
+            if low < 0 or j2 < 0:
+                continue
+            for j1 in range(low, k1 if free else low + 1):
+                if free:
+                    v1 = a1 + TURN * (first[0] + j1)
+                    if slot_of(v1, a1, travel[0], first[0], k1) < 0:
+                        continue
+                total = now_cost[state] + penalty[i, side]
+                total = total + abs(v1 - now_value[state, 0]) + abs(v2 - now_value[state, 1])
+                target = (side * k1 + j1) * k2 + j2
+                if total < cost[target]:
+                    cost[target] = total
+                    value[target, 0] = v1
+                    value[target, 1] = v2
+                    link[i, target] = state
 
 
 @jit()
-def jump(points: Points, turns: Turns, i: int, now: States, after: States, trace: Trace) -> None:
-    """Reach the states at point i from the cheapest one before, whatever lies between."""
+def jump(penalty: Floats, rapid: bool, turns: Turns, i: int, now: States, after: States, trace: Trace) -> None:
+    """Reach the states at point i from the cheapest one before, whatever lies between; penalty (2,) of the solutions."""
+    endless = turns.endless
+    cost, value, base, possible = after
+    before, jumped = trace
     best = cheapest(now.cost)
     at1, at2 = now.value[best, 0], now.value[best, 1]
-    for state in range(len(after.cost)):
-        side, v1, v2 = positions(points, turns, i, state)
-        if side < 0:
+    least = now.cost[best]
+    count = len(cost)
+    for state in range(count):
+        if not possible[state]:
             continue
-        if turns.endless[0]:
+        v1, v2 = base[state, 0], base[state, 1]
+        if endless[0]:
             v1 = at1 + wrapped(v1 - at1)
-        if turns.endless[1]:
+        if endless[1]:
             v2 = at2 + wrapped(v2 - at2)
-        total = now.cost[best] + points.penalty[i, side] + (JUMP_RAPID if points.rapid[i] else JUMP)
+        total = least + penalty[2 * state // count] + (JUMP_RAPID if rapid else JUMP)
         total += abs(v1 - at1) + abs(v2 - at2)
-        if offer(after, trace, i, state, total, v1, v2, best):
-            trace.jumped[i, state] = True
+        if total < cost[state]:
+            cost[state] = total
+            value[state, 0] = v1
+            value[state, 1] = v2
+            before[i, state] = best
+            jumped[i, state] = True
 
 
 @jit()
 def trace_back(points: Points, turns: Turns, state: int, trace: Trace, chosen: Floats, jumps: Bools) -> None:
     """The joint positions `chosen` (n, 2) on the way to a state at the last point, and where it jumps."""
     n = len(points.angles)
+    k1, k2 = turns.slots[0], turns.slots[1]
     order = np.empty(n, np.int64)
     for i in range(n - 1, -1, -1):
         order[i] = state
         jumps[i] = trace.jumped[i, state]
         state = trace.before[i, state]
     for i in range(n):
-        side, j1, j2 = slots_of(turns, order[i])
-        chosen[i, 0] = in_slot(turns, 0, j1, points.angles[i, side, 0])
-        chosen[i, 1] = in_slot(turns, 1, j2, points.angles[i, side, 1])
+        side = order[i] // (k1 * k2)
         for joint in range(2):
-            if turns.endless[joint] and i > 0:
-                chosen[i, joint] = chosen[i - 1, joint] + wrapped(chosen[i, joint] - chosen[i - 1, joint])
+            slot = (order[i] // k2) % k1 if joint == 0 else order[i] % k2
+            angle = points.angles[i, side, joint]
+            if not turns.endless[joint]:
+                chosen[i, joint] = angle + TURN * (turns.first[joint] + slot)
+            elif i == 0:
+                chosen[i, joint] = angle
+            else:
+                chosen[i, joint] = chosen[i - 1, joint] + wrapped(angle - chosen[i - 1, joint])
 
 
 @jit()
@@ -290,19 +307,18 @@ def choose(frame: Floats, points: Points, turns: Turns, chosen: Floats, jumps: B
     """Joint positions `chosen` (n, 2) along the path, and where (n,) it jumps; False where some point has no state."""
     n = len(points.angles)
     count = 2 * turns.slots[0] * turns.slots[1]
-    now = States(np.empty(count), np.zeros((count, 2)))
-    after = States(np.empty(count), np.zeros((count, 2)))
+    now, after = new_states(count), new_states(count)
     ways = Ways(np.empty((2, 2, 2, 2)), np.empty((2, 2, 2), np.bool_))
     trace = Trace(np.full((n, count), -1, np.int32), np.zeros((n, count), np.bool_))
     scratch = np.empty(3)
     for i in range(n):
-        after.cost[:] = np.inf
+        lay_out(points, turns, i, after)
         if i == 0:
-            start(points, turns, after, trace)
+            start(points.penalty[0], after)
         else:
             ways_between(frame, points, turns, i, ways, scratch)
             go_on(points, turns, i, ways, now, after, trace)
-            jump(points, turns, i, now, after, trace)
+            jump(points.penalty[i], points.rapid[i], turns, i, now, after, trace)
         now, after = after, now
         if not now.cost[cheapest(now.cost)] < np.inf:
             return False

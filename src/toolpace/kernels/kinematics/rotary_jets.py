@@ -8,7 +8,6 @@ out between the angles, two unknowns in three equations of rank two.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,25 +21,6 @@ NOISE = 64.0 * 2.0**-52
 """Rounding of a tool axis and of what is made of it: a derivative of the first joint below it is taken for none."""
 EDGE = 1e-14
 """Squared sine between the motions that both joints give the axis, at which the two solutions meet."""
-
-
-class Turned(NamedTuple):
-    """The axis R1 R2 a0 of one point, and what it is made of."""
-
-    axis: Floats
-    """(4, 3) Taylor coefficients of the given axis."""
-    constant: Floats
-    """(3, 3) a0, split for turning about u2."""
-    inner: Floats
-    """(4, 3) Taylor coefficients of R2 a0."""
-    parts: Floats
-    """(4, 3, 3) these, split for turning about u1."""
-    by_first: Floats
-    """(3,) derivative of the axis by the first angle."""
-    by_second: Floats
-    """(3,) derivative of the axis by the second angle."""
-    rest: Floats
-    """(3,) what a coefficient of the axis has beyond that which the lower coefficients of the angles make."""
 
 
 @jit()
@@ -93,43 +73,6 @@ def angles_near(
 
 
 @jit()
-def inner_term(turned: Turned, u1: Floats, second: Angle, k: int) -> None:
-    """Coefficient k >= 1 of R2 a0, and its parts."""
-    for d in range(3):
-        turned.inner[k, d] = second.cosine[k] * turned.constant[1, d] + second.sine[k] * turned.constant[2, d]
-    split(u1, turned.inner[k], turned.parts[k])
-
-
-@jit()
-def begin(turned: Turned, u1: Floats, first: Angle, second: Angle) -> None:
-    """Coefficient 0 of R2 a0, its parts, and the derivatives of the axis by both angles."""
-    s1, k1, s2, k2 = first.sine[0], first.cosine[0], second.sine[0], second.cosine[0]
-    constant = turned.constant
-    for d in range(3):
-        turned.inner[0, d] = constant[0, d] + k2 * constant[1, d] + s2 * constant[2, d]
-        turned.rest[d] = k2 * constant[2, d] - s2 * constant[1, d]
-    turn(u1, s1, k1, turned.rest, turned.by_second)
-    split(u1, turned.inner[0], turned.parts[0])
-    for d in range(3):
-        turned.by_first[d] = k1 * turned.parts[0, 2, d] - s1 * turned.parts[0, 1, d]
-
-
-@jit()
-def leave_rest(turned: Turned, u1: Floats, first: Angle, second: Angle, k: int) -> None:
-    """What coefficient k of the axis has beyond that which the angles make with a k-th coefficient of zero."""
-    first.value[k] = 0.0
-    second.value[k] = 0.0
-    sine_term(first, k)
-    sine_term(second, k)
-    inner_term(turned, u1, second, k)
-    for d in range(3):
-        total = turned.parts[k, 0, d]
-        for j in range(k + 1):
-            total += first.cosine[j] * turned.parts[k - j, 1, d] + first.sine[j] * turned.parts[k - j, 2, d]
-        turned.rest[d] = turned.axis[k, d] - total
-
-
-@jit()
 def set_term(angle: Angle, k: int, value: float) -> None:
     """Make `value` the k-th coefficient of an angle, whose sine and cosine have been worked out with zero."""
     angle.value[k] = value
@@ -147,41 +90,61 @@ def rotary_jets(frame: Floats, pole_tolerance: float, axis: Floats, near: Floats
     """
     u1 = frame[U1]
     solutions = np.empty((2, 2))
+    a = np.empty((4, 3))
+    constant = np.empty((3, 3))  # a0, split for turning about u2
+    inner = np.empty((4, 3))  # the jet R2 a0
+    parts = np.empty((4, 3, 3))  # the same, split for turning about u1
+    g1, g2 = np.empty(3), np.empty(3)  # derivatives of the axis by both angles
+    rest = np.empty(3)
     first, second = new_angle(), new_angle()
-    turned = Turned(
-        np.empty((4, 3)), np.empty((3, 3)), np.empty((4, 3)), np.empty((4, 3, 3)), np.empty(3), np.empty(3), np.empty(3)
-    )
-    split(frame[U2], frame[A0], turned.constant)
+    (t1, s1, k1), (t2, s2, k2) = first, second
+    split(frame[U2], frame[A0], constant)
     for i in range(axis.shape[1]):
         factorial = 1.0
         for k in range(4):
             factorial *= max(k, 1)
             for d in range(3):
-                turned.axis[k, d] = axis[k, i, d] / factorial
-        pole, side = angles_near(frame, pole_tolerance, turned.axis[0], near[i], solutions)
+                a[k, d] = axis[k, i, d] / factorial
+        pole, side = angles_near(frame, pole_tolerance, a[0], near[i], solutions)
         start_angle(first, solutions[side, 0])
         start_angle(second, solutions[side, 1])
-        begin(turned, u1, first, second)
-        g1, g2, rest = turned.by_first, turned.by_second, turned.rest
+        for d in range(3):
+            inner[0, d] = constant[0, d] + k2[0] * constant[1, d] + s2[0] * constant[2, d]
+            rest[d] = k2[0] * constant[2, d] - s2[0] * constant[1, d]
+        turn(u1, s1[0], k1[0], rest, g2)
+        split(u1, inner[0], parts[0])
+        for d in range(3):
+            g1[d] = k1[0] * parts[0, 2, d] - s1[0] * parts[0, 1, d]
         g11, g12, g22 = dot(g1, g1), dot(g1, g2), dot(g2, g2)
         det = g11 * g22 - g12 * g12
         for k in range(1, 4):
-            leave_rest(turned, u1, first, second, k)
+            # what the axis becomes where both angles have a k-th coefficient of zero, and what is missing then
+            t1[k] = t2[k] = 0.0
+            sine_term(first, k)
+            sine_term(second, k)
+            for d in range(3):
+                inner[k, d] = k2[k] * constant[1, d] + s2[k] * constant[2, d]
+            split(u1, inner[k], parts[k])
+            for d in range(3):
+                total = parts[k, 0, d]
+                for j in range(k + 1):
+                    total += k1[j] * parts[k - j, 1, d] + s1[j] * parts[k - j, 2, d]
+                rest[d] = a[k, d] - total
             r1, r2 = dot(rest, g1), dot(rest, g2)
+            c1 = c2 = np.nan
             if pole:
-                set_term(first, k, 0.0)
-                set_term(second, k, r2 / g22)
+                c1, c2 = 0.0, r2 / g22
             elif det > EDGE * g11 * g22:
-                set_term(first, k, (g22 * r1 - g12 * r2) / det)
-                set_term(second, k, (g11 * r2 - g12 * r1) / det)
-            else:
-                set_term(first, k, np.nan)
-                set_term(second, k, np.nan)
-            inner_term(turned, u1, second, k)
+                c1, c2 = (g22 * r1 - g12 * r2) / det, (g11 * r2 - g12 * r1) / det
+            set_term(first, k, c1)
+            set_term(second, k, c2)
+            for d in range(3):
+                inner[k, d] = k2[k] * constant[1, d] + s2[k] * constant[2, d]
+            split(u1, inner[k], parts[k])
         if not pole:
-            drop_noise(turned.axis, math.sqrt(g11), first.value)
+            drop_noise(a, math.sqrt(g11), t1)
         factorial = 1.0
         for k in range(4):
             factorial *= max(k, 1)
-            out[k, i, 0] = first.value[k] * factorial
-            out[k, i, 1] = second.value[k] * factorial
+            out[k, i, 0] = t1[k] * factorial
+            out[k, i, 1] = t2[k] * factorial
