@@ -64,7 +64,7 @@ def _chosen(machine: Machine, toolpath: ToolPath, pole_tolerance: float) -> Floa
 
 def _fixed(machine: Machine, toolpath: ToolPath, solutions: Floats, points: Ints) -> Floats:
     """Rotary positions (k, 2) at the points that are no poles."""
-    from toolpace.kernels.kinematics import branches
+    from toolpace.kernels.kinematics import branches, states
 
     travel = np.ascontiguousarray(machine.travel[machine.rotary])
     endless: Bools = np.asarray(np.isinf(travel[:, 0]) | np.isinf(travel[:, 1]))
@@ -75,9 +75,9 @@ def _fixed(machine: Machine, toolpath: ToolPath, solutions: Floats, points: Ints
     ways = np.isinf(toolpath.feed[: points[-1] + 1])
     rapid: Bools = np.asarray(np.logical_or.reduceat(ways, np.r_[0, points[:-1] + 1]), dtype=np.bool_)
     axis = np.ascontiguousarray(toolpath.axis[points])
-    path = branches.Points(axis, solutions, penalty, bridged, rapid)
+    path = states.Points(axis, solutions, penalty, bridged, rapid)
     branches.choose(
-        machine.geometry.frame, path, branches.Turns(travel, endless, first_turn, slots), chosen, jumps
+        machine.geometry.frame, path, states.Turns(travel, endless, first_turn, slots), chosen, jumps
     )
     cut = jumps & ~rapid
     if cut.any():
