@@ -23,7 +23,7 @@ def forward(geometry: Geometry, q: Floats) -> tuple[Floats, Floats]:
 
     q = np.ascontiguousarray(q, dtype=float)
     tip, axis = np.empty((len(q), 3)), np.empty((len(q), 3))
-    chain.forward(geometry.frame, geometry.group, geometry.place, q, tip, axis)
+    chain.forward(geometry.chain, q, tip, axis)
     return tip, axis
 
 
@@ -57,7 +57,7 @@ def joints_at(geometry: Geometry, tip: Floats, rotary: Floats) -> Floats:
 
     tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
     q = np.empty((len(tip), len(geometry.joints)))
-    singular = chain.joints_at(geometry.frame, geometry.group, geometry.place, tip, rotary, q)
+    singular = chain.joints_at(geometry.chain, tip, rotary, q)
     if singular >= 0:
         raise singular_pose(geometry, rotary[singular])
     return q
@@ -69,7 +69,7 @@ def linear_jets(geometry: Geometry, tip: Floats, rotary: Floats) -> Floats:
 
     tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
     q = np.empty((4, tip.shape[1], len(geometry.joints)))
-    singular = jets.linear_jets(geometry.frame, geometry.group, geometry.place, tip, rotary, q)
+    singular = jets.linear_jets(geometry.chain, tip, rotary, q)
     if singular >= 0:
         raise singular_pose(geometry, rotary[0, singular])
     return q
@@ -81,11 +81,11 @@ def rotary_jets(geometry: Geometry, axis: Floats, rotary: Floats) -> Floats:
     At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be reached, and
     in the derivatives where it lies on the edge of reach.
     """
-    from toolpace.kernels.kinematics import jets
+    from toolpace.kernels.kinematics import rotary_jets as near
 
     axis, rotary = np.ascontiguousarray(axis, dtype=float), np.ascontiguousarray(rotary, dtype=float)
     out = np.empty((4, axis.shape[1], 2))
-    jets.rotary_jets(geometry.frame, POLE, axis, rotary, out)
+    near.rotary_jets(geometry.frame, POLE, axis, rotary, out)
     return out
 
 
