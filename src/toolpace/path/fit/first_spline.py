@@ -41,7 +41,7 @@ def inside_spline(
     data = sample(line, breaks, axis_tolerance, machine)
     where: Floats | None = None
     for _ in range(ROUNDS):
-        settle(spline, data, weight, where, workers)
+        smooth_samples(spline, data, weight, where, workers)
         bad = data.s[~(deviation(spline, data) <= INSIDE)]
         if len(bad) == 0:
             # a spline with as many coefficients as samples obeys at the samples and swings between them
@@ -68,7 +68,7 @@ def near_polyline(line: Polyline, breaks: Floats) -> Spline:
     return spline
 
 
-def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
+def smooth_samples(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
     """Replace the coefficients about the parameters `where`, or all, by those of the smoothing spline."""
     from toolpace.kernels.fit import tube
     from toolpace.kernels.fit.least_squares import least_squares
