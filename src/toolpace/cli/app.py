@@ -6,9 +6,9 @@ from pathlib import Path
 
 from cyclopts import App
 
-from toolpace import __version__
 from toolpace.cli import options
 from toolpace.cli.steps import Steps, new_console
+from toolpace.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 

@@ -31,7 +31,7 @@ NEWTON_STEPS = 2
 """From the closed form, or from the line; each squares the error, so that two leave rounding."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Detour:
     """Joint motion over `carry + period` from a deflected pose to the state of the commanded motion at `rejoin`.
 

@@ -17,6 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
+from toolpace.description import one_line
+from toolpace.equality import ByValue
 from toolpace.errors import UsageError
 from toolpace.path.path import Path
 from toolpace.path.run import PathRun
@@ -33,8 +35,8 @@ CONVERGED = 1e-14
 """Step at which the descent ends, relative to the length of the run in s."""
 
 
-@dataclass(frozen=True)
-class Projection:
+@dataclass(frozen=True, eq=False, repr=False)
+class Projection(ByValue):
     """The point of a path that attracts a deflection."""
 
     s: float
@@ -47,6 +49,9 @@ class Projection:
     """From the deflection [m]."""
     steps: int
     """Steps of the descent."""
+
+    def __repr__(self) -> str:
+        return one_line(self, f"s {self.s:.9g} of run {self.run}", f"{self.distance * 1e3:.6g} mm away")
 
 
 def potential(

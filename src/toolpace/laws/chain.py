@@ -14,7 +14,7 @@ SIDE = 1e-13
 """Time before the end of a piece at which its last state is taken, relative [s]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LawPiece:
     """A law between two of its times [s]."""
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.description import one_line
 
 PROBES = 20_000
 """Probes of a whole law, shared among its cells."""
@@ -20,7 +21,7 @@ HALVINGS = 80
 """Of a duration until no time between two numbers is left: 53 for its digits, and the rest for times next to zero."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Probe:
     """States of a time law, dense enough to see every peak between them."""
 
@@ -31,6 +32,9 @@ class Probe:
     share: Floats
     """(n,) time that each state stands for [s]; sums to the duration."""
 
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.state.shape[1]} states")
+
 
 class TimeLaw(ABC):
     """s(t) from s0 to s1, three times differentiable but for jumps of the third derivative."""
@@ -39,6 +43,9 @@ class TimeLaw(ABC):
     s1: float
     duration: float
     """[s]"""
+
+    def __repr__(self) -> str:
+        return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g} in {self.duration:.6g} s")
 
     @property
     def jumps(self) -> Floats:

@@ -17,12 +17,12 @@ Curve = Callable[[Floats, int], tuple[Floats, Floats]]
 """(s (n,), order 0 to 3) to the derivative of tip (n, 3) [m] and of the unit tool axis (n, 3)."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CurveRun(PathRun):
     """A run whose derivatives a function knows."""
 
     curve: Curve
-    lock: Lock = field(default_factory=Lock, repr=False, compare=False)
+    lock: Lock = field(default_factory=Lock)
 
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives at s (n,), as the function gives them."""
@@ -34,7 +34,7 @@ class CurveRun(PathRun):
         return PathJet(tip, axis, None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class TwoCurveRun(PathRun):
     """A run given by two B-splines over one parameter: the tip, and a second point on the tool axis."""
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace import __version__
 from toolpace.machine.limits import KINDS
 from toolpace.reporting.figures import PlanFigures
 from toolpace.reporting.limiting import NOTHING, binding, limit_names
@@ -20,6 +19,7 @@ from toolpace.reporting.scene import scene_data, stations
 from toolpace.reporting.series import blocks_over_time, channels, encoded, feed_cap, packed
 from toolpace.reporting.words import NEUTRAL, colours, duration, four_digits, joint_colour, limit_words, percent
 from toolpace.setpoints import SetPoints
+from toolpace.version import __version__
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification

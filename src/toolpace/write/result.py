@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from toolpace import __version__
 from toolpace.setpoints import SetPoints
+from toolpace.version import __version__
 from toolpace.write.plan_json import OpenPlaceRecord, PlanRecord, UsageRecord
 
 if TYPE_CHECKING:

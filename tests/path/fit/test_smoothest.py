@@ -14,6 +14,7 @@ from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.polyline import polylines
 from toolpace.path.fit.spline import knots_of
 from toolpace.path.path import Path
+from toolpace.workers import UNTOLD, Workers
 
 TIP, AXIS = 10e-6, 1e-3
 
@@ -80,10 +81,10 @@ def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
     line = polylines(wave(n, span, 5), TIP, AXIS, None)[0]
     weight = np.ones(3)
     look = Comparison(line, AXIS, None, False).between
-    spline, data = inside_spline(line, knots.first_breaks(line.s), weight, AXIS, None, look)
+    spline, data = inside_spline(line, knots.first_breaks(line.s), weight, AXIS, None, look, Workers())
     breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
-    smooth.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, lambda share: None)
+    smooth.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, Workers(), UNTOLD)
     place, share = np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(breaks)
     s = (0.5 * (breaks[1:] + breaks[:-1])[:, None] + half[:, None] * place).ravel()
