@@ -38,10 +38,8 @@ nitpicky = True
 # Names of other projects: their inventories would have to be fetched.
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|npt|os|pathlib|collections|typing|datetime)\b.*"),
-    ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping"),
-    # Parts of the inside that public fields show: they have names, and no page.
-    ("py:.*", r"toolpace\.(machine\.(file|geometry)|path\.run|axispath\.run|laws\.law|workers)\..*"),
-    ("py:.*", r"(toolpace\.judge\.)?Sampled|(tuple|dict)\[str"),
+    ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping|BSpline|PPoly"),
+    ("py:.*", r"toolpace\.workers\.(R|CallersProgress)"),
 ]
 default_role = "code"
 smartquotes = False  # primes are derivatives

@@ -27,8 +27,11 @@ def as_markup(app: Any, what: str, name: str, thing: Any, options: Any, lines: l
 def with_short_types(
     app: Any, what: str, name: str, thing: Any, options: Any, arguments: str | None, result: str | None
 ) -> tuple[str | None, str | None]:
-    """A signature with the names of array types as they stand in the code, in nested types too."""
-    short = [None if text is None else ALIAS.sub(r"\1", text) for text in (arguments, result)]
+    """A signature with the names of array types as they stand in the code, in nested types too.
+
+    What a dataclass makes anew for each object shows as `...`: "<factory>" is no Python.
+    """
+    short = [None if text is None else ALIAS.sub(r"\1", text.replace("<factory>", "...")) for text in (arguments, result)]
     return short[0], short[1]
 
 
