@@ -27,9 +27,9 @@ trajectory = tp.plan(path, machine)
 # %%
 # The motion at any time, not only at set-points.
 
-middle = trajectory.at([trajectory.duration / 2.0])
-print("joints [m, rad]", dict(zip(trajectory.joints, middle.q[0].round(5).tolist())))
-print("velocities     ", dict(zip(trajectory.joints, middle.qd[0].round(5).tolist())))
+middle = trajectory.at(trajectory.duration / 2.0)
+print("joints [m, rad]", dict(zip(trajectory.joints, middle.q.round(5).tolist())))
+print("velocities     ", dict(zip(trajectory.joints, middle.qd.round(5).tolist())))
 
 # %%
 # Peaks over limits in continuous time, and what holds the motion back for how long.

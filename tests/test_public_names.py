@@ -13,7 +13,7 @@ HEAVY = ("numba", "scipy", "plotly", "matplotlib", "rich", "cyclopts", "msgspec"
 
 
 def python(code: str) -> str:
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
@@ -23,19 +23,15 @@ def test_import_loads_no_heavy_library():
     assert loaded == "[]"
 
 
-def test_import_takes_less_than_300_ms():
-    times = python(
-        "import subprocess, sys, time\n"
-        "def best(code):\n"
-        "    times = []\n"
-        "    for _ in range(5):\n"
-        "        began = time.perf_counter()\n"
-        "        subprocess.run([sys.executable, '-c', code], check=True)\n"
-        "        times.append(time.perf_counter() - began)\n"
-        "    return min(times)\n"
-        "print(best('import toolpace') - best('pass'))"
-    )
-    assert float(times) < 0.3
+def test_import_loads_next_to_nothing():
+    """What keeps it short: nothing but modules that Python brings, few of them, and of its own the package alone."""
+    loaded = python(
+        "import sys; before = set(sys.modules); import toolpace; print(*sorted(set(sys.modules) - before))"
+    ).split()
+    own = {name for name in loaded if name.partition(".")[0] == "toolpace"}
+    assert own == {"toolpace"}
+    assert {name.partition(".")[0] for name in set(loaded) - own} <= sys.stdlib_module_names
+    assert len(loaded) < 60
 
 
 def test_reading_and_machines_need_neither_scipy_nor_plotly():

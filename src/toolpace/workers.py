@@ -29,6 +29,9 @@ class Progress:
         """Say that so much of the work is done."""
         self._tell(share)
 
+    def pulse(self) -> None:
+        """Pass on what other threads have said, where it must wait for the right one."""
+
     def part(self, low: float, high: float) -> Progress:
         """Of work that is the part from `low` to `high` of this."""
         return Progress(lambda share: self(low + (high - low) * share))
@@ -65,7 +68,6 @@ class CallersProgress(Progress):
         self.pulse()
 
     def pulse(self) -> None:
-        """Pass on what other threads have said."""
         if threading.get_ident() == self._owner and self._done > self._told:
             self._told = self._done
             self._tell(self._told)
@@ -106,9 +108,9 @@ class Workers:
     short runs, take the cores they find. Once `stopped`, all come to a halt after the pieces they are at.
     """
 
-    def __init__(self, progress: CallersProgress | None = None) -> None:
+    def __init__(self, progress: Progress | None = None) -> None:
         self._free = threading.Semaphore(max((os.cpu_count() or 1) - 1, 0))
-        self._progress = progress
+        self._progress = progress or UNTOLD
         self.stopped = False
 
     def aside(self, work: Callable[[], R]) -> R:
@@ -180,8 +182,7 @@ class Workers:
         return [out[k] for k in range(len(pieces))]
 
     def _pulse(self) -> None:
-        if self._progress is not None:
-            self._progress.pulse()
+        self._progress.pulse()
 
 
 def side_by_side(

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -16,6 +14,7 @@ import toolpace as tp
 from toolpace import demo
 from toolpace.cli import main
 from toolpace.machine.machine import Machine
+from toolpace.planning.guarantee import PROMISED
 
 CONTRACT = {
     "duration_s", "lower_bound_s", "gap", "solve_s", "fit_s", "mesh_points", "blocks", "stops", "usage", "limited_by",
@@ -43,7 +42,7 @@ def test_plan_writes_the_contract(planned):
         plan["usage"]["feed"],
         *(r for k in ("velocity", "acceleration", "jerk") for r in plan["usage"][k].values()),
     ]
-    assert 0.99 < max(peaks) <= 1.0001
+    assert 0.99 < max(peaks) <= PROMISED
     assert abs(sum(plan["limited_by"].values()) - 1.0) < 1e-6
     assert plan["tip_deviation_mm"] <= 0.01 and plan["axis_deviation_deg"] <= 0.05
     assert set(plan["step_s"]) >= {"reading", "fitting", "planning", "sampling", "verifying", "writing"}
@@ -108,7 +107,7 @@ def test_second_order_says_that_jerk_limits_are_not_held(planned, capsys):
     assert "JERK LIMITS ARE NOT HELD" in output and "FAILED" in output and re.search(r"jerk +jumps +jumps", output)
     plan = json.loads((out / "plan.json").read_text())
     assert plan["planner"] == "second-order" and plan["verified"] is False and plan["lower_bound_s"] is None
-    assert set(plan["usage"]["jerk"].values()) == {None} and plan["usage"]["feed"] <= 1.0001
+    assert set(plan["usage"]["jerk"].values()) == {None} and plan["usage"]["feed"] <= PROMISED
     assert "unbounded" in (out / "report.html").read_text(encoding="utf-8")
     assert main(["verify", str(out)]) == 1
     failed = [line for line in capsys.readouterr().out.splitlines() if line.endswith("FAILED ")]
@@ -207,29 +206,51 @@ def test_help_teaches_on_80_columns(command, capsys, monkeypatch):
 
 def test_output_into_a_closed_pipe_is_no_error():
     command = f"{sys.executable} -m toolpace machines | head -1"
-    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=600)
     assert done.stderr == "" and done.stdout.startswith("linuxcnc")
 
 
-@pytest.mark.parametrize("done", ["reading", "fitting"])
-def test_ctrl_c_after_a_step_leaves_nothing(done, tmp_path):
-    program = tmp_path / "blade.ngc"
-    program.write_text(demo.spiral_program(20_000))
-    process = subprocess.Popen(
-        [sys.executable, "-u", "-m", "toolpace", "plan", str(program), "-m", "xyzac-trunnion", "--out", "out"],
+INTERRUPTED = """
+import os, signal, sys, threading
+from contextlib import contextmanager
+from toolpace.cli import main
+from toolpace.cli.steps import Steps
+
+under_way, plain = threading.Event(), Steps.step
+
+@contextmanager
+def watched(steps, name, note=""):
+    with plain(steps, name, note) as step:
+        shown = step.share
+        def share(done):
+            shown(done)
+            if name == sys.argv[1] and 0.0 < done < 1.0:
+                under_way.set()
+        step.share = share
+        yield step
+
+def interrupt():
+    under_way.wait()
+    os.kill(os.getpid(), signal.SIGINT)
+
+Steps.step = watched
+threading.Thread(target=interrupt, daemon=True).start()
+sys.exit(main(sys.argv[2:]))
+"""
+"""A command that meets Ctrl-C while the step that is named is at work."""
+
+
+@pytest.mark.parametrize("step", ["fitting", "planning"])
+def test_ctrl_c_within_a_step_ends_it_and_leaves_nothing(step, tmp_path):
+    (tmp_path / "blade.ngc").write_text(demo.spiral_program(20_000))
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, step, "plan", "blade.ngc", "-m", "xyzac-trunnion", "--out", "out"],
         cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        capture_output=True,
         text=True,
+        timeout=600,
     )
-    assert process.stdout is not None
-    for line in process.stdout:
-        if line.startswith(done):
-            break
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
-    began = time.perf_counter()
-    _, error = process.communicate(timeout=120)
-    assert process.returncode == 130 and error == "error: interrupted; nothing was written\n"
+    assert done.stderr == "error: interrupted; nothing was written\n" and done.returncode == 130
+    # a step has its line when it is done
+    assert not re.search(rf"^{step} ", done.stdout, re.MULTILINE)
     assert [path.name for path in tmp_path.iterdir()] == ["blade.ngc"]
-    assert time.perf_counter() - began < 10.0

@@ -12,6 +12,7 @@ import pytest
 from toolpace import demo
 from toolpace.cli import main
 from toolpace.machine.machine import Machine
+from toolpace.planning.guarantee import PROMISED
 from toolpace.reading import read_text
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -91,7 +92,7 @@ def test_demo_plans_within_every_limit(planned):
         plan["usage"]["feed"],
         *(r for k in ("velocity", "acceleration", "jerk") for r in plan["usage"][k].values()),
     ]
-    assert max(peaks) <= 1.0001
+    assert max(peaks) <= PROMISED
     assert main(["verify", str(planned)]) == 0
 
 
@@ -104,6 +105,6 @@ def test_demo_report_draws_itself(planned):
     done = subprocess.run(
         [browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--dump-dom",
          "--virtual-time-budget=20000", (planned / "report.html").resolve().as_uri()],
-        capture_output=True, text=True, timeout=180,
+        capture_output=True, text=True, timeout=600,
     )  # fmt: skip
     assert 'class="main-svg"' in done.stdout and "impeller.ngc" in done.stdout

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support import motions
+from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from toolpace.errors import UsageError, VerificationError
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
@@ -255,12 +256,8 @@ def test_judges_bare_limits_without_a_tool():
         verify(bare, Limits(1.0, 1.0, 1.0, ("a", "b")))
 
 
-def test_time_is_linear_and_short():
-    import time
-
-    points = motions.set_points(dt=1e-5)
-    program = motions.program(spacing=2e-6)
-    verify(POINTS, MACHINE, PROGRAM)
-    begin = time.perf_counter()
-    verify(points, replan(**{k: v * 1.01 + 1.0 for k, v in PEAKS.items()}), program)
-    assert time.perf_counter() - begin < 5.0
+def test_cost_grows_in_proportion_to_set_points_and_blocks():
+    """No set-point is compared with every block: only with those about where the one before it was found."""
+    free = replan(**{kind: 1.01 * peak + 1.0 for kind, peak in PEAKS.items()})
+    few, many = ((motions.set_points(dt=4e-4 / n), motions.program(spacing=8e-5 / n)) for n in (1, 8))
+    assert order_of_growth(lambda given: verify(given[0], free, given[1]), few, many, 8.0) < NEARLY_LINEAR

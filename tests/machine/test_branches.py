@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 import pytest
 
+from tests.support.growth import NEARLY_LINEAR, order_of_growth, python_calls
 from toolpace.errors import ReachError
 from toolpace.machine.machine import Machine
 from toolpace.toolpath import ToolPath
@@ -161,13 +161,15 @@ def test_linear_travel_exceeded() -> None:
         Machine.load("xyzac-trunnion").choose_rotary(path)
 
 
-def test_a_hundred_thousand_points() -> None:
-    """Well under a second once compiled; the bound leaves room for a busy computer."""
+def test_cost_is_in_compiled_loops_and_grows_in_proportion_to_the_points() -> None:
     machine = Machine.load("linuxcnc-xyzac-trt")
-    s = np.linspace(0, 1, 100_000)
-    path = toolpath(0.03 * np.stack([np.cos(9 * s), np.sin(9 * s), s], axis=1), cone(0.5 * np.sin(40 * s), 60 * s))
-    machine.choose_rotary(toolpath(np.zeros(3), cone(0.1, np.linspace(0, 1, 10))))
-    start = time.perf_counter()
-    rotary = machine.choose_rotary(path)
-    assert time.perf_counter() - start < 2.0
-    assert np.abs(np.diff(rotary, axis=0)).max() < 0.02
+
+    def winding(n: int) -> ToolPath:
+        s = np.linspace(0, 1, n)
+        return toolpath(0.03 * np.stack([np.cos(9 * s), np.sin(9 * s), s], axis=1), cone(0.5 * np.sin(40 * s), 60 * s))
+
+    few, many = winding(3_000), winding(30_000)
+    assert np.abs(np.diff(machine.choose_rotary(many), axis=0)).max() < 0.02
+    calls = [python_calls(lambda path=path: machine.choose_rotary(path)) for path in (few, many)]
+    assert calls[1] == calls[0]
+    assert order_of_growth(machine.choose_rotary, few, many, 10.0) < NEARLY_LINEAR

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 
+from tests.support.growth import python_calls
 from tests.support.table_table import MACHINE
 from toolpace.errors import ProgramError, UsageError
 from toolpace.reading import apply_feed, read, read_text
@@ -112,13 +111,19 @@ def test_feed_option_says_what_it_takes(spec):
         read_text(GCODE, dialect="gcode", feed=spec)
 
 
-def test_hundred_thousand_blocks_in_a_few_seconds():
-    u = np.linspace(0, 60 * np.pi, 100_000)
+def winding(n):
+    """A program of n blocks of five axes."""
+    u = np.linspace(0, 6e-4 * np.pi * n, n)
     columns = np.column_stack([50 * np.cos(u), 50 * np.sin(u), u / 10, 20 * np.sin(u / 3) - 30, np.degrees(u)])
     body = "\n".join(
         "N{} G1 X{:.4f} Y{:.4f} Z{:.4f} A{:.4f} C{:.4f} F3000".format(i, *row) for i, row in enumerate(columns)
     )
-    before = time.perf_counter()
-    p = read_text(f"G43.4 H1\n{body}\nM30\n", MACHINE, "gcode")
-    assert time.perf_counter() - before < 10
-    assert len(p) == 100_000 and not p.tip.flags.writeable
+    return f"G43.4 H1\n{body}\nM30\n"
+
+
+def test_every_block_costs_the_same_however_many_there_are():
+    few, many = winding(300), winding(3_000)
+    p = read_text(many, MACHINE, "gcode")
+    assert len(p) == 3_000 and not p.tip.flags.writeable
+    calls = [python_calls(lambda text=text: read_text(text, MACHINE, "gcode")) for text in (few, many)]
+    assert (calls[1] - calls[0]) / 2_700 < 150 and calls[1] < 10.1 * calls[0]

@@ -14,7 +14,8 @@ import pytest
 
 from tests.support import motions
 from toolpace.judge import verify
-from toolpace.reporting import report
+from toolpace.machine.limits import Limits
+from toolpace.reporting import limiting, report
 from toolpace.reporting.limiting import NOTHING, binding
 from toolpace.reporting.series import Channel, extremes, feed_cap, packed
 from toolpace.reporting.words import colours, duration, limit_words, percent
@@ -100,11 +101,25 @@ def test_feed_cap_knows_least_times():
     np.testing.assert_allclose(cap[points.block == 40], 5e-4 / 0.02, rtol=1e-6)
 
 
-def test_binding_names_the_feed_where_the_motion_cruises():
-    middle = binding(TRAJECTORY, np.array([0.4, 0.5]))
-    assert (middle == 0).all() or (middle > 0).all()
-    paused = binding(TRAJECTORY, np.array([TRAJECTORY.starts[1] - 0.1]))
-    assert paused[0] == NOTHING
+def test_binding_is_the_feed_where_the_motion_cruises_and_nothing_where_it_pauses():
+    """The limits are its own peaks: raised, they leave the cruise to the feed alone."""
+    fast = motions.Trajectory()
+    fast.limits = fast.limits.scaled(2.0, 2.0, 2.0)
+    cruise, pause = 0.5 * fast.laws[0].duration, fast.starts[1] - 0.1
+    assert [limiting.names(fast.joints)[k] for k in binding(fast, np.array([cruise]))] == ["feed"]
+    assert binding(fast, np.array([pause])).tolist() == [NOTHING]
+
+
+def test_binding_is_the_joint_whose_limit_is_lowered():
+    slow = motions.Trajectory()
+    cruise = np.array([0.5 * slow.laws[0].duration])
+    speed = np.abs(slow.at(cruise).qd[0])
+    assert (speed > 0.0).all()
+    for k, joint in enumerate(slow.joints):
+        velocity = np.full(len(slow.joints), np.inf)
+        velocity[k] = 0.9 * speed[k]
+        slow.limits = Limits(velocity, np.inf, np.inf, slow.joints)
+        assert limiting.names(slow.joints)[binding(slow, cruise)[0]] == f"velocity {joint}"
 
 
 def test_words():
@@ -144,7 +159,7 @@ def test_draws_without_errors_and_without_network(html, tmp_path, width):
         *(f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=15000", "--dump-dom"),
         page.as_uri(),
     ]
-    shown = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False).stdout
+    shown = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False).stdout
     found = re.search(r"<title>probe:(.*?)</title>", shown)
     assert found, shown[:500]
     state = json.loads(found[1].replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">"))

