@@ -21,7 +21,7 @@ TESTED = {
     "05_read_the_result",
     "06_what_tolerance_buys",
     "07_choose_a_planner",
-    "08_way_points",
+    "08_waypoints",
     "09_back_onto_the_path",
 }
 
@@ -106,8 +106,8 @@ def test_choose_a_planner():
     assert np.isinf(second_order.usage().worst)
 
 
-def test_way_points():
-    example = load("08_way_points")
+def test_waypoints():
+    example = load("08_waypoints")
     for name, path in example.paths.items():
         run, plan = path.runs[0], example.plans[name]
         assert plan.usage().worst <= 1.0001

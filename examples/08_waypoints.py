@@ -1,6 +1,6 @@
 """
-Through way points
-==================
+Through waypoints
+=================
 
 The smoothest curve through given positions of the joints, without a stop, beside a cubic spline through the same.
 """
