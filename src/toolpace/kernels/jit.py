@@ -36,11 +36,13 @@ def is_warm() -> bool:
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def jit(*, reorder: bool = False) -> Callable[[F], F]:
+def jit(*, reorder: bool = False, inline: bool = False) -> Callable[[F], F]:
     """Compile to machine code, cached on disk, free of the interpreter lock.
 
     `reorder` lets sums be reassociated and products fused, for loops that shall use vector instructions.
     A nan or an infinity is always seen: the flags that assume their absence are never set.
+    `inline` is for the parts of a longer function: they are compiled as part of it only. A caller's machine code holds
+    that of all it calls, so that otherwise each level of calls would compile what lies below it once more.
     """
     flags: Any = {"reassoc", "contract", "nsz", "arcp"} if reorder else False
 
@@ -48,7 +50,13 @@ def jit(*, reorder: bool = False) -> Callable[[F], F]:
         before = config.CACHE_DIR
         config.CACHE_DIR = str(_CACHE)
         try:
-            compiled: F = numba.njit(cache=True, nogil=True, fastmath=flags, error_model="numpy")(function)
+            compiled: F = numba.njit(
+                cache=True,
+                nogil=True,
+                fastmath=flags,
+                error_model="numpy",
+                inline="always" if inline else "never",
+            )(function)
         finally:
             config.CACHE_DIR = before
         return compiled
