@@ -39,7 +39,7 @@ nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|npt|os|pathlib|collections|typing|datetime)\b.*"),
     ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping|BSpline|PPoly"),
-    ("py:.*", r"toolpace\.workers\.(R|CallersProgress)"),
+    ("py:.*", r"toolpace\.(workers\.(R|CallersProgress)|kernels\..*)"),
 ]
 default_role = "code"
 smartquotes = False  # primes are derivatives
@@ -71,6 +71,11 @@ sphinx_gallery_conf = {
     "min_reported_time": 1e9,
     "abort_on_example_error": True,
 }
+
+# A page of an example that is gone would stay in the gallery.
+for page in (HERE / "gallery").glob("[0-9]*.rst"):
+    if not (HERE.parent / "examples" / f"{page.stem}.py").exists():
+        page.unlink()
 
 html_theme = "pydata_sphinx_theme"
 html_title = "toolpace"
