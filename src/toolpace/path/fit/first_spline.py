@@ -25,6 +25,7 @@ INSIDE = 0.6
 SMOOTHING = 0.01
 """Weight of the roughness in the first spline: it smooths what is shorter than a few tolerances."""
 ROUNDS = 60
+"""Rounds of halving after which there is no spline: each halves cells, so no cell can still be too long."""
 
 
 def inside_spline(
