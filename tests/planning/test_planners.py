@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import inspect
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
@@ -34,6 +35,11 @@ def test_the_short_form_is_the_object(short, planner):
     by_name, by_object = tp.plan(line(), LIMITS, **short), tp.plan(line(), LIMITS, planner=planner)
     assert by_name.duration == by_object.duration and by_name.lower_bound == by_object.lower_bound
     assert by_name.planner == by_object.planner == planner.name
+
+
+@pytest.mark.parametrize("planner", [tp.Optimal, tp.Genetic, tp.SecondOrder])
+def test_help_and_completion_see_the_options(planner):
+    assert list(inspect.signature(planner).parameters) == [field.name for field in fields(planner)]
 
 
 def test_planners_are_values():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from numbers import Integral
 from typing import ClassVar, Self
 
@@ -11,10 +12,19 @@ FEWEST_CELLS = 8
 """Fewer have no cell between those next to the ends."""
 
 
+class OptionsSignature:
+    """The options of a planner, for those who ask its class: help(), and completion in a running session."""
+
+    def __get__(self, planner: Options | None, kind: type[Options]) -> inspect.Signature:
+        options = list(inspect.signature(kind.__init__).parameters.values())[1:]
+        return inspect.Signature(options)
+
+
 class Options:
     """Base of the planners, which are frozen dataclasses: an unknown option is a UsageError that names the nearest."""
 
     __match_args__: ClassVar[tuple[str, ...]] = ()
+    __signature__: ClassVar[OptionsSignature] = OptionsSignature()
 
     def __new__(cls, *given: object, **options: object) -> Self:
         known = cls.__match_args__
