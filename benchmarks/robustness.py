@@ -60,7 +60,7 @@ def main(count: int = 300, seed: int = 100_000) -> None:
     head = (
         "# Random and nasty paths\n\n"
         f"{written_by(f'python -m benchmarks.robustness {count} {seed}')}\n\n"
-        "What the families are is said in tests/nasty_paths.py, what is judged in tests/judge.py. Refusals are\n"
+        "What the families are is said in testbed/nasty_paths.py, what is judged in testbed/verdict.py. Refusals are\n"
         "counted as such only where they are justified; all else is wrong. The gap is that to the lower bound.\n\n"
     )
     tail = "\n## Wrong\n\n" + "".join(f"* {line}\n" for line in wrong) if wrong else ""
