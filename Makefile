@@ -3,8 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
+SITE ?= out/docs
 
-.PHONY: help demo test check bench clean
+.PHONY: help demo test check census docs bench clean
 
 help:  ## what there is to make
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 8
@@ -30,10 +31,17 @@ check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+docs: $(VENV)/.base $(VENV)/.docs  ## the documentation as a site, with the pictures of the examples; any warning fails
+	$(BIN)/sphinx-build -W --keep-going -n -q -b html docs $(SITE)
+	@echo "open $(SITE)/index.html"
+
+census:  ## count modules, circles, long functions; CENSUS=--strict fails where a rule of the house is broken
+	$(PYTHON) tools/census.py $(CENSUS)
+
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.second_order
 	$(BIN)/python -m benchmarks.scaling
 
 clean:  ## remove what was made
-	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) out docs/gallery build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

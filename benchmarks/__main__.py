@@ -13,8 +13,8 @@ from benchmarks import tables
 from benchmarks.machine import RESULTS, machine, written_by
 from benchmarks.measure import MESHES, VERY_FINE, Row, measure, row
 from benchmarks.memory import peaks
-from benchmarks.paths import RANDOM_CASES, all_cases
 from benchmarks.pictures import draw
+from testbed.cases import RANDOM_CASES, all_cases
 
 
 def main() -> None:

@@ -12,13 +12,13 @@ import numpy as np
 from rich.progress import track
 
 from benchmarks.machine import RESULTS, written_by
-from benchmarks.paths import Case, all_cases
 from benchmarks.tables import Table
+from testbed.cases import Case, all_cases
 from toolpace.errors import ToolpaceError
 from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import Bound, bound_run
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 
 MESHES = (200, 1000, 5000, None)
 """Cells; None is the mesh that the planner chooses."""
@@ -32,7 +32,7 @@ WORTH_IT = 3e-4
 def measure(case: Case, cells: int | None, guard: bool) -> tuple[Bound, int, float, float]:
     """The bound of a plan, its mesh points, and the CPU time of plan and bound in one thread [s]."""
     began = time.thread_time()
-    law, points = plan_run(case.run, case.limits, cells=cells, guard=guard)
+    law, points = fastest_law(case.run, case.limits, cells=cells, guard=guard)
     planned = time.thread_time()
     found = bound_run(case.run, case.limits, law)
     return found, points, planned - began, time.thread_time() - planned
@@ -81,7 +81,7 @@ def proofs(cases: list[Case]) -> Table:
     worst = {}
     for cells, case in itertools.product(MESHES[1:], track(cases, "proofs", transient=True)):
         guard = cells is None
-        law, points = plan_run(case.run, case.limits, cells=cells, guard=guard)
+        law, points = fastest_law(case.run, case.limits, cells=cells, guard=guard)
         before = bound_run(case.run, case.limits, law)
         after = before
         if before.gap > WORTH_IT:
@@ -108,7 +108,7 @@ def unmeshed(cases: list[Case]) -> Table:
     )
     gaps = []
     for case in track(cases, "continuous", transient=True):
-        law, _ = plan_run(case.run, case.limits)
+        law, _ = fastest_law(case.run, case.limits)
         spent = time.process_time()
         found = continuous_bound(case.run, case.limits, law)
         spent = time.process_time() - spent

@@ -17,11 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 
 import toolpace
-from benchmarks import published
 from benchmarks.machine import RESULTS, processor
+from testbed import published
 from toolpace import deflect
 from toolpace.axispath.quintic import quintic_through
-from toolpace.deflect.detour import DetourRun, tip_velocity
+from toolpace.deflect.detour import DetourRun
+from toolpace.deflect.feed import tip_velocity
 from toolpace.errors import InfeasibleError
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path

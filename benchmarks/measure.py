@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.paths import Case
 from benchmarks.peers import Outcome, copp, ipopt, lp, ours, ruckig, toppra
 from benchmarks.tables import Row
+from testbed.cases import Case
+from testbed.mesh_problem import mesh_problem
 from toolpace.errors import ToolpaceError
-from toolpace.planning.optimal.planner import plan_run
+from toolpace.planning.optimal.planner import fastest_law
 
 MESHES = (200, 1000, 5000)
 VERY_FINE = 20_000
@@ -70,10 +71,10 @@ def with_objective(case: Case, n: int, outcome: Outcome) -> Outcome:
     if not outcome.ok:
         return outcome
     try:
-        law, _ = plan_run(case.run, case.limits, cells=n, guard=False)
+        law, _ = fastest_law(case.run, case.limits, cells=n, guard=False)
     except ToolpaceError:
         return outcome
-    problem, _, _ = ours.mesh_problem(case.axis_path, case.limits, n)
+    problem, _, _ = mesh_problem(case.axis_path, case.limits, n)
     last = law.nodes[-1] - law.nodes[-2]
     z = np.append(law.cells[:, 0], law.cells[-1] @ last ** np.arange(4))
     return Outcome(**{**vars(outcome), "objective": float((problem.weight / np.sqrt(z[problem.node])).sum())})

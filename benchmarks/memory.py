@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 from benchmarks.machine import most_memory
 from benchmarks.measure import PEERS
-from benchmarks.paths import all_cases
 from benchmarks.peers import ipopt, ours, toppra
+from testbed.cases import all_cases
 
 PLANNERS = {
     "toolpace": ours.solve,

@@ -2,23 +2,20 @@
 
     python -m benchmarks.robustness [cases a family] [first seed]
 
-The families are those of tests/nasty_paths.py, judged by tests/judge.py. Writes benchmarks/results/robustness.md.
+The families are those of testbed/nasty_paths.py, judged by testbed/verdict.py. Writes benchmarks/results/robustness.md.
 """
 
 from __future__ import annotations
 
 import sys
 import time
-from pathlib import Path as File
 
 import numpy as np
 
 from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
-
-sys.path.insert(0, str(File(__file__).parents[1] / "tests"))
-import judge
-import nasty_paths
+from testbed import nasty_paths
+from testbed.verdict import verdict
 
 BAD_GAPS = (0.1, 1.0)
 """Gaps to the lower bound from which answers are counted as poor, and as very poor."""
@@ -37,7 +34,7 @@ def main(count: int = 300, seed: int = 100_000) -> None:
         for k in range(seed, seed + count):
             began = time.process_time()
             case = nasty_paths.case(family, k)
-            found = judge.verdict(case)
+            found = verdict(case)
             told.append(found.words)
             seconds.append(time.process_time() - began)
             if found.words not in ("answer", "refusal"):

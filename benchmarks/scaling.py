@@ -16,14 +16,15 @@ import platform
 import subprocess
 import sys
 import time
-from contextlib import nullcontext
+from contextlib import ExitStack
 from pathlib import Path as File
 from typing import Any
 from unittest.mock import patch
 
-from benchmarks.longpath import long_path
 from benchmarks.machine import RESULTS, most_memory
 from benchmarks.tables import Table
+from testbed.long_path import long_path
+from toolpace.planning.bound import pieces
 from toolpace.planning.optimal import meshed_run
 from toolpace.planning.planner import plan
 
@@ -141,7 +142,10 @@ def main() -> None:
     if sys.argv[1:2] == ["--one"]:
         cells, kind, one_piece = int(sys.argv[2]), sys.argv[3], sys.argv[4] == "1"
         # windows begin where the problem of a whole run is no longer kept
-        with patch.object(meshed_run, "KEPT", 10**9) if one_piece else nullcontext():
+        with ExitStack() as patched:
+            if one_piece:
+                patched.enter_context(patch.object(meshed_run, "KEPT", 10**9))
+                patched.enter_context(patch.object(pieces, "WHOLE", 10**9))
             print(json.dumps(measured(cells, kind)))
         return
     out = File(sys.argv[1]) if len(sys.argv) > 1 else RESULTS

@@ -9,9 +9,10 @@ import statistics
 from collections.abc import Callable
 
 from benchmarks.machine import RESULTS, written_by
-from benchmarks.paths import Case, all_cases
 from benchmarks.peers import copp_second_order, second_order, toppra
 from benchmarks.tables import Table, text
+from testbed.cases import Case, all_cases
+from toolpace.planning.optimal import planner as optimal
 from toolpace.planning.second_order import planner
 
 MESHES = (200, 1000, 5000)
@@ -106,11 +107,11 @@ def loss_of_mesh(cases: list[Case]) -> Table:
         f"Loss of the mesh: duration over that with {FINEST} cells, less 1",
         ["over all cases", *(f"{n} cells" for n in COARSER)],
     )
-    best = [planner.plan_run(case.run, case.limits, cells=FINEST).duration for case in cases]
-    losses = {
-        n: [planner.plan_run(case.run, case.limits, cells=n).duration / least - 1.0 for case, least in zip(cases, best)]
-        for n in COARSER
+    best = [planner.second_order_law(case.run, case.limits, cells=FINEST).duration for case in cases]
+    durations = {
+        n: [planner.second_order_law(case.run, case.limits, cells=n).duration for case in cases] for n in COARSER
     }
+    losses = {n: [longer / least - 1.0 for longer, least in zip(durations[n], best)] for n in COARSER}
     for name, what in (("median", statistics.median), ("worst", max)):
         table.lines.append([name, *(f"{what(losses[n]):.1e}" for n in COARSER)])
     return table
@@ -120,8 +121,8 @@ def price_of_jerk(cases: list[Case]) -> Table:
     """What jerk limits cost: both planners on their default meshes, limits held between nodes."""
     table = Table("With and without jerk limits, default meshes", ["case", "second order [s]", "optimal [s]", "ratio"])
     solvers: tuple[Callable[[Case], float], ...] = (
-        lambda case: planner.plan_run(case.run, case.limits).duration,
-        lambda case: planner.plan_run(case.run, case.limits)[0].duration,
+        lambda case: planner.second_order_law(case.run, case.limits).duration,
+        lambda case: optimal.fastest_law(case.run, case.limits)[0].duration,
     )
     for case in cases:
         durations = [solve(case) for solve in solvers]

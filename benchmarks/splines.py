@@ -12,9 +12,10 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.machine import RESULTS
-from benchmarks.paths import Case, fan, flank, paper_arc, random_case
 from benchmarks.peers import Outcome, failed, ours, usage
 from benchmarks.tables import Table, text
+from testbed.cases import Case, fan, flank, paper_arc, random_case
+from testbed.mesh_problem import mesh_problem
 from toolpace.planning.optimal.problem import Problem
 
 MESHES = (200, 1000)
@@ -23,7 +24,7 @@ MESHES = (200, 1000)
 def quadratic(case: Case, n: int) -> Outcome:
     """IPOPT's optimum with z a quadratic spline on our nodes, its values and slopes at the nodes the unknowns."""
     run, limits = case.run, case.limits
-    problem, s, guess = ours.mesh_problem(case.axis_path, limits, n)
+    problem, s, guess = mesh_problem(case.axis_path, limits, n)
     nodes = problem.nodes
     step, count = np.diff(nodes), len(nodes)
     z0 = 0.4 * np.interp(nodes, s, guess**0.75) ** (4.0 / 3.0)

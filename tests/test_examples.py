@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -18,14 +20,29 @@ TESTED = {
     "04_any_joints",
     "05_read_the_result",
     "06_what_tolerance_buys",
+    "07_choose_a_planner",
+    "09_back_onto_the_path",
 }
 
 
+pytestmark = pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
+
+
+@pytest.fixture(autouse=True)
+def no_windows() -> Iterator[None]:
+    """Pictures are drawn without a screen, and closed after a test."""
+    plt.switch_backend("agg")
+    yield
+    plt.close("all")
+
+
 def load(name: str) -> ModuleType:
+    """The example after it has run; it drew at least one picture."""
     spec = importlib.util.spec_from_file_location(f"example_{name}", FOLDER / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    assert plt.get_fignums()
     return module
 
 
@@ -33,15 +50,15 @@ def test_each_example_is_tested():
     assert {path.stem for path in FOLDER.glob("*.py")} == TESTED
 
 
-def test_plan_a_program(tmp_path, capsys):
-    trajectory = load("01_plan_a_program").main(tmp_path)
-    assert trajectory.usage().worst <= 1.0001
-    assert {path.name for path in tmp_path.iterdir()} == {"blade.ngc", "setpoints.npz", "report.html"}
+def test_plan_a_program(capsys):
+    example = load("01_plan_a_program")
+    assert example.trajectory.usage().worst <= 1.0001
+    assert {path.name for path in example.folder.iterdir()} == {"blade.ngc", "setpoints.npz", "report.html"}
     assert "limited by" in capsys.readouterr().out
 
 
 def test_your_own_machine():
-    machine = load("02_your_own_machine").main()
+    machine = load("02_your_own_machine").machine
     assert machine.kind == "head-table" and machine.joints == ("X", "Y", "Z", "B", "C")
     q = np.array([[0.02, -0.03, 0.05, np.radians(30.0), np.radians(70.0)]])
     tip, axis = machine.forward(q)
@@ -52,28 +69,44 @@ def test_your_own_machine():
 
 
 def test_exact_path():
-    by_feed, duration = load("03_exact_path").main()
-    assert by_feed == pytest.approx(5.23599, abs=1e-5)
+    example = load("03_exact_path")
+    assert example.by_feed == pytest.approx(5.23599, abs=1e-5)
     # Speeding up and slowing down within the limits cannot be had for nothing.
-    assert by_feed < duration < 1.05 * by_feed
+    assert example.by_feed < example.trajectory.duration < 1.05 * example.by_feed
+    # From some feed on the axes decide.
+    assert all(quick < slow for slow, quick in pairwise(example.durations[:4]))
+    assert example.durations[4] == pytest.approx(example.durations[3], rel=1e-3)
 
 
 def test_any_joints():
-    module = load("04_any_joints")
-    trajectory = module.main()
-    assert trajectory.usage().worst <= 1.0001 and len(trajectory.joints) == 7
+    example = load("04_any_joints")
+    assert example.trajectory.usage().worst <= 1.0001 and len(example.trajectory.joints) == 7
     s, h = np.linspace(0.1, 0.9, 9), 1e-6
     for order in range(3):
-        slope = (module.joints(s + h, order) - module.joints(s - h, order)) / (2.0 * h)
-        assert np.allclose(slope, module.joints(s, order + 1), rtol=1e-6, atol=1e-4)
+        slope = (example.joints(s + h, order) - example.joints(s - h, order)) / (2.0 * h)
+        assert np.allclose(slope, example.joints(s, order + 1), rtol=1e-6, atol=1e-4)
 
 
 def test_read_the_result(capsys):
-    trajectory = load("05_read_the_result").main()
-    assert sum(trajectory.limited_by().values()) == pytest.approx(1.0)
+    example = load("05_read_the_result")
+    assert sum(example.limited_by.values()) == pytest.approx(1.0)
     assert "slowest at" in capsys.readouterr().out
 
 
 def test_what_tolerance_buys():
-    durations = load("06_what_tolerance_buys").main()
+    durations = load("06_what_tolerance_buys").durations
     assert all(wide < narrow for narrow, wide in pairwise(durations))
+
+
+def test_choose_a_planner():
+    optimal, genetic, second_order = load("07_choose_a_planner").plans.values()
+    assert second_order.duration < optimal.duration < genetic.duration
+    assert max(optimal.usage().worst, genetic.usage().worst) <= 1.0001
+    assert np.isinf(second_order.usage().worst)
+
+
+def test_back_onto_the_path():
+    example = load("09_back_onto_the_path")
+    assert example.again.usage().worst <= 1.0001
+    assert 0.0 < example.off[0] <= np.linalg.norm(example.measured - example.commanded)
+    assert example.off[-1] < 1e-9

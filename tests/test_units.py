@@ -67,8 +67,6 @@ def test_says_what_to_type_instead(parse, text, says):
         (units.format_length(0.0), "0 mm"),
         (units.format_angle(math.pi / 2), "90 deg"),
         (units.format_angle(1e-8), "5.73e-07 deg"),
-        (units.format_feed(0.05), "3000 mm/min"),
-        (units.format_feed(math.inf), "no cap"),
     ],
 )
 def test_shows_what_people_read(text, shown):

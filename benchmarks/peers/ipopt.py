@@ -1,110 +1,22 @@
-"""CasADi and IPOPT on exactly the project's discretisation: same nodes, spline, rows, caps, weights and ends.
-
-IPOPT's tolerances are absolute, so everything is scaled: unknowns by the start (z next to rest is about 1e-9), rows by
-their limits, the time by itself. Jerk rows are written (r . u) sqrt(z) within [-1, 1]; Hessians are exact and sparse.
-"""
+"""CasADi and IPOPT on exactly the project's discretisation, see `testbed.ipopt`."""
 
 from __future__ import annotations
 
-import casadi as ca
-import numpy as np
-from scipy import sparse
-
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
-from benchmarks.peers.ours import mesh_problem, objective
+from testbed.ipopt import SUCCEEDED, optimum
+from testbed.mesh_problem import objective
 from toolpace.axispath.axispath import AxisPath
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
-from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.optimal.problem import Problem
-from toolpace.planning.optimal.solve import start_from
-
-TOLERANCE = 1e-9
-STARTS = (0.4, 0.1, 0.02)
-"""Shares of the guess at which it starts, one after the other until one converges."""
 
 
-def solve(
-    axis_path: AxisPath, limits: Limits, n: int, *, start: EndState = AT_REST, end: EndState = AT_REST
-) -> Outcome:
+def solve(axis_path: AxisPath, limits: Limits, n: int) -> Outcome:
     """The optimum of the discretised problem; the time includes building the model, as a user has to."""
-    run = axis_path.runs[0]
     watch = Stopwatch()
-    problem, s, z = mesh_problem(axis_path, limits, n, start, end)
-    note = ""
-    for share in STARTS:
-        c, note = minimise(problem, start_from(problem, s, z, share))
-        if note == "Solve_Succeeded":
-            break
+    found = optimum(axis_path, limits, n)
     seconds = watch()
-    if note not in ("Solve_Succeeded", "Solved_To_Acceptable_Level"):
-        return failed(seconds, note)
-    law = SplineLaw(problem.nodes, c, problem.rest)
-    at_nodes, between = usage_of_law(run, limits, law)
-    return Outcome(
-        law.duration, seconds, at_nodes, between, note == "Solve_Succeeded", note, objective(problem, c), len(law.nodes)
-    )
-
-
-def minimise(problem: Problem, first: np.ndarray) -> tuple[np.ndarray, str]:
-    """Coefficients and IPOPT's word for how it ended."""
-    count, n = len(problem.node), len(first)
-    expand, offset = ends(problem, first)
-    place = (np.repeat(np.arange(count), 3), (problem.node[:, None] + np.arange(3)).ravel())
-    maps = [sparse.csc_matrix((problem.basis[:, d].ravel(), place), shape=(count, n)) for d in range(3)]
-    y = ca.SX.sym("y", expand.shape[1])
-    u = [dm(m @ expand) @ y + m @ offset for m in maps]
-    floor = maps[0] @ first
-    half = problem.rows.shape[1] // 2
-    value = [
-        sum(ca.DM(np.ascontiguousarray(problem.rows[:, i, d])) * u[d] for d in range(3)) for i in range(2 * half)
-    ]
-    root = ca.sqrt(u[0])
-    g = [u[0] / floor] + value[:half] + [row * root for row in value[half:]]
-    time = ca.dot(ca.DM(problem.weight), 1.0 / root)
-    scale = float((problem.weight / np.sqrt(floor)).sum())
-    ones = np.ones(2 * half * count)
-    solver = ca.nlpsol(
-        "ipopt",
-        "ipopt",
-        {"x": y, "f": time / scale, "g": ca.vertcat(*g)},
-        {
-            "print_time": False,
-            "ipopt": {
-                "print_level": 0, "sb": "yes", "tol": TOLERANCE, "constr_viol_tol": TOLERANCE,
-                "acceptable_tol": 10.0 * TOLERANCE, "bound_relax_factor": 0.0, "honor_original_bounds": "yes",
-                "max_iter": 1000, "mu_strategy": "adaptive", "nlp_scaling_method": "none",
-            },
-        },
-    )  # fmt: skip
-    result = solver(
-        x0=np.ones(expand.shape[1]),
-        lbg=np.concatenate([np.full(count, 1e-6), -ones]),
-        ubg=np.concatenate([problem.cap / floor, ones]),
-    )
-    return expand @ np.asarray(result["x"]).ravel() + offset, solver.stats()["return_status"]
-
-
-def ends(problem: Problem, first: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:
-    """(n, free) matrix and (n,) offset: coefficients from the unknowns, which are one at the start point."""
-    n = len(first)
-    low, high = (1, 1) if problem.end[0] == 0 else (2, 2), (1, 1) if problem.end[1] == 0 else (2, 2)
-    free = np.arange(low[0], n - high[0])
-    rows, columns, values = list(free), list(range(len(free))), list(first[free])
-    offset = np.zeros(n)
-    for k, (one, two) in enumerate(((0, 1), (n - 1, n - 2))):
-        if problem.end[k] == 0:
-            rows.append(one)
-            columns.append(0 if k == 0 else len(free) - 1)
-            values.append(first[two] / problem.ratio[k])
-        else:
-            offset[one], offset[two] = first[one], first[two]
-    return sparse.csc_matrix((values, (rows, columns)), shape=(n, len(free))), offset
-
-
-def dm(matrix: sparse.spmatrix) -> ca.DM:
-    """A CasADi matrix of a scipy one."""
-    m = sparse.csc_matrix(matrix)
-    m.sort_indices()
-    pattern = ca.Sparsity(*m.shape, m.indptr.tolist(), m.indices.tolist())
-    return ca.DM(pattern, m.data)
+    if not found.answered:
+        return failed(seconds, found.note)
+    law = found.law
+    at_nodes, between = usage_of_law(axis_path.runs[0], limits, law)
+    ok, time = found.note == SUCCEEDED, objective(found.problem, found.c)
+    return Outcome(law.duration, seconds, at_nodes, between, ok, found.note, time, len(law.nodes))

@@ -12,8 +12,8 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
-from benchmarks.peers.ipopt import ends
-from benchmarks.peers.ours import mesh_problem, objective
+from testbed.ipopt import ends
+from testbed.mesh_problem import mesh_problem, objective
 from toolpace.axispath.axispath import AxisPath
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits

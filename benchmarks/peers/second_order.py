@@ -8,7 +8,7 @@ from benchmarks.peers import Outcome, Stopwatch, failed
 from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import ToolpaceError
 from toolpace.machine.limits import Limits
-from toolpace.planning.second_order.planner import cell_peaks, plan_run
+from toolpace.planning.second_order.planner import cell_peaks, second_order_law
 from toolpace.planning.second_order.problem import Cells
 
 
@@ -17,7 +17,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, j
     run = axis_path.runs[0]
     watch = Stopwatch()
     try:
-        law = plan_run(run, limits, nodes=np.linspace(run.s0, run.s1, n + 1), guard=guard)
+        law = second_order_law(run, limits, nodes=np.linspace(run.s0, run.s1, n + 1), guard=guard)
     except ToolpaceError as error:
         return failed(watch(), str(error))
     seconds = watch()

@@ -17,36 +17,70 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from toolpace.version import __version__
 
 if TYPE_CHECKING:
     from toolpace import deflect
     from toolpace.axispath.axispath import AxisPath
+    from toolpace.axispath.run import AxisRun
     from toolpace.errors import ToolpaceError
-    from toolpace.judge import Verification, verify
+    from toolpace.judge import Check, Sampled, Verification, verify
+    from toolpace.laws.law import Probe, TimeLaw
+    from toolpace.machine.file import ChainFile, JointFile, MachineFile
+    from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
+    from toolpace.motion import Motion
     from toolpace.path.path import Path
+    from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.endstate import EndState
-    from toolpace.planning.planner import plan
-    from toolpace.reading import apply_feed, read, read_text
+    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.optimal.planner import Optimal
+    from toolpace.planning.planned_run import PlannedRun
+    from toolpace.planning.planner import Planner, plan
+    from toolpace.planning.second_order.planner import SecondOrder
+    from toolpace.reading import Kinematics, apply_feed, read, read_text
     from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
-    from toolpace.trajectory import Trajectory
+    from toolpace.trajectory import OpenPlace, Trajectory
+    from toolpace.usage import Usage
+    from toolpace.workers import Progress, Workers
 
 __all__ = [
     "AxisPath",
+    "AxisRun",
+    "ChainFile",
+    "Check",
     "EndState",
+    "Genetic",
+    "Geometry",
+    "JointFile",
+    "Kinematics",
     "Limits",
     "Machine",
+    "MachineFile",
+    "Motion",
+    "OpenPlace",
+    "Optimal",
     "Path",
+    "PathJet",
+    "PathRun",
+    "PlannedRun",
+    "Planner",
+    "Probe",
+    "Progress",
+    "Sampled",
+    "SecondOrder",
     "SetPoints",
+    "TimeLaw",
     "ToolPath",
     "ToolpaceError",
     "Trajectory",
+    "Usage",
     "Verification",
+    "Workers",
     "__version__",
     "apply_feed",
     "deflect",
@@ -60,15 +94,37 @@ __all__ = [
 
 _HOME = {
     "AxisPath": "axispath.axispath",
+    "AxisRun": "axispath.run",
+    "ChainFile": "machine.file",
+    "Check": "judge",
     "EndState": "planning.endstate",
+    "Genetic": "planning.genetic.planner",
+    "Geometry": "machine.geometry",
+    "JointFile": "machine.file",
+    "Kinematics": "reading",
     "Limits": "machine.limits",
     "Machine": "machine.machine",
+    "MachineFile": "machine.file",
+    "Motion": "motion",
+    "OpenPlace": "trajectory",
+    "Optimal": "planning.optimal.planner",
     "Path": "path.path",
+    "PathJet": "path.run",
+    "PathRun": "path.run",
+    "PlannedRun": "planning.planned_run",
+    "Planner": "planning.planner",
+    "Probe": "laws.law",
+    "Progress": "workers",
+    "Sampled": "judge",
+    "SecondOrder": "planning.second_order.planner",
     "SetPoints": "setpoints",
+    "TimeLaw": "laws.law",
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",
+    "Usage": "usage",
     "Verification": "judge",
+    "Workers": "workers",
     "apply_feed": "reading",
     "plan": "planning.planner",
     "prove": "planning.bound.prove",

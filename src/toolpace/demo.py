@@ -16,15 +16,18 @@ from toolpace.arrays import Floats
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
-Curve = Callable[[Floats], tuple[Floats, Floats]]
+ToolCurve = Callable[[Floats], tuple[Floats, Floats]]
 """Parameter (n,) to tip (n, 3) [m] and tool axis (n, 3), not necessarily of unit length."""
 
 MACHINE = "xyzac-trunnion"
+"""Built-in machine of the demo."""
 FEED = 2.5 / 60.0
 """Feed of both programs [m/s]."""
 BLADES = 7
 TOOL_RADIUS = 2e-3
+"""[m]"""
 HALF_THICKNESS = 0.8e-3
+"""Of a blade [m]."""
 RETRACT = 30e-3
 """How far the tool leaves a blade along its own axis [m]."""
 CLEARANCE = 75e-3
@@ -60,9 +63,9 @@ def blade_flank(count: int, turn: float = 0.0) -> tuple[Floats, Floats]:
     u = np.minimum(np.clip(np.minimum(w, 1.0 - w) / straight, 0.0, 1.0) + beyond, 1.0 + beyond)
     half_turn = math.pi * along_round - 0.5 * np.sin(2.0 * math.pi * along_round)
     hub, along = _hub(u)
-    ruling = _unit(_shroud(u) - hub)
-    along = _unit(along)
-    side = _unit(np.cross(ruling, along))
+    ruling = _normalised(_shroud(u) - hub)
+    along = _normalised(along)
+    side = _normalised(np.cross(ruling, along))
     forward = np.cross(side, ruling)
     distance = TOOL_RADIUS + HALF_THICKNESS
     tip = hub + distance * (np.cos(half_turn)[:, None] * side + np.sin(half_turn)[:, None] * forward)
@@ -93,7 +96,7 @@ def _derivative(f: Callable[[Floats], Floats], u: Floats, step: float = 1e-5) ->
     return (f(u + step) - f(u - step)) / (2.0 * step)
 
 
-def blade_spiral(turns: float) -> Curve:
+def blade_spiral(turns: float) -> ToolCurve:
     """A twisted turbine blade finished in one spiral of `turns` round it, as a curve over the angle [rad]."""
     height, long, short = 60e-3, 22e-3, 9e-3
 
@@ -104,14 +107,14 @@ def blade_spiral(turns: float) -> Curve:
         section = np.column_stack([scale * long * np.cos(angle), scale * short * np.sin(angle)])
         # The tool leans to a rounder section than it cuts: else it would whirl about the edges.
         outward = np.column_stack([np.cos(angle) * 0.75, np.sin(angle)])
-        tip = np.column_stack([_turned(section, twist), height * share])
-        axis = np.column_stack([_turned(outward, twist), np.full(len(angle), 1.1)])
+        tip = np.column_stack([_turned_in_plane(section, twist), height * share])
+        axis = np.column_stack([_turned_in_plane(outward, twist), np.full(len(angle), 1.1)])
         return tip, axis
 
     return curve
 
 
-def _turned(plane: Floats, angle: Floats) -> Floats:
+def _turned_in_plane(plane: Floats, angle: Floats) -> Floats:
     c, s = np.cos(angle), np.sin(angle)
     return np.column_stack([c * plane[:, 0] - s * plane[:, 1], s * plane[:, 0] + c * plane[:, 1]])
 
@@ -137,7 +140,7 @@ def sampled_spiral(count: int, spacing: float) -> tuple[Floats, Floats]:
     tip, _ = curve(angle)
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tip, axis=0), axis=1))])
     tip, axis = curve(np.interp(spacing * np.arange(count), length, angle))
-    return tip, _unit(axis)
+    return tip, _normalised(axis)
 
 
 def _machine() -> Machine:
@@ -146,7 +149,7 @@ def _machine() -> Machine:
     return Machine.load(MACHINE)
 
 
-def _unit(v: Floats) -> Floats:
+def _normalised(v: Floats) -> Floats:
     unit: Floats = v / np.linalg.norm(v, axis=1, keepdims=True)
     return unit
 

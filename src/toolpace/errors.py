@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class ToolpaceError(Exception):
     """Base of all errors that toolpace raises on purpose; a command ends with `exit_code` and the message alone."""
@@ -43,3 +46,10 @@ class VerificationError(ToolpaceError):
     """Set-points that break a limit, a feed or a tolerance."""
 
     exit_code = 1
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """A hint that ends a message: the nearest known word, or all of them."""
+    choices = list(known)
+    close = difflib.get_close_matches(word, choices, n=1, cutoff=0.6)
+    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(choices)}"

@@ -46,12 +46,12 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 @contextmanager
-def whole_folder(folder: str | os.PathLike[str]) -> Iterator[Path]:
+def whole_folder(folder: str | os.PathLike[str], last: str = "") -> Iterator[Path]:
     """Yield an empty temporary folder; move its files into `folder` when the block ends well, remove it when
     not.
 
-    Files of the same name are replaced, others stay. A `folder` that did not exist is not made when the block
-    fails.
+    Files of the same name are replaced, others stay; the file named `last` is moved after all others, so that with it
+    they are there. A `folder` that did not exist is not made when the block fails.
     """
     target = Path(folder)
     try:
@@ -65,7 +65,7 @@ def whole_folder(folder: str | os.PathLike[str]) -> Iterator[Path]:
     try:
         yield temporary
         target.mkdir(exist_ok=True)
-        for written in sorted(temporary.iterdir()):
+        for written in sorted(temporary.iterdir(), key=lambda file: (file.name == last, file.name)):
             written.replace(target / written.name)
     except OSError as error:
         raise UsageError(f"{target}: cannot write: {reason(error)}") from None

@@ -8,17 +8,27 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.axispath.run import AxisRun
+from toolpace.description import one_line
+from toolpace.equality import ByValue
 from toolpace.machine.limits import Limits
 
 
-@dataclass(frozen=True)
-class Motion:
-    """Joint positions and three time derivatives, each (n, joints) [m or rad, s]."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(ByValue):
+    """Joint positions and three time derivatives [m or rad, s]: (joints,) at one time, (n, joints) at n times."""
 
     q: Floats
+    """Positions."""
     qd: Floats
+    """Velocities."""
     qdd: Floats
+    """Accelerations."""
     qddd: Floats
+    """Jerks."""
+
+    def __repr__(self) -> str:
+        times = "one time" if self.q.ndim == 1 else f"{len(self.q)} times"
+        return one_line(self, f"of {self.q.shape[-1]} joints at {times}")
 
 
 def joint_motion(path: Floats, state: Floats) -> Motion:

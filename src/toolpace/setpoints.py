@@ -11,12 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
+from toolpace.description import named, one_line
+from toolpace.equality import ByValue
 from toolpace.errors import ToolpaceError, UsageError
 from toolpace.files import reason, whole_file
 
 
-@dataclass(frozen=True)
-class SetPoints:
+@dataclass(frozen=True, eq=False, repr=False)
+class SetPoints(ByValue):
     """Set-points of a motion, one row a time step; lengths in m, angles in rad, times in s.
 
     Without a machine there is no tool: `tip` and `axis` then have no rows.
@@ -53,6 +55,11 @@ class SetPoints:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def __repr__(self) -> str:
+        step = f" every {(self.t[1] - self.t[0]) * 1e3:.6g} ms" if len(self) > 1 else ""
+        tool = "with the tool" if self.has_tool else "without a tool"
+        return one_line(self, f"{len(self)}{step}", named(self.joints), tool)
 
     @property
     def has_tool(self) -> bool:

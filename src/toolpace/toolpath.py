@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
+from toolpace.description import counted, one_line
+from toolpace.equality import ByValue
 
 
-@dataclass(frozen=True)
-class ToolPath:
+@dataclass(frozen=True, eq=False, repr=False)
+class ToolPath(ByValue):
     """The points of a program in the workpiece frame; entry i speaks of point i and of the way from i - 1 to i.
 
     Between two points the tip moves straight; the tool axis turns along the great circle, or, where `rotary` is
@@ -49,3 +51,10 @@ class ToolPath:
 
     def __len__(self) -> int:
         return len(self.tip)
+
+    def __repr__(self) -> str:
+        given = f"rotary joints {' '.join(self.rotary_joints)}" if self.rotary is not None else "tool axes"
+        # the end of a long name tells more than the folders it begins with
+        source = self.source if len(self.source) <= 40 else f"...{self.source[-37:]}"
+        count = counted(len(self), "point")
+        return one_line(self, f"{source}: {count}" if source else count, counted(self.blocks, "block"), given)

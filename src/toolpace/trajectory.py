@@ -11,36 +11,18 @@ import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
 from toolpace.axispath.axispath import AxisPath
-from toolpace.axispath.run import AxisRun
+from toolpace.description import counted, named, one_line
 from toolpace.errors import UsageError
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, joint_motion, limit_ratios
 from toolpace.setpoints import SetPoints
+from toolpace.usage import Usage, jerk_jumps
 
 BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
-LEAST_JUMP = 1e-6
-"""Jump of an acceleration, as a share of its limit, below which it is rounding."""
 CHUNK = 100_000
-
-
-@dataclass(frozen=True)
-class Usage:
-    """Peak value over limit, over continuous time: of the feed cap, and by joint of each limit.
-
-    The jerk of a joint whose acceleration jumps is infinite.
-    """
-
-    feed: float
-    velocity: dict[str, float]
-    acceleration: dict[str, float]
-    jerk: dict[str, float]
-
-    @property
-    def worst(self) -> float:
-        """The largest of all."""
-        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
+"""Times that are worked out at once, to keep memory low."""
 
 
 @dataclass(frozen=True)
@@ -56,18 +38,7 @@ class OpenPlace:
     """Block of the program at its start; 0 where there is none."""
 
 
-def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.bool_]:
-    """(m,) joints with a jerk limit whose acceleration jumps, so that no number bounds their jerk."""
-    s, jump = law.jumps
-    noise = np.where(np.isfinite(limits.acceleration), LEAST_JUMP * limits.acceleration, 0.0)
-    marks = np.zeros(len(limits), dtype=np.bool_)
-    for i in range(0, len(s), CHUNK):
-        size = np.abs(run.evaluate(s[i : i + CHUNK])[1]) * jump[i : i + CHUNK, None]
-        marks |= (size > noise).any(axis=0)
-    return marks & np.isfinite(limits.jerk)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """Motion along an AxisPath: one time law a run, with the dwells between them. It can judge itself."""
 
@@ -95,6 +66,17 @@ class Trajectory:
         object.__setattr__(self, "duration", float(ends[-1]))
         self.starts.flags.writeable = False
 
+    def __repr__(self) -> str:
+        blocks = sum(run.blocks for run in self.axis_path.runs)
+        return one_line(
+            self,
+            f"{self.duration:.6g} s",
+            named(self.joints),
+            counted(blocks, "block") if blocks else "",
+            f"gap {self.gap * 100.0:.2g} %" if self.lower_bound > 0.0 else "",
+            f"planner {self.planner}",
+        )
+
     @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints."""
@@ -106,7 +88,13 @@ class Trajectory:
         return self.duration / self.lower_bound - 1.0 if self.lower_bound > 0.0 else np.inf
 
     def _state(self, t: Floats) -> tuple[Ints, Floats]:
-        """Run and state (4, n) of s at sorted times; at rest while dwelling."""
+        """Run and state (4, n) of s at times t (n,); at rest while dwelling."""
+        if (t[1:] < t[:-1]).any():
+            # laws take their times in order
+            order = np.argsort(t, kind="stable")
+            back = np.argsort(order)
+            run, state = self._state(t[order])
+            return run[back], state[:, back]
         run = np.clip(np.searchsorted(self.starts, t, side="right") - 1, 0, len(self.laws) - 1)
         state = np.zeros((4, len(t)))
         for k in np.unique(run):
@@ -119,19 +107,27 @@ class Trajectory:
         return run, state
 
     def parameter(self, t: npt.ArrayLike) -> Floats:
-        """(n,) path parameter s at times t (n,) [s]."""
-        s: Floats = self._state(np.atleast_1d(np.asarray(t, dtype=float)))[1][0]
-        return s
+        """Path parameter s at a time or at times t (n,) [s], in the shape of t. Raises UsageError as `at`."""
+        times = _times(t)
+        s: Floats = self._state(times.ravel())[1][0]
+        return s.reshape(times.shape)
 
     def state(self, t: float) -> tuple[float, float, float]:
-        """s, ds/dt and d2s/dt2 at a time [s]: where a replanning starts."""
-        s, v, a, _ = self._state(np.array([float(t)]))[1][:, 0]
+        """s, ds/dt and d2s/dt2 at one time [s]: where a replanning starts. Raises UsageError as `at`."""
+        times = _times(t)
+        if times.ndim:
+            raise UsageError(f"trajectory: {len(times)} times where one is expected; give a number")
+        s, v, a, _ = self._state(times.ravel())[1][:, 0]
         return float(s), float(v), float(a)
 
     def at(self, t: npt.ArrayLike) -> Motion:
-        """Motion of the joints at times t (n,) [s]; before the start and after the end the machine rests."""
-        motion, _ = self._motion_in_pieces(np.atleast_1d(np.asarray(t, dtype=float)))
-        return motion
+        """Motion of the joints, each array (joints,) at one time t [s], (n, joints) at times t (n,) in any order.
+
+        Before the start and after the end the machine rests. Raises UsageError for what is no time.
+        """
+        times = _times(t)
+        motion, _ = self._motion_in_pieces(times.ravel())
+        return motion if times.ndim else Motion(motion.q[0], motion.qd[0], motion.qdd[0], motion.qddd[0])
 
     def _motion_in_pieces(self, t: Floats) -> tuple[Motion, Ints]:
         """Motion and block at times t, without room for all derivatives of all of them at once."""
@@ -160,10 +156,15 @@ class Trajectory:
         return Motion(*parts), block
 
     def tip(self, t: npt.ArrayLike) -> tuple[Floats, Floats]:
-        """Tool tip (n, 3) [m] and tool axis (n, 3) in the workpiece frame at times t [s]."""
+        """Tool tip [m] and tool axis in the workpiece frame: (3,) at one time t [s], (n, 3) at times t (n,).
+
+        Raises UsageError as `at`, and without a machine.
+        """
         if self.axis_path.machine is None:
             raise UsageError("trajectory: without a machine there is no tool tip; plan a Path on a Machine")
-        return self.axis_path.machine.forward(self.at(t).q)
+        q = self.at(t).q
+        tip, axis = self.axis_path.machine.forward(np.atleast_2d(q))
+        return (tip, axis) if q.ndim > 1 else (tip[0], axis[0])
 
     def sample(self, dt: float = 1e-3) -> SetPoints:
         """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest."""
@@ -210,3 +211,20 @@ class Trajectory:
     def save(self, path: str | os.PathLike[str], dt: float = 1e-3) -> None:
         """Write the set-points as npz (see SetPoints), whole or not at all."""
         self.sample(dt).save(path)
+
+
+def _times(t: npt.ArrayLike) -> Floats:
+    """One time () or times (n,) as numbers. Raises UsageError for everything else."""
+    cure = "give a number of seconds, or an array (n,) of them"
+    try:
+        given = np.asarray(t)
+    except ValueError:
+        raise UsageError(f"trajectory: the times are lists of different lengths; {cure}") from None
+    if given.dtype.kind not in "iuf" or given.ndim > 1:
+        what = f"an array of shape {given.shape}" if given.ndim else f"a {type(t).__name__}"
+        raise UsageError(f"trajectory: {what} of {given.dtype} is no time; {cure}")
+    times: Floats = given.astype(float)
+    if np.isnan(times).any():
+        place = f" {int(np.argmax(np.isnan(times)))}" if times.ndim else ""
+        raise UsageError(f"trajectory: time{place} is nan; {cure}")
+    return times

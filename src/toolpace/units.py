@@ -93,13 +93,6 @@ def format_angle(radians: float) -> str:
     return f"{_plain(radians / DEGREE, 4)} deg"
 
 
-def format_feed(metres_per_second: float) -> str:
-    """Feed for people, in mm/min; `no cap` where it is infinite."""
-    if math.isinf(metres_per_second):
-        return "no cap"
-    return f"{_plain(metres_per_second / FEEDS['mm/min'], 1)} mm/min"
-
-
 def format_time(seconds: float) -> str:
     """Time for people: `12.3 ms`, `3.61 s`, `17 min 58.7 s`, `1 h 02 min 03 s`."""
     if not math.isfinite(seconds):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import threading
 from collections.abc import Callable, Sequence
@@ -9,53 +10,67 @@ from typing import TypeVar
 
 T = TypeVar("T")
 R = TypeVar("R")
-Tell = Callable[[float], None]
-"""Takes the share of some work that is done, from 0 to 1."""
 
 BREATH = 0.03
-"""Time between two looks at others' work [s]."""
+"""Time between two looks at others' work [s]: short beside what an eye sees, long beside what a look costs."""
 
 
 class Stopped(Exception):
     """Others have failed, or the user has had enough: what is left of the work is of no use."""
 
 
-def untold(share: float) -> None:
-    """Tell nobody."""
+class Progress:
+    """Takes word of how far some work is, from 0 to 1, and passes it on."""
 
+    def __init__(self, tell: Callable[[float], None] = lambda share: None) -> None:
+        self._tell = tell
 
-def part_of(tell: Tell, low: float, high: float) -> Tell:
-    """Tells of work that is the part from `low` to `high` of some other."""
-    return lambda share: tell(low + (high - low) * share)
-
-
-class Tally:
-    """How much of a plan is done: never falls, and is told only in the thread that asked for the plan."""
-
-    def __init__(self, tell: Tell | None, shares: Sequence[float]) -> None:
-        """Take who is to be told, and the share of each run of the whole."""
-        self._tell, self._shares = tell or untold, shares
-        self._done = [0.0] * len(shares)
-        self._told = -1.0
-        self._owner = threading.get_ident()
-
-    def of(self, run: int) -> Tell:
-        """Takes word of one run."""
-
-        def tell(share: float) -> None:
-            self._done[run] = max(self._done[run], min(share, 1.0))
-            self.pulse()
-
-        return tell
+    def __call__(self, share: float) -> None:
+        """Say that so much of the work is done."""
+        self._tell(share)
 
     def pulse(self) -> None:
-        """Pass on what others have done."""
-        if threading.get_ident() != self._owner:
-            return
-        now = min(sum(done * share for done, share in zip(self._done, self._shares)), 1.0)
-        if now > self._told:
-            self._told = now
-            self._tell(now)
+        """Pass on what other threads have said, where it must wait for the right one."""
+
+    def part(self, low: float, high: float) -> Progress:
+        """Of work that is the part from `low` to `high` of this."""
+        return Progress(lambda share: self(low + (high - low) * share))
+
+    def split(self, weights: Sequence[float]) -> list[Progress]:
+        """Of pieces that are done in any order and each so much of the whole; their sum is what is passed on."""
+        whole = sum(weights) or 1.0
+        shares, done = [weight / whole for weight in weights], [0.0] * len(weights)
+
+        def piece(k: int) -> Progress:
+            def tell(share: float) -> None:
+                done[k] = max(done[k], min(share, 1.0))
+                self(min(sum(map(operator.mul, done, shares)), 1.0))
+
+            return Progress(tell)
+
+        return [piece(k) for k in range(len(weights))]
+
+
+UNTOLD = Progress()
+"""Of work that nobody asks after."""
+
+
+class CallersProgress(Progress):
+    """Tells a caller how much is done: it never falls, and is told only in the thread that made this."""
+
+    def __init__(self, tell: Callable[[float], None] | None) -> None:
+        super().__init__(tell or (lambda share: None))
+        self._done, self._told = 0.0, -1.0
+        self._owner = threading.get_ident()
+
+    def __call__(self, share: float) -> None:
+        self._done = max(self._done, share)
+        self.pulse()
+
+    def pulse(self) -> None:
+        if threading.get_ident() == self._owner and self._done > self._told:
+            self._told = self._done
+            self._tell(self._told)
 
 
 class Helper:
@@ -86,16 +101,16 @@ def interrupted(error: BaseException) -> bool:
     return isinstance(error, SystemError) and isinstance(error.__cause__, KeyboardInterrupt)
 
 
-class Crew:
+class Workers:
     """As many threads as there are cores, for work within work.
 
     Who asks for work to be done works too, and helpers join where they are free: pieces of one long run, or several
     short runs, take the cores they find. Once `stopped`, all come to a halt after the pieces they are at.
     """
 
-    def __init__(self, tally: Tally | None = None) -> None:
+    def __init__(self, progress: Progress | None = None) -> None:
         self._free = threading.Semaphore(max((os.cpu_count() or 1) - 1, 0))
-        self._tally = tally
+        self._progress = progress or UNTOLD
         self.stopped = False
 
     def aside(self, work: Callable[[], R]) -> R:
@@ -120,7 +135,7 @@ class Crew:
             raise failed[0]
         return out[0]
 
-    def each(self, work: Callable[[T], R], pieces: Sequence[T], tell: Tell = untold) -> list[R]:
+    def each(self, work: Callable[[T], R], pieces: Sequence[T], progress: Progress = UNTOLD) -> list[R]:
         """What `work` makes of each piece, in order. The first error is raised when all have come to a halt."""
         out: dict[int, R] = {}
         failed: dict[int, Exception] = {}
@@ -138,7 +153,7 @@ class Crew:
                 except Exception as error:
                     failed[k] = error
                     return
-                tell(len(out) / len(pieces))
+                progress(len(out) / len(pieces))
 
         def help_out() -> None:
             try:
@@ -167,8 +182,33 @@ class Crew:
         return [out[k] for k in range(len(pieces))]
 
     def _pulse(self) -> None:
-        if self._tally is not None:
-            self._tally.pulse()
+        self._progress.pulse()
+
+
+def side_by_side(
+    work: Callable[[int, Workers, Progress], R],
+    weights: Sequence[float],
+    progress: Callable[[float], None] | None = None,
+) -> list[R]:
+    """What `work` makes of each of several runs, in order, on all cores: the one loop over runs that there is.
+
+    `work` is given the number of the run, the workers, for work within the run, and whom to tell how far it is. The
+    `weights` say how much of the whole each run is. Where one fails, the others stop, and its error is raised.
+    """
+    told = CallersProgress(progress)
+    workers = Workers(told)
+    parts = told.split(weights)
+
+    def one(k: int) -> R:
+        try:
+            out = work(k, workers, parts[k])
+        except BaseException:
+            workers.stopped = True
+            raise
+        parts[k](1.0)
+        return out
+
+    return workers.aside(lambda: workers.each(one, range(len(weights))))
 
 
 class Lock:

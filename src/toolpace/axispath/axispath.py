@@ -13,14 +13,17 @@ from toolpace.arrays import Floats
 from toolpace.axispath.callable import CallableRun
 from toolpace.axispath.follow import FollowRun, branches_of
 from toolpace.axispath.run import AxisRun
+from toolpace.description import counted, named, one_line
 from toolpace.errors import UsageError
 
 if TYPE_CHECKING:
+    from scipy.interpolate import BSpline, PPoly
+
     from toolpace.machine.machine import Machine
     from toolpace.path.path import Path
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class AxisPath:
     """Runs one after the other, each from rest to rest."""
 
@@ -29,6 +32,10 @@ class AxisPath:
     machine: Machine | None = None
     first_dwell: float = 0.0
     """Time to wait before anything moves [s]."""
+
+    def __repr__(self) -> str:
+        machine = f"machine {self.machine.name}" if self.machine is not None else ""
+        return one_line(self, counted(len(self.runs), "run"), named(self.joints), machine)
 
     @classmethod
     def from_callable(
@@ -52,10 +59,49 @@ class AxisPath:
             raise UsageError(f"path: s runs from {s0:g} to {s1:g}; it must increase")
         run = CallableRun(f, float(s0), float(s1), speed_cap, np.unique(np.asarray(breaks, dtype=float)), hints)
         count = run.evaluate(np.array([s0, s1])).shape[2]
-        names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
-        if len(names) != count:
-            raise UsageError(f"path: {len(names)} joint names for {count} joints")
-        return cls((run,), names)
+        return cls((run,), joint_names(joints, count))
+
+    @classmethod
+    def from_waypoints(
+        cls,
+        q: npt.ArrayLike,
+        *,
+        s: npt.ArrayLike | None = None,
+        joints: Sequence[str] | None = None,
+        speed_cap: float | Callable[[Floats], npt.ArrayLike] = np.inf,
+        stop: bool = False,
+    ) -> AxisPath:
+        """A path through joint positions q (n, m) [m or rad], from the first to the last.
+
+        The curve is the natural spline of degree five, four times continuously differentiable, at s (n,) ascending;
+        without s, over the chord lengths in the joints, each in shares of its range. Two waypoints make a straight
+        line. `stop` stops at every waypoint: straight lines, one run each. `speed_cap` limits ds/dt, as in
+        `from_callable`. UsageError for repeated waypoints, for nan, and for shapes that do not fit.
+        """
+        from toolpace.axispath.waypoints import waypoint_runs
+
+        runs = waypoint_runs(q, s, speed_cap, stop)
+        return cls(runs, joint_names(joints, runs[0].coefficients.shape[2]))
+
+    @classmethod
+    def from_spline(
+        cls,
+        spline: BSpline | PPoly,
+        *,
+        joints: Sequence[str] | None = None,
+        speed_cap: float | Callable[[Floats], npt.ArrayLike] = np.inf,
+    ) -> AxisPath:
+        """The path of a spline of scipy.interpolate, s -> (m,) joint positions, from its first parameter to its last.
+
+        Taken are BSpline (and what make_interp_spline and make_smoothing_spline return), CubicSpline and every other
+        PPoly; of a scalar spline comes a path of one joint. Knots where the third derivative jumps become breaks.
+        PathError where position, slope or curvature jumps at a knot: no motion of bounded jerk could follow.
+        UsageError for what is no real spline of joints. `speed_cap` limits ds/dt, as in `from_callable`.
+        """
+        from toolpace.axispath.spline import spline_run
+
+        run = spline_run(spline, speed_cap)
+        return cls((run,), joint_names(joints, run.coefficients.shape[2]))
 
     @classmethod
     def follow(cls, path: Path, machine: Machine) -> AxisPath:
@@ -65,3 +111,9 @@ class AxisPath:
         return cls(runs, machine.joints, machine, path.first_dwell)
 
 
+def joint_names(joints: Sequence[str] | None, count: int) -> tuple[str, ...]:
+    """The names that are given, or q1, q2, ... UsageError where they are not as many as the joints."""
+    names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
+    if len(names) != count:
+        raise UsageError(f"path: {len(names)} joint names for {count} joints")
+    return names

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
+from toolpace.axispath.cap import SpeedCap
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import PathError
 from toolpace.workers import Lock
@@ -25,13 +26,13 @@ class CallableRun(AxisRun):
         breaks: Floats,
         hints: npt.ArrayLike = (),
     ) -> None:
-        self.f, self.cap = f, speed_cap
+        # a caller's function may remember what it was asked last
+        self.f, self.lock = f, Lock()
+        self.cap = SpeedCap(speed_cap, self.lock)
         self.s0, self.s1, self.breaks = s0, s1, breaks[(breaks > s0) & (breaks < s1)]
         places = np.asarray(hints, dtype=float).ravel()
         places = places[(places > s0) & (places < s1)]
         self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
-        # a caller's function may remember what it was asked last
-        self.lock = Lock()
 
     def evaluate(self, s: Floats) -> Floats:
         with self.lock:
@@ -47,9 +48,4 @@ class CallableRun(AxisRun):
         return np.stack(values)
 
     def speed_cap(self, s: Floats) -> Floats:
-        if callable(self.cap):
-            with self.lock:
-                cap = self.cap(s)
-        else:
-            cap = self.cap
-        return np.broadcast_to(np.asarray(cap, dtype=float), s.shape).copy()
+        return self.cap.at(s)

@@ -28,7 +28,7 @@ POLE = 1e-9
 """Sine of the angle between tool axis and pole below which the first rotary joint is free on an exact path."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Branch:
     """Rotary joints on a grid along a run: which of both solutions, and which turn, is meant."""
 
@@ -115,6 +115,7 @@ class FollowRun(AxisRun):
     def __init__(self, run: PathRun, machine: Machine, branch: Branch | None) -> None:
         self.run, self.machine, self.branch = run, machine, branch
         self.s0, self.s1, self.hints, self.dwell = run.s0, run.s1, run.breaks, run.dwell
+        self.blocks = len(run.block)
         length = np.diff(run.block_start)
         self.pace = np.divide(length, run.least_time, where=run.least_time > 0.0, out=np.full(len(length), np.inf))
         """Most ds/dt in each block for the sake of its least time."""

@@ -38,7 +38,7 @@ def _polynomials(s: Floats, jets: Floats) -> Floats:
     return out
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class QuinticRun(PathRun):
     """Tip and rotary joints as quintics between the points at `breaks`."""
 

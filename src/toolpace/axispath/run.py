@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
+from toolpace.description import counted, one_line
 
 
 class AxisRun(ABC):
@@ -20,6 +21,12 @@ class AxisRun(ABC):
     """(h,) parameter values between which the run is smooth on the scale of a mesh cell; may be empty."""
     dwell: float = 0.0
     """Time to wait at the end [s]."""
+    blocks: int = 0
+    """Number of blocks of a program that it follows; 0 where there is no program."""
+
+    def __repr__(self) -> str:
+        blocks = counted(self.blocks, "block") if self.blocks else ""
+        return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g}", blocks)
 
     @abstractmethod
     def evaluate(self, s: Floats) -> Floats:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
-from toolpace import __version__
+from toolpace.cli import options
 from toolpace.cli.steps import Steps, new_console
+from toolpace.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 
@@ -38,27 +38,25 @@ app = App(
     suppress_keyboard_interrupt=False,
 )
 
-Switch = Parameter(negative="", show_default=False)
 
-
-@app.command(help_epilogue="")
-def plan(
-    program: str,
+@app.command(name="plan", help_epilogue="")
+def plan_command(
+    program: options.Program,
     /,
     *,
-    machine: Annotated[str | None, Parameter(name=["--machine", "-m"])] = None,
-    tip_tolerance: str = "0.01mm",
-    axis_tolerance: str = "0.05deg",
-    planner: str = "optimal",
-    prove: Annotated[bool, Switch] = False,
-    prove_within: str = "60s",
-    feed: str | None = None,
-    dt: str = "1ms",
-    out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
-    csv: Annotated[bool, Switch] = False,
-    tool_length: str | None = None,
-    dialect: str | None = None,
-    no_report: Annotated[bool, Switch] = False,
+    machine: options.MachineName = None,
+    tip_tolerance: options.TipTolerance = "0.01mm",
+    axis_tolerance: options.AxisTolerance = "0.05deg",
+    planner: options.PlannerName = "optimal",
+    prove: options.Prove = False,
+    prove_within: options.ProveWithin = "60s",
+    feed: options.Feed = None,
+    dt: options.TimeStep = "1ms",
+    out: options.Out = None,
+    csv: options.Csv = False,
+    tool_length: options.ToolLength = None,
+    dialect: options.Dialect = None,
+    no_report: options.NoReport = False,
 ) -> int:
     """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
 
@@ -72,39 +70,6 @@ def plan(
         toolpace plan part.cls -m my-mill.toml --tip-tolerance 5um --feed 120%
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
-
-    Parameters
-    ----------
-    program
-        G-code, APT, CLSF or a table (CSV) of points and tool axes.
-    machine
-        Name of a built-in machine (see `toolpace machines`) or a machine file (.toml). Required.
-    tip_tolerance
-        How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in.
-    axis_tolerance
-        How far the tool axis may turn from the program's: 0.05deg, 1e-3rad.
-    planner
-        optimal: least time, the default. genetic: the method of Wu, Li, Liu and Perez (ACC 2009).
-        second-order: least time without jerk limits, to compare with; it fails the verification of jerk.
-    prove
-        After planning, prove how close the plan is to the fastest possible one: raises the lower bound until the gap
-        is 0.01 % or the time for it is up.
-    prove_within
-        That time.
-    feed
-        In place of the program's feeds: a factor (120%), a value (3000mm/min), or none: as fast as the machine can.
-    dt
-        Time between set-points.
-    out
-        Folder for the results; by default PROGRAM-plan, here.
-    csv
-        Write the set-points as a table (setpoints.csv) too.
-    tool_length
-        From the spindle nose to the tip, in place of the machine file's: 120mm.
-    dialect
-        gcode, apt or csv, where the name of the program does not tell.
-    no_report
-        Leave report.html out.
     """
     from toolpace import units
     from toolpace.cli import arguments, job, summary
@@ -126,14 +91,14 @@ def plan(
         report=not no_report,
     )
     console = new_console()
-    record, verification = job.run(task, Steps(console))
+    record, verification = job.carry_out(task, Steps(console))
     summary.show_plan(console, record, verification)
     summary.show_files(console, task.out, job.written(task))
     return job.exit_code(record, verification)
 
 
-@app.command(help_epilogue="")
-def verify(directory: str, /) -> int:
+@app.command(name="verify", help_epilogue="")
+def verify_command(directory: options.PlanFolder, /) -> int:
     """Judge a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel.
 
     Nothing of the planner is used: set-points are differentiated, put through the
@@ -143,11 +108,6 @@ def verify(directory: str, /) -> int:
     For example:
 
         toolpace verify part-plan
-
-    Parameters
-    ----------
-    directory
-        The folder that `toolpace plan` wrote.
     """
     from toolpace.cli import folder, summary
 
@@ -157,21 +117,14 @@ def verify(directory: str, /) -> int:
     return 0 if verification.ok else 1
 
 
-@app.command(help_epilogue="")
-def machines(name: str | None = None, /, *, toml: Annotated[bool, Switch] = False) -> int:
+@app.command(name="machines", help_epilogue="")
+def machines_command(name: options.OneMachine = None, /, *, toml: options.Toml = False) -> int:
     """List the built-in machines with their class, travel and limits.
 
     For example:
 
         toolpace machines
         toolpace machines xyzac-trunnion --toml > my-mill.toml
-
-    Parameters
-    ----------
-    name
-        One machine, or a machine file to look at; all built-in ones without.
-    toml
-        Print the machine file.
     """
     from toolpace.cli import summary
     from toolpace.errors import UsageError
@@ -188,31 +141,20 @@ def machines(name: str | None = None, /, *, toml: Annotated[bool, Switch] = Fals
     return 0
 
 
-@app.command(help_epilogue="")
-def demo(*, out: Annotated[str, Parameter(name=["--out", "-o"])] = "toolpace-demo") -> int:
+@app.command(name="demo", help_epilogue="")
+def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     """Plan an impeller of seven blades on a built-in machine, and name the report to open.
 
     The program is written beside the plan, as program.ngc.
-
-    Parameters
-    ----------
-    out
-        Folder for the results.
     """
     from toolpace.cli import arguments, folder
 
     return folder.run_demo(arguments.folder_to_write(out), new_console())
 
 
-@app.command(help_epilogue="")
-def study(*, out: Annotated[str, Parameter(name=["--out", "-o"])] = "toolpace-study") -> int:
-    """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours.
-
-    Parameters
-    ----------
-    out
-        Folder for the results.
-    """
+@app.command(name="study", help_epilogue="")
+def study_command(*, out: options.Results = "toolpace-study") -> int:
+    """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours."""
     from toolpace.cli import arguments, folder
 
     return folder.run_study(arguments.folder_to_write(out), new_console())

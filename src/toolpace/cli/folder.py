@@ -28,13 +28,13 @@ def verify_folder(folder: Path, steps: Steps) -> Verification:
     if not folder.is_dir():
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
     record = write.read_plan(folder)
-    with steps.step("reading") as tell:
+    with steps.step("reading") as step:
         machine = Machine.load(folder / write.MACHINE)
         setpoints = SetPoints.load(folder / write.SET_POINTS)
         toolpath = None
         if record.program_file:
             toolpath = read(folder / record.program_file, machine, record.dialect, feed=record.feed)
-        tell.note = f"{len(setpoints)} set-points" + (f", {toolpath.blocks} blocks" if toolpath else "")
+        step.note = f"{len(setpoints)} set-points" + (f", {toolpath.blocks} blocks" if toolpath else "")
     allowed = {}
     if record.tip_tolerance_mm is not None:
         allowed["tip_tolerance"] = record.tip_tolerance_mm * MILLIMETRE
@@ -46,7 +46,7 @@ def verify_folder(folder: Path, steps: Steps) -> Verification:
 
 def run_demo(out: Path, console: Console) -> int:
     """Write the demo's program, plan it, show the summary, name the report."""
-    from toolpace import demo
+    from toolpace import demo, write
     from toolpace.machine.machine import Machine
 
     machine = Machine.load(demo.MACHINE)
@@ -54,15 +54,15 @@ def run_demo(out: Path, console: Console) -> int:
     job.warm_up(steps)
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "impeller.ngc"
-        with steps.step("generating") as tell:
+        with steps.step("generating") as step:
             text = demo.impeller_program(machine)
             program.write_text(text, encoding="ascii")
-            tell.note = "the program of an impeller, seven blades"
+            step.note = "the program of an impeller, seven blades"
         task = job.Job(program, machine, out, 0.01 * MILLIMETRE, 0.05 * DEGREE)
-        record, verification = job.run(task, steps)
+        record, verification = job.carry_out(task, steps)
     summary.show_plan(console, record, verification)
     summary.show_files(console, out, job.written(task))
-    report = (out / "report.html").resolve()
+    report = (out / write.REPORT).resolve()
     console.print(f"\nOpen the report in a browser:\n{report}", soft_wrap=True)
     return job.exit_code(record, verification)
 
@@ -73,7 +73,7 @@ def run_study(out: Path, console: Console) -> int:
 
     steps = Steps(console)
     job.warm_up(steps)
-    with steps.step("studying") as tell:
-        study.run(out, tell)
+    with steps.step("studying") as step:
+        study.write_study(out, step)
     console.print(f"Open the study in a browser:\n{(out / 'study.html').resolve()}", soft_wrap=True)
     return 0

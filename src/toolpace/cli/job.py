@@ -1,4 +1,14 @@
-"""From a program to a folder of results, step by step."""
+"""From a program to a folder of results, step by step.
+
+carry out a job:
+  read the program                       ToolPath
+  fit a smooth path within tolerances    Path
+  plan the motion along it               Trajectory
+  prove how close to the best it is      the same, with a higher lower bound; only where asked for
+  sample it at equal times               SetPoints
+  verify these by the program alone      Verification
+  write all of it                        the folder
+"""
 
 from __future__ import annotations
 
@@ -13,7 +23,10 @@ from toolpace.planning.guarantee import PROMISED
 if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
+    from toolpace.path.path import Path as SmoothPath
+    from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
+    from toolpace.trajectory import Trajectory
     from toolpace.write import PlanRecord
 
 
@@ -25,78 +38,116 @@ class Job:
     machine: Machine
     out: Path
     tip_tolerance: float
+    """[m]"""
     axis_tolerance: float
+    """[rad]"""
     planner: str = "optimal"
     prove_within: float | None = None
     """Time for raising the lower bound [s]; None: it stays as it is found with the plan."""
     feed: str | None = None
     dialect: str | None = None
     dt: float = 1e-3
+    """[s]"""
     csv: bool = False
     report: bool = True
 
 
-def run(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
+def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
+    warm_up(steps)
+    toolpath = read_program(job, steps)
+    path = fit_path(job, steps, toolpath)
+    trajectory = plan_motion(job, steps, path)
+    setpoints = sample_motion(job, steps, trajectory, toolpath)
+    verification = verify_motion(job, steps, setpoints, toolpath)
+    record = write_results(job, steps, toolpath, path, trajectory, setpoints, verification)
+    return record, verification
+
+
+def read_program(job: Job, steps: Steps) -> ToolPath:
+    """The program as a tool path that the machine can reach all points of."""
     from toolpace.reading import read
 
-    warm_up(steps)
-    with steps.step("reading") as tell:
+    with steps.step("reading") as step:
         toolpath = read(job.program, job.machine, job.dialect, feed=job.feed)
         check_program(toolpath, job.machine)
         skipped = sum(toolpath.skipped.values())
-        tell.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
+        step.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
+    return toolpath
 
-    import msgspec
 
-    from toolpace import write
-    from toolpace.axispath.axispath import AxisPath
-    from toolpace.judge import verify
+def fit_path(job: Job, steps: Steps, toolpath: ToolPath) -> SmoothPath:
+    """A smooth path within the tolerances."""
     from toolpace.path.path import Path as SmoothPath
+
+    with steps.step("fitting") as step:
+        return SmoothPath.fit(toolpath, job.tip_tolerance, job.axis_tolerance, job.machine, progress=step)
+
+
+def plan_motion(job: Job, steps: Steps, path: SmoothPath) -> Trajectory:
+    """The fastest motion along it, and its lower bound, proved for as long as was asked for."""
+    from toolpace.axispath.axispath import AxisPath
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.planner import plan
-    from toolpace.write.plan_json import PLAN
 
-    with steps.step("fitting") as tell:
-        path = SmoothPath.fit(toolpath, job.tip_tolerance, job.axis_tolerance, job.machine, progress=tell)
-    with steps.step("planning") as tell:
+    with steps.step("planning") as step:
         axis_path = AxisPath.follow(path, job.machine)
-        trajectory = plan(axis_path, job.machine, planner=job.planner, progress=tell)
-        tell.note = f"{trajectory.mesh_points} mesh points"
+        trajectory = plan(axis_path, job.machine, planner=job.planner, progress=step)
+        step.note = f"{trajectory.mesh_points} mesh points"
     if job.prove_within is not None:
-        with steps.step("proving") as tell:
+        with steps.step("proving") as step:
             before = trajectory.gap
-            trajectory = prove(trajectory, within=job.prove_within, progress=tell)
-            tell.note = f"gap {before:.3%}, now {trajectory.gap:.3%}"
-    with steps.step("sampling") as tell:
+            trajectory = prove(trajectory, within=job.prove_within, progress=step)
+            step.note = f"gap {before:.3%}, now {trajectory.gap:.3%}"
+    return trajectory
+
+
+def sample_motion(job: Job, steps: Steps, trajectory: Trajectory, toolpath: ToolPath) -> SetPoints:
+    """Set-points at equal times, within travel; the use of the limits between them is looked at on the way."""
+    with steps.step("sampling") as step:
         setpoints = trajectory.sample(job.dt)
         check_travel(job.machine, setpoints.q, setpoints.block, toolpath.source)
         trajectory.usage()
-        tell.note = f"{len(setpoints)} set-points"
+        step.note = f"{len(setpoints)} set-points"
+    return setpoints
+
+
+def verify_motion(job: Job, steps: Steps, setpoints: SetPoints, toolpath: ToolPath) -> Verification:
+    """The judge's word on the set-points."""
+    from toolpace.judge import verify
+
     with steps.step("verifying"):
-        verification = verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt)
-    with steps.step("writing") as tell:
-        record = write.write_all(
-            job.out,
-            trajectory,
-            path,
-            toolpath,
-            job.machine,
-            setpoints,
-            job.program,
-            csv=job.csv,
-            report=job.report,
-            progress=lambda what, share: tell(share),
+        return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt)
+
+
+def write_results(
+    job: Job,
+    steps: Steps,
+    toolpath: ToolPath,
+    path: SmoothPath,
+    trajectory: Trajectory,
+    setpoints: SetPoints,
+    verification: Verification,
+) -> PlanRecord:
+    """The folder, whole or not at all."""
+    from toolpace import write
+
+    with steps.step(write.WRITING) as step:
+        result = write.PlanResult(
+            trajectory=trajectory,
+            machine=job.machine,
+            setpoints=setpoints,
+            toolpath=toolpath,
+            path=path,
             verification=verification,
+            program=job.program,
+            dialect=job.dialect,
             feed=job.feed,
             tip_tolerance=job.tip_tolerance,
             axis_tolerance=job.axis_tolerance,
-            dialect=job.dialect,
             step_s=dict(steps.seconds),
         )
-    record = msgspec.structs.replace(record, step_s=dict(steps.seconds))
-    write.write_plan(job.out / PLAN, record)
-    return record, verification
+        return write.write_folder(job.out, result, csv=job.csv, report=job.report, progress=step)
 
 
 def check_program(toolpath: ToolPath, machine: Machine) -> None:
@@ -116,12 +167,10 @@ def warm_up(steps: Steps) -> None:
 
 
 def written(job: Job) -> list[str]:
-    """Names of the files of a plan, the one to look at last."""
-    from toolpace import write
-    from toolpace.write.plan_json import PLAN
+    """Names of the files of its folder, the one to look at last."""
+    from toolpace.write import written_files
 
-    names = [PLAN, write.SET_POINTS, write.MACHINE, f"program{job.program.suffix}"]
-    return names + [write.TABLE] * job.csv + [write.REPORT] * job.report
+    return written_files(job.program, csv=job.csv, report=job.report)
 
 
 def exit_code(record: PlanRecord, verification: Verification) -> int:

@@ -12,7 +12,9 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 from toolpace.units import format_time
 
 Tell = Callable[[float], None]
+"""Takes the share of a step that is done."""
 WIDTH = 12
+"""Of the column of names: that of the longest step, and a space."""
 
 
 def new_console() -> Console:

@@ -25,13 +25,14 @@ if TYPE_CHECKING:
 WORTH_A_WORD = 1e-3
 """Gap from which it is said where it lies."""
 PLACES_SHOWN = 3
+"""How many of these places are named."""
 SHOWN = 6
 """How many limits are named."""
 FULL = 0.999
 """Usage from which a limit counts as used to the full."""
 
 
-def clock(seconds: float) -> str:
+def clock_time(seconds: float) -> str:
     """h:mm:ss.s"""
     tenths = round(seconds * 10.0)
     return f"{tenths // 36000}:{tenths // 600 % 60:02d}:{tenths % 600 / 10.0:04.1f}"
@@ -47,9 +48,11 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     grid.add_row("machine", Text(f"{record.machine}, planner {record.planner}"))
     if None in record.usage.jerk.values():
         grid.add_row("", Text("JERK LIMITS ARE NOT HELD by this planner: accelerations jump", style="bold red"))
-    grid.add_row("duration", Text(f"{clock(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
+    grid.add_row("duration", Text(f"{clock_time(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
     if record.lower_bound_s and record.gap is not None:
-        grid.add_row("", f"no motion takes less than {clock(record.lower_bound_s)}: at most {record.gap:.3%} to gain")
+        grid.add_row(
+            "", f"no motion takes less than {clock_time(record.lower_bound_s)}: at most {record.gap:.3%} to gain"
+        )
         if record.continuous_bound_s:
             unmeshed = record.duration_s / record.continuous_bound_s - 1.0
             grid.add_row("", f"on no mesh at all, less than {format_time(record.continuous_bound_s)}: {unmeshed:.3%}")
@@ -94,7 +97,8 @@ def places_in_words(places: list[OpenPlaceRecord]) -> str:
     """ "mostly 0.04 s at 0:00:05.3 (block 120), ..., the rest at 2 more places"; the largest first."""
     largest = sorted(places, key=lambda place: -place.gain_s)[:PLACES_SHOWN]
     words = [
-        f"{format_time(place.gain_s)} at {clock(place.from_s)}" + (f" (block {place.block})" if place.block else "")
+        f"{format_time(place.gain_s)} at {clock_time(place.from_s)}"
+        + (f" (block {place.block})" if place.block else "")
         for place in largest
     ]
     more = len(places) - len(largest)

@@ -1,7 +1,7 @@
 """From a deflected pose in motion back onto a run: quintics of time in every joint, as part of an axis path.
 
 Where the paper joins deflection and projection by a quintic with the same velocity and acceleration at both, here the
-joints start as they are moving and arrive with the motion that a known time law has at the point of rejoining: no
+joints start as they are moving and arrive with the motion that the commanded time law has at the point of rejoining: no
 joint is asked for a jump of velocity or acceleration at either end.
 
       deflected o--carry--.__
@@ -14,120 +14,63 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.laws.law import TimeLaw
+from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.feed import FeedExcess, tip_velocity
+from toolpace.laws.chain import ChainLaw
+from toolpace.laws.quintic import QuinticLaw
 from toolpace.machine.machine import Machine
-from toolpace.motion import joint_motion
 
-STEP = 1e-6
-"""Time by which joints are moved on to see the speed of the tip [s]."""
-SOON = 0.05
-"""Time within which the tip must reach the feed for its excess to count [s]."""
-STILL = 1e-9
-"""Speed of the parameter that counts as rest, relative to its mean."""
-
-
-def tip_velocity(machine: Machine, q: Floats, qd: Floats) -> Floats:
-    """(n, 3) velocity of the tip in the workpiece frame [m/s] at joints and joint velocities (n, m)."""
-    velocity: Floats = (machine.forward(q + STEP * qd)[0] - machine.forward(q - STEP * qd)[0]) / (2.0 * STEP)
-    return velocity
+HINTS = 13
+"""Places along a detour between which it is simple."""
+STRAIGHT = 1e-6
+"""Share of v^2 / a up to which the parameter is taken as linear in time before Newton's steps, which do the rest."""
+NEWTON_STEPS = 2
+"""From the closed form, or from the line; each squares the error, so that two leave rounding."""
 
 
-@dataclass(frozen=True)
-class Excess:
-    """How much faster the tip is on the deflected pose than on the path, where that passes the feed, and how it fades.
-
-    The joints keep their velocities and accelerations, and the tip, found elsewhere, may thereby be faster than the
-    feed, or come to be: no command can change that at once. Allowed is F + (e + 2 g t + 3 e t / T) (1 - t / T)^3 over
-    the period T of the way back (before it, while the joints carry on, F + e + 2 g t).
-    """
-
-    feed: float
-    """F [m/s]; inf where there is none."""
-    speed: float
-    """e: what the deflection adds to the speed of the tip at the start, or 0 where the feed is far [m/s]."""
-    growth: float
-    """g: what it adds to the rate of change of that speed, or 0 [m/s^2]."""
-
-    @classmethod
-    def at_start(cls, machine: Machine | None, feed: float, motion: Floats, offset: Floats) -> Excess:
-        """That of joints in commanded motion (4, 1, m), found at an offset (m,)."""
-        if machine is None or not np.isfinite(feed):
-            return cls(feed, 0.0, 0.0)
-        q, qd, qdd = motion[:3]
-        step = 1e-4
-        speeds = []
-        for where in (q, q + offset):
-            moved = [
-                tip_velocity(machine, where + h * qd + h * h / 2.0 * qdd, qd + h * qdd) for h in (-step, 0.0, step)
-            ]
-            speeds.append([float(np.linalg.norm(velocity)) for velocity in moved])
-        (_, on_path, _), (_, off_path, _) = speeds
-        rates = [(ahead - behind) / (2.0 * step) for behind, _, ahead in speeds]
-        speed, growth = max(off_path - on_path, 0.0), max(rates[1] - rates[0], 0.0)
-        near = on_path + speed + SOON * (max(rates[0], 0.0) + growth) > feed
-        return cls(feed, speed, growth) if near else cls(feed, 0.0, 0.0)
-
-    def allowed(self, t: Floats, carry: float, period: float) -> Floats:
-        """(n,) most speed of the tip [m/s] at times since the deflection."""
-        later = np.maximum(t - carry, 0.0)
-        rise = self.speed + 2.0 * self.growth * t + 3.0 * self.speed / period * later
-        most: Floats = self.feed + rise * np.maximum(1.0 - later / period, 0.0) ** 3
-        return most
-
-
-@dataclass(frozen=True)
-class Known:
-    """A run with a time law that keeps to the limits: what there was before the deflection."""
-
-    run: AxisRun
-    law: TimeLaw
-
-    def motion(self, t: Floats) -> Floats:
-        """(4, n, m) joints and three time derivatives at sorted times (n,) of the law, held in its range."""
-        state = self.law.at(np.clip(t, 0.0, self.law.duration))
-        state[0] = np.clip(state[0], self.run.s0, self.run.s1)
-        moving = joint_motion(self.run.evaluate(state[0]), state)
-        return np.stack([moving.q, moving.qd, moving.qdd, moving.qddd])
-
-    def still(self, speed: Floats) -> npt.NDArray[np.bool_]:
-        """(n,) whether these speeds of the parameter are those of rest, but for rounding."""
-        resting: npt.NDArray[np.bool_] = np.abs(speed) <= STILL * (self.run.s1 - self.run.s0) / self.law.duration
-        return resting
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Detour:
-    """Joint motion over `carry + period` from a deflected pose to the state of a known motion at `rejoin`.
+    """Joint motion over `carry + period` from a deflected pose to the state of the commanded motion at `rejoin`.
 
     For the time `carry` the joints go on as before, offset by the deflection; then each follows a quintic.
     """
 
-    known: Known
+    commanded: CommandedMotion
     time: float
-    """Of the deflection, on the clock of the known law [s]."""
+    """Of the deflection, on the clock of the commanded law [s]."""
     offset: Floats
     """(m,) deflected joints minus commanded ones."""
     carry: float
     period: float
     rejoin: float
-    """On the clock of the known law [s]."""
+    """On the clock of the commanded law [s]."""
 
     @property
     def duration(self) -> float:
         """[s]"""
         return self.carry + self.period
 
+    def kinks(self) -> Floats:
+        """(k,) times since the deflection at which the jerk of the carry may jump."""
+        if self.carry == 0.0:
+            return np.empty(0)
+        law, run = self.commanded.law, self.commanded.run
+        own = law.times if isinstance(law, QuinticLaw | ChainLaw) else np.empty(0)
+        ends = law.at(np.array([self.time, self.time + self.carry]))[0]
+        passed = run.breaks[(run.breaks > ends[0]) & (run.breaks < ends[1])]
+        times = np.concatenate([own, [law.passing_time(float(s)) for s in passed]]) - self.time
+        return np.unique(times[(times > 0.0) & (times < self.carry)])
+
     def polynomials(self) -> Floats:
         """(1, 6, m) of the quintics."""
         from toolpace.kernels.motion.quintic import coefficients
 
-        q = self.known.motion(np.array([self.time + self.carry]))[:3, 0]
+        q = self.commanded.motion(np.array([self.time + self.carry]))[:3, 0]
         q[0] += self.offset
-        end = self.known.motion(np.array([self.rejoin]))[:3, 0]
+        end = self.commanded.motion(np.array([self.rejoin]))[:3, 0]
         both = np.ascontiguousarray(np.stack([q, end], axis=1))
         out: Floats = coefficients(np.array([0.0, self.period]), *both)
         return out
@@ -139,7 +82,7 @@ class Detour:
         out: Floats = evaluate(np.array([0.0, self.period]), self.polynomials(), np.ascontiguousarray(t - self.carry))
         early = t < self.carry
         if early.any():
-            before = self.known.motion(self.time + t[early])
+            before = self.commanded.motion(self.time + t[early])
             before[0] += self.offset
             out[:, early] = before
         return out
@@ -153,25 +96,26 @@ class DetourRun(AxisRun):
     joints come to rest as they rejoin (v = 0, an end of the run), p is time and the run ends there.
     """
 
-    def __init__(self, detour: Detour, machine: Machine | None, excess: Excess, kinks: Floats) -> None:
-        """`excess` tells the feed of the tip on the detour; `kinks` are times at which the jerk of the carry jumps."""
-        known = detour.known
-        self.detour, self.machine, self.excess, self.rest_of = detour, machine, excess, known.run
-        place, self.v, self.a, _ = map(float, known.law.at(np.array([detour.rejoin]))[:, 0])
-        self.ends_here = bool(known.still(np.array([self.v]))[0])
+    def __init__(self, detour: Detour, machine: Machine | None, excess: FeedExcess) -> None:
+        """`excess` tells the feed of the tip on the detour."""
+        commanded = detour.commanded
+        self.detour, self.machine, self.excess, self.rest_of = detour, machine, excess, commanded.run
+        place, self.v, self.a, _ = map(float, commanded.law.at(np.array([detour.rejoin]))[:, 0])
+        self.ends_here = bool(commanded.still(np.array([self.v]))[0])
         if self.ends_here:
             self.v, self.a = 1.0, 0.0
-        self.join = min(max(place, known.run.s0), known.run.s1)
+        self.join = min(max(place, commanded.run.s0), commanded.run.s1)
         self.s0 = float(self.parameter(np.zeros(1))[0, 0])
-        self.s1 = self.join if self.ends_here else known.run.s1
-        self.dwell = known.run.dwell if place > known.run.s0 else 0.0
-        self.kinks = np.unique(np.concatenate([kinks, [detour.carry]]))
-        self.kinks = self.kinks[(self.kinks > 0.0) & (self.kinks < detour.duration)]
+        self.s1 = self.join if self.ends_here else commanded.run.s1
+        self.dwell = commanded.run.dwell if place > commanded.run.s0 else 0.0
+        kinks = np.unique(np.concatenate([detour.kinks(), [detour.carry]]))
+        self.kinks = kinks[(kinks > 0.0) & (kinks < detour.duration)]
+        """(k,) times since the deflection at which the jerk may jump [s]."""
         own = self.parameter(self.kinks)[0]
-        later = known.run.breaks[known.run.breaks > self.join]
+        later = commanded.run.breaks[commanded.run.breaks > self.join]
         self.breaks = np.concatenate([own, [] if self.ends_here else [self.join], [] if self.ends_here else later])
-        even = self.parameter(np.linspace(0.0, detour.duration, 13))[0]
-        hints = known.run.hints
+        even = self.parameter(np.linspace(0.0, detour.duration, HINTS))[0]
+        hints = commanded.run.hints
         after = np.empty(0) if self.ends_here else hints[hints > self.join]
         self.hints = np.concatenate([even, after]) if len(hints) else even
 
@@ -195,8 +139,8 @@ class DetourRun(AxisRun):
         if abs(self.a) > 0.0:
             k = self.a * way / self.v**2
             z = 2.0 * np.sinh(np.arcsinh((4.0 + 6.0 * k) / 2.0) / 3.0)
-            x = np.where(np.abs(k) > 1e-6, (z - 1.0) * self.v / self.a, x)
-        for _ in range(2):
+            x = np.where(np.abs(k) > STRAIGHT, (z - 1.0) * self.v / self.a, x)
+        for _ in range(NEWTON_STEPS):
             y = self.a * x / self.v
             x = x - (self.v * x * (1.0 + y / 2.0 + y * y / 6.0) - way) / (self.v * (1.0 + y + y * y / 2.0))
         return np.clip(x + self.detour.duration, 0.0, self.detour.duration)

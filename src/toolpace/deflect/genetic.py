@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.arrays import Floats
 from toolpace.deflect.detour import DetourRun
 from toolpace.errors import InfeasibleError
-from toolpace.laws.chain import ChainLaw, Piece
+from toolpace.laws.chain import ChainLaw, LawPiece
 from toolpace.laws.law import TimeLaw
 from toolpace.laws.quintic import QuinticLaw
 from toolpace.machine.limits import Limits
@@ -17,46 +16,57 @@ from toolpace.planning.genetic.preset_speeds import Preset
 from toolpace.planning.genetic.problem import Intervals, reference_points
 from toolpace.planning.guarantee import KEPT_INTERVAL
 
+BEYOND = 1e-12
+"""How far behind the rejoining the next reference point lies at least, absolute and relative to s: else it is the same
+but for rounding."""
 
-def genetic_law(run: DetourRun, limits: Limits, direct: TimeLaw, options: dict[str, Any]) -> TimeLaw:
+
+def genetic_law(run: DetourRun, limits: Limits, direct: TimeLaw, planner: Genetic) -> TimeLaw:
     """The genetic algorithm on the detour and on the interval from the rejoining to the next reference point.
 
     Speeds and accelerations at all three points are those of the direct law, as the paper sets them to those of the
-    reference path; from there on the direct law goes on. An interval whose direct period is not within the limits
-    as a quintic (the direct law need not be one there) keeps the direct law.
+    reference path; from there on the direct law goes on.
     """
-    from toolpace.deflect.replan import passing_time
+    times, state = interval_ends(run, direct)
+    pieces = []
+    for k in range(len(times) - 1):
+        piece = LawPiece(direct, times[k], times[k + 1])
+        pieces.append(shortened_piece(run, limits, piece, state[:, k : k + 2], planner))
+    return ChainLaw([*pieces, LawPiece(direct, times[-1], direct.duration)])
 
-    chosen = Genetic(**options)
-    known = run.detour.known
-    law = known.law
-    points = law.s if isinstance(law, QuinticLaw) else reference_points(known.run, None)
-    after = points[points > run.join * (1.0 + 1e-12) + 1e-12]
-    marks = [0.0, *run.kinks, run.detour.duration]
+
+def interval_ends(run: DetourRun, direct: TimeLaw) -> tuple[list[float], Floats]:
+    """When the direct law is at the ends of the intervals that are timed anew, and its states (4, n) there."""
+    commanded = run.detour.commanded
+    law = commanded.law
+    points = law.s if isinstance(law, QuinticLaw) else reference_points(commanded.run, None)
+    after = points[points > run.join * (1.0 + BEYOND) + BEYOND]
+    times = [0.0, *map(float, run.kinks), run.detour.duration]
+    rejoining = len(times) - 1
     if len(after) > 1:
-        marks.append(passing_time(direct, float(after[0])))
-    state = direct.at(np.array(marks))
+        times.append(direct.passing_time(float(after[0])))
+    state = direct.at(np.array(times))
     # to the last digit, since the third derivative jumps there
-    state[0, 1 + len(run.kinks)] = run.join
-    if len(marks) > 2 + len(run.kinks):
+    state[0, rejoining] = run.join
+    if len(after) > 1:
         state[0, -1] = after[0]
-    pieces: list[Piece] = []
-    for k in range(len(marks) - 1):
-        direct_piece = Piece(direct, marks[k], marks[k + 1])
-        s, v, a = state[0, k : k + 2], state[1, k : k + 2], state[2, k : k + 2]
-        parts = Intervals(run, limits, s.copy(), (False, False))
-        given = Preset(v.copy(), a.copy(), np.array([marks[k + 1] - marks[k]]))
-        if peaks(parts, given).max() > KEPT_INTERVAL:
-            pieces.append(direct_piece)
-            continue
-        try:
-            best = shortened(parts, given, chosen)
-        except InfeasibleError:
-            pieces.append(direct_piece)
-            continue
-        own = QuinticLaw(s.copy(), best.speed, best.acceleration, best.periods)
-        pieces.append(
-            Piece(own, 0.0, own.duration) if own.duration < direct_piece.end - direct_piece.begin else direct_piece
-        )
-    pieces.append(Piece(direct, marks[-1], direct.duration))
-    return ChainLaw(pieces)
+    return times, state
+
+
+def shortened_piece(run: DetourRun, limits: Limits, direct: LawPiece, ends: Floats, planner: Genetic) -> LawPiece:
+    """One interval between two states (4, 2), in the shortest period that is found.
+
+    Where that of the direct law is not within the limits as a quintic (the direct law need not be one there), or is
+    no longer, the interval keeps the direct law.
+    """
+    s, v, a = ends[:3]
+    parts = Intervals(run, limits, s.copy(), (False, False))
+    given = Preset(v.copy(), a.copy(), np.array([direct.end - direct.begin]))
+    if peaks(parts, given).max() > KEPT_INTERVAL:
+        return direct
+    try:
+        best = shortened(parts, given, planner)
+    except InfeasibleError:
+        return direct
+    law = QuinticLaw(s.copy(), best.speed, best.acceleration, best.periods)
+    return LawPiece(law, 0.0, law.duration) if law.duration < direct.end - direct.begin else direct

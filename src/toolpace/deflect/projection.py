@@ -17,21 +17,26 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
+from toolpace.description import one_line
+from toolpace.equality import ByValue
 from toolpace.errors import UsageError
 from toolpace.path.path import Path
+from toolpace.path.run import PathRun
 
 SAMPLES = 400
 """Points of a run, beside its breaks, from which the nearest ones are taken as starts."""
 STARTS = 4
+"""Nearest valleys of the distance that are descended into; of two as near the lower one is not known before."""
 MOST_STEPS = 500
+"""Of one descent. Each is Gauss-Newton's, and near the path a few of them reach the last digits."""
 ROUNDING = 1.0 + 1e-14
 """Rise of the potential that is rounding: its fall cannot be seen any more where the last digits of s are won."""
 CONVERGED = 1e-14
 """Step at which the descent ends, relative to the length of the run in s."""
 
 
-@dataclass(frozen=True)
-class Projection:
+@dataclass(frozen=True, eq=False, repr=False)
+class Projection(ByValue):
     """The point of a path that attracts a deflection."""
 
     s: float
@@ -44,6 +49,9 @@ class Projection:
     """From the deflection [m]."""
     steps: int
     """Steps of the descent."""
+
+    def __repr__(self) -> str:
+        return one_line(self, f"s {self.s:.9g} of run {self.run}", f"{self.distance * 1e3:.6g} mm away")
 
 
 def potential(
@@ -122,8 +130,8 @@ def project(path: Path, deflection: npt.ArrayLike, *, interval: tuple[float, flo
             continue
         low, high = max(low, run.s0), min(high, run.s1)
 
-        def curve(s: float, run: object = run) -> tuple[Floats, Floats]:
-            jet = run.evaluate(np.array([s])).tip  # type: ignore[attr-defined]
+        def curve(s: float, run: PathRun = run) -> tuple[Floats, Floats]:
+            jet = run.evaluate(np.array([s])).tip
             return jet[0, 0], jet[1, 0]
 
         grid = np.linspace(low, high, SAMPLES)

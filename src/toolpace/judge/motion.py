@@ -15,9 +15,17 @@ from toolpace.setpoints import SetPoints
 TOLERANCE = 1e-4
 """Share of a limit by which it may be exceeded."""
 
+EVENNESS = 1e-9
+"""Share of the time step by which one step may differ from another: rounding of times that were added up."""
+COLUMN_ROUNDING = 1e-9
+"""Relative error of the set-points' own derivatives, which are worked out, not differenced."""
+
 _KINDS = ("velocity", "acceleration", "jerk")
+"""First, second and third derivative."""
 _PER = ("s", "s2", "s3")
+"""What their units are divided by."""
 _EPS = float(np.finfo(np.float64).eps)
+"""Relative distance from 1 to the next number: rounding is at most half of it."""
 
 
 def unit_of(base: str, order: int) -> str:
@@ -35,12 +43,12 @@ def step_check(points: SetPoints) -> tuple[float, list[Check]]:
     off = np.abs(even - step) if len(even) else np.zeros(1)
     worst = int(np.argmax(off))
     noise = 4.0 * _EPS * float(np.abs(points.t).max())
-    ok = bool(step > 0.0 and off[worst] <= 1e-9 * abs(step) + noise)
+    ok = bool(step > 0.0 and off[worst] <= EVENNESS * abs(step) + noise)
     time, block = float(points.t[worst]), int(points.block[worst])
     if step <= 0.0:
         return step, [Check("time step", math.nan, 0.0, "s", False, time, block, note="time does not run forward")]
     return step, [
-        Check("unevenness of the time step", float(off[worst]), 1e-9 * step, "s", ok, time, block, noise=noise)
+        Check("unevenness of the time step", float(off[worst]), EVENNESS * step, "s", ok, time, block, noise=noise)
     ]
 
 
@@ -125,8 +133,8 @@ def _column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: 
             off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))
             worst = int(np.argmax(off))
             scale = float(np.abs(below[:, j]).max())
-            # Derivatives are worked out, not differenced; a relative error of 1e-9 is theirs by right.
-            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max())) + 1e-9 * dt * scale
+            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max()))
+            noise += COLUMN_ROUNDING * dt * scale
             ok = bool(off[worst] <= allowed + noise)
             if not ok:
                 time, block = float(points.t[worst]), int(points.block[worst])

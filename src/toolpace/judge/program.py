@@ -21,6 +21,8 @@ DOUBT = 2.0
 GRACE = 1e-3
 """Share of a tolerance granted for the rounding of arcs and rotations into short chords by reader and
 judge."""
+SPACING = 0.25
+"""Distance below which set-points are left out of the row that the program is matched with [tolerances]."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ def program_checks(
     match(moving, line, np.zeros((len(line) - 1, 6)), line_place, *there.arrays)
     # A slow motion has hundreds of set-points within a tolerance; a few there are enough to come near.
     few = np.empty(len(moving), dtype=np.int64)
-    few = few[: thinned(moving, 0.25, few)]
+    few = few[: thinned(moving, SPACING, few)]
     chain, stations = moving[few], kept[few]
     chain_place = running_length(chain)
     back = Matched.empty(len(line))

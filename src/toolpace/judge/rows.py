@@ -11,6 +11,9 @@ from toolpace.arrays import Floats, Ints
 from toolpace.machine.machine import Machine
 from toolpace.toolpath import ToolPath
 
+CHORD = 0.02
+"""Most distance of a chord from the arc of the tool axis that it stands for [axis tolerances]; it is angle^2 / 8."""
+
 
 def program_line(
     toolpath: ToolPath, machine: Machine, tip_tolerance: float, axis_tolerance: float
@@ -19,7 +22,7 @@ def program_line(
     to.
 
     Where the axis turns on the way, points are put in between (great circle, or rotary joints in proportion)
-    until a chord is within 0.02 axis tolerances of its arc.
+    until a chord is within CHORD of its arc.
     """
     tip, axis = toolpath.tip, toolpath.axis
     if len(tip) == 1:
@@ -30,7 +33,7 @@ def program_line(
     rotary = toolpath.rotary
     if rotary is not None:
         turn = np.maximum(turn, np.abs(np.diff(rotary, axis=0)).max(axis=1))
-    pieces = np.clip(np.ceil(turn / math.sqrt(0.16 * axis_tolerance)), 1, 10_000).astype(np.int64)
+    pieces = np.clip(np.ceil(turn / math.sqrt(8.0 * CHORD * axis_tolerance)), 1, 10_000).astype(np.int64)
     owner = np.repeat(np.arange(1, len(tip)), pieces)
     ends = np.cumsum(pieces)
     share = (np.arange(ends[-1]) - np.repeat(ends - pieces, pieces) + 1.0) / np.repeat(pieces, pieces)

@@ -13,6 +13,8 @@ TIP_AGREEMENT = 1e-8
 """How far the tip column may be from forward kinematics [m]."""
 AXIS_AGREEMENT = 1e-8
 """How far the axis column may be from forward kinematics [rad]."""
+TRAVEL_ROUNDING = 1e-9
+"""How far out of travel a joint may be by rounding [m or rad]."""
 
 
 def tool_checks(points: SetPoints, machine: Machine, tip: Floats, axis: Floats) -> list[Check]:
@@ -28,7 +30,7 @@ def tool_checks(points: SetPoints, machine: Machine, tip: Floats, axis: Floats) 
                 value = float(q[worst])
                 over = bound - value if at_least else value - bound
                 time, block = float(points.t[worst]), int(points.block[worst])
-                ok = over <= 1e-9
+                ok = over <= TRAVEL_ROUNDING
                 name = "lowest position" if at_least else "highest position"
                 checks.append(Check(name, value, bound, unit, ok, time, block, joint, at_least=at_least))
     if points.has_tool:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from toolpace.description import counted, one_line
+from toolpace.equality import ByValue
 from toolpace.errors import VerificationError
 
 _EDGE = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
 """Units are turned into those of the shop floor only where a text is made."""
 
 
-@dataclass(frozen=True)
-class Check:
+@dataclass(frozen=True, eq=False, repr=False)
+class Check(ByValue):
     """One thing that was looked at, at the place where it came out worst."""
 
     what: str
@@ -72,9 +74,12 @@ class Check:
         place = f" {self.place}" if self.place else ""
         return f"{self.name}{place}: {figures}"
 
+    def __repr__(self) -> str:
+        return one_line(self, f"{'ok' if self.ok else 'FAILED'}: {self}")
 
-@dataclass(frozen=True)
-class Verification:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Verification(ByValue):
     """What the judge found. `ok` says whether all is well; `checks` holds every row, good or bad."""
 
     checks: tuple[Check, ...]
@@ -86,6 +91,15 @@ class Verification:
     """Largest distance between tip and program, both ways [m]; nan without a program."""
     axis_deviation: float = math.nan
     """Largest angle between tool axis and program at corresponding places [rad]; nan without a program."""
+
+    def __repr__(self) -> str:
+        worst = max(self.checks, key=lambda check: (not check.ok, check.ratio), default=None)
+        return one_line(
+            self,
+            "VERIFIED" if self.ok else f"FAILED in {counted(len(self.findings), 'check')}",
+            f"{counted(len(self.checks), 'check')} of {counted(self.set_points, 'set-point')}",
+            f"worst {worst.name}{f' {worst.place}' if worst.place else ''}" if worst else "",
+        )
 
     @property
     def ok(self) -> bool:

@@ -22,18 +22,24 @@ KERNELS: dict[str, Any] = {}
 HOME = f"{__package__}."
 
 
-def jit(*, reorder: bool = False) -> Callable[[F], F]:
+def jit(*, reorder: bool = False, inline: bool = False) -> Callable[[F], F]:
     """Compile to machine code, cached on disk, free of the interpreter lock.
 
     `reorder` lets sums be reassociated and products fused, for loops that shall use vector instructions.
     A nan or an infinity is always seen: the flags that assume their absence are never set.
+    `inline` is for the parts of a longer function: they are compiled as part of it only. A caller's machine code holds
+    that of all it calls, so that otherwise each level of calls would compile what lies below it once more.
     """
     flags: Any = {"reassoc", "contract", "nsz", "arcp"} if reorder else False
 
     def decorate(function: F) -> F:
-        # The wrapper for calls from C is never called, and costs time to compile.
-        options = {"nogil": True, "fastmath": flags, "error_model": "numpy", "no_cfunc_wrapper": True}
-        compiled: Any = numba.njit(**options)(function)
+        compiled: Any = numba.njit(
+            nogil=True,
+            fastmath=flags,
+            error_model="numpy",
+            inline="always" if inline else "never",
+            no_cfunc_wrapper=True,  # for calls from C: never called, and costs time to compile
+        )(function)
         if compiled is not function:  # with NUMBA_DISABLE_JIT it is the function itself
             _take_constants_as_values(compiled)
             # A function that is none of ours (a test's, a user's) is not known to the cache's key.

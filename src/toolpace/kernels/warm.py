@@ -87,7 +87,7 @@ class Work:
         """Take the signature of each kernel."""
         import_kernels()
         self.changed = threading.Condition()
-        self._waits_for = {name: called_by(name) & signatures.keys() for name in signatures if name in KERNELS}
+        self._waits_for = {name: _callees(name, set(signatures)) for name in signatures if name in KERNELS}
         self._given: set[str] = set()
         self.total = len(self._waits_for)
         self._weight: dict[str, int] = {}
@@ -142,6 +142,20 @@ class Work:
         with self.changed:
             self._given.update(self._waits_for)
             self.changed.notify_all()
+
+
+def _callees(name: str, compiled: set[str]) -> set[str]:
+    """Kernels of those `compiled` that one calls, itself or through others that are only parts of their callers."""
+    found: set[str] = set()
+    seen, ahead = {name}, called_by(name)
+    while ahead - seen:
+        each = (ahead - seen).pop()
+        seen.add(each)
+        if each in compiled:
+            found.add(each)
+        else:
+            ahead |= called_by(each)
+    return found
 
 
 def _share_out(work: Work, kept: Store, tell: Tell) -> bool:

@@ -14,8 +14,8 @@ SIDE = 1e-13
 """Time before the end of a piece at which its last state is taken, relative [s]."""
 
 
-@dataclass(frozen=True)
-class Piece:
+@dataclass(frozen=True, eq=False)
+class LawPiece:
     """A law between two of its times [s]."""
 
     law: TimeLaw
@@ -26,7 +26,7 @@ class Piece:
 class ChainLaw(TimeLaw):
     """Pieces of laws, each beginning in the state in which the one before ends."""
 
-    def __init__(self, pieces: Sequence[Piece]) -> None:
+    def __init__(self, pieces: Sequence[LawPiece]) -> None:
         self.pieces = tuple(pieces)
         self.times = np.concatenate([[0.0], np.cumsum([piece.end - piece.begin for piece in pieces])])
         """(pieces + 1,) when the pieces begin and end [s]."""

@@ -9,15 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.description import one_line
 
 PROBES = 20_000
+"""Probes of a whole law, shared among its cells."""
 FEWEST_PROBES, MOST_PROBES = 9, 65
-"""Probes of a whole law, and of one of its cells: more where a coarse mesh leaves much room between nodes."""
+"""Probes of one cell: more where a coarse mesh leaves much room between nodes."""
 CELLS_AT_A_TIME = 10_000
 """Cells of a spline that are probed in one piece, to keep memory low."""
+HALVINGS = 80
+"""Of a duration until no time between two numbers is left: 53 for its digits, and the rest for times next to zero."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Probe:
     """States of a time law, dense enough to see every peak between them."""
 
@@ -28,6 +32,9 @@ class Probe:
     share: Floats
     """(n,) time that each state stands for [s]; sums to the duration."""
 
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.state.shape[1]} states")
+
 
 class TimeLaw(ABC):
     """s(t) from s0 to s1, three times differentiable but for jumps of the third derivative."""
@@ -36,6 +43,9 @@ class TimeLaw(ABC):
     s1: float
     duration: float
     """[s]"""
+
+    def __repr__(self) -> str:
+        return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g} in {self.duration:.6g} s")
 
     @property
     def jumps(self) -> Floats:
@@ -49,6 +59,21 @@ class TimeLaw(ABC):
     @abstractmethod
     def probes(self) -> Iterator[Probe]:
         """States between which nothing is hidden, in pieces that do not take much memory."""
+
+    def passing_time(self, s: float) -> float:
+        """When s is passed [s], by bisection; the start or the end where s is at or beyond it."""
+        low, high = 0.0, self.duration
+        if s <= self.s0:
+            return low
+        if s >= self.s1:
+            return high
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            if self.at(np.array([middle]))[0, 0] < s:
+                low = middle
+            else:
+                high = middle
+        return 0.5 * (low + high)
 
 
 def probes_a_cell(nodes: int) -> int:

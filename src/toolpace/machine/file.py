@@ -5,15 +5,13 @@ Every figure is checked where it is read, so that an error can name file, joint 
 
 from __future__ import annotations
 
-import difflib
 import math
 import tomllib
-from collections.abc import Iterable
 from typing import Any, Literal
 
 import msgspec
 
-from toolpace.errors import MachineError
+from toolpace.errors import MachineError, did_you_mean
 
 Vector = tuple[float, float, float]
 
@@ -61,13 +59,6 @@ class MachineFile(msgspec.Struct, forbid_unknown_fields=True):
     chain: ChainFile
     joints: dict[str, JointFile]
     note: str = ""
-
-
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """A hint that ends an error message: the nearest known word, or all of them."""
-    choices = list(known)
-    close = difflib.get_close_matches(word, choices, n=1, cutoff=0.6)
-    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(choices)}"
 
 
 def read_machine(text: str, source: str) -> MachineFile:

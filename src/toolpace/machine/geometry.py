@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.errors import MachineError
-from toolpace.machine.file import MachineFile, did_you_mean
+from toolpace.errors import MachineError, did_you_mean
+from toolpace.machine.file import MachineFile
 
 PARALLEL = 1e-6
 """Sine below which two directions count as parallel."""

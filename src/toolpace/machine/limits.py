@@ -9,13 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
+from toolpace.description import named, one_line
+from toolpace.equality import ByValue
 from toolpace.errors import UsageError
 
 KINDS = ("velocity", "acceleration", "jerk")
 
 
-@dataclass(frozen=True, eq=False)
-class Limits:
+@dataclass(frozen=True, eq=False, repr=False)
+class Limits(ByValue):
     """Symmetric limits of m joints, each positive; inf where nothing limits.
 
     A number stands for all joints. Without names the joints are called q1, q2, ...
@@ -53,6 +55,9 @@ class Limits:
 
     def __len__(self) -> int:
         return len(self.joints)
+
+    def __repr__(self) -> str:
+        return one_line(self, f"of {named(self.joints)}")
 
     def scaled(self, velocity: float = 1.0, acceleration: float = 1.0, jerk: float = 1.0) -> Limits:
         """The same limits times a factor of each kind."""

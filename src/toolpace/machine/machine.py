@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.errors import MachineError, UsageError
-from toolpace.machine.file import MachineFile, did_you_mean, read_machine, write_machine
+from toolpace.description import one_line
+from toolpace.equality import ByValue
+from toolpace.errors import MachineError, UsageError, did_you_mean
+from toolpace.machine.file import MachineFile, read_machine, write_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.limits import Limits
 from toolpace.toolpath import ToolPath
@@ -24,7 +26,7 @@ POLE = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Machine:
+class Machine(ByValue):
     """Three linear and two rotary joints in any order, closed-form kinematics, limits and travel.
 
     Built-in machines come from `Machine.load(name)`, own ones from a TOML file. Arrays are in SI units;
@@ -34,7 +36,7 @@ class Machine:
 
     file: MachineFile
     """The figures of the machine file, in SI units."""
-    source: str = ""
+    source: str = field(default="", compare=False)
     """The file, for messages."""
     name: str = field(init=False)
     joints: tuple[str, ...] = field(init=False)
@@ -54,7 +56,7 @@ class Machine:
     """(m,) whether the joint turns without end."""
     tool_length: float = field(init=False)
     """From the spindle nose to the tip [m]."""
-    geometry: Geometry = field(init=False)
+    geometry: Geometry = field(init=False, compare=False)
     """The chain as plain arrays, for the compiled functions."""
 
     def __post_init__(self) -> None:
@@ -264,4 +266,4 @@ class Machine:
     def __repr__(self) -> str:
         from toolpace.machine.table import title
 
-        return f"<Machine {title(self)}>"
+        return one_line(self, title(self))

@@ -17,12 +17,12 @@ Curve = Callable[[Floats, int], tuple[Floats, Floats]]
 """(s (n,), order 0 to 3) to the derivative of tip (n, 3) [m] and of the unit tool axis (n, 3)."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CallableRun(PathRun):
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class CurveRun(PathRun):
     """A run whose derivatives a function knows."""
 
     curve: Curve
-    lock: Lock = field(default_factory=Lock, repr=False, compare=False)
+    lock: Lock = field(default_factory=Lock)
 
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives at s (n,), as the function gives them."""
@@ -34,7 +34,7 @@ class CallableRun(PathRun):
         return PathJet(tip, axis, None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class TwoCurveRun(PathRun):
     """A run given by two B-splines over one parameter: the tip, and a second point on the tool axis."""
 
@@ -49,12 +49,12 @@ class TwoCurveRun(PathRun):
         return PathJet(tip, unit_jets(point - tip), None)
 
 
-def callable_run(curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None) -> CallableRun:
+def callable_run(curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None) -> CurveRun:
     """One run of one block over [s0, s1]."""
     if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
         raise PathError(f"a path from s0 = {s0:g} to s1 = {s1:g} has no length; give s0 < s1")
     ends = np.array([s0, s1], dtype=np.float64)
-    return CallableRun(breaks=ends if breaks is None else breaks, curve=curve, **one_block(ends, feed))
+    return CurveRun(breaks=ends if breaks is None else breaks, curve=curve, **one_block(ends, feed))
 
 
 class BlockTable(TypedDict):
@@ -78,7 +78,7 @@ def one_block(ends: Floats, feed: float) -> BlockTable:
     }
 
 
-def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float) -> CallableRun:
+def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: float, feed: float) -> CurveRun:
     """A circular arc over its length, the tool axis in its plane at a constant angle to the outward normal.
 
     n (normal, towards you)     P(s) = centre + R (e cos th + f sin th),  th = s / R

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.description import counted, one_line
 from toolpace.path.run import PathRun
 
 if TYPE_CHECKING:
-    from toolpace.path.fit.polyline import Machine
+    from toolpace.machine.machine import Machine
     from toolpace.toolpath import ToolPath
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Path:
     """Runs from stop to stop; the parameter runs on from one to the next."""
 
@@ -30,6 +31,16 @@ class Path:
     fit_seconds: float = 0.0
     first_dwell: float = 0.0
     """Time to wait before the first run [s]."""
+
+    def __repr__(self) -> str:
+        fitted = self.fit_seconds > 0.0
+        return one_line(
+            self,
+            counted(len(self.runs), "run"),
+            counted(sum(len(run.block) for run in self.runs), "block"),
+            f"tip within {self.tip_deviation * 1e6:.3g} um" if fitted else "",
+            f"axis within {math.degrees(self.axis_deviation):.3g} deg" if fitted else "",
+        )
 
     @classmethod
     def fit(

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
+from toolpace.description import counted, one_line
 
 
 class PathJet(NamedTuple):
@@ -21,8 +22,23 @@ class PathJet(NamedTuple):
     rotary: Floats | None
     """(4, n, 2) rotary joints [rad]; None where the path is given in tool axes."""
 
+    # a tuple of arrays would raise where tuples compare them: a jet is equal to itself alone
 
-@dataclass(frozen=True, kw_only=True)
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __ne__(self, other: object) -> bool:
+        return self is not other
+
+    def __hash__(self) -> int:
+        return id(self)
+
+    def __repr__(self) -> str:
+        given = "rotary joints" if self.axis is None else "tool axes"
+        return one_line(self, counted(self.tip.shape[1], "place"), f"tip and {given}")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class PathRun(ABC):
     """A stretch that is planned from rest to rest. The parameter s grows by about a tip length and an axis turn."""
 
@@ -43,6 +59,10 @@ class PathRun(ABC):
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
+
+    def __repr__(self) -> str:
+        blocks, pieces = counted(len(self.block), "block"), counted(len(self.breaks) - 1, "piece")
+        return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g}", pieces, blocks)
 
     @property
     def s0(self) -> float:
@@ -74,7 +94,7 @@ class PathRun(ABC):
         """Position and derivatives 1 to 3 at s (n,): at a break those of its right side, at s1 those of its left."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SplineRun(PathRun):
     """A piecewise polynomial of degree five, four times continuously differentiable: what a fit returns."""
 

@@ -1,68 +1,147 @@
-"""From a path and a machine to a trajectory: the entry of all planners."""
+"""The one entry of all planners, and what a planner is.
+
+plan: a path, a machine, a planner
+  joints along the path: the path followed by the machine, where it is one of tip and axis
+  for each run from stop to stop, side by side on all cores:
+      the planner makes a law of it, and a lower bound of its duration if it has one
+  the trajectory: the laws one after the other with the dwells between them, the bounds summed
+"""
 
 from __future__ import annotations
 
+import importlib
+import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from toolpace.errors import UsageError
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
+from toolpace.errors import UsageError, did_you_mean
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.endstate import AT_REST, EndState
+from toolpace.planning.planned_run import PlannedRun, total_bound
+from toolpace.toolpath import ToolPath
+from toolpace.trajectory import Trajectory
+from toolpace.workers import Progress, Workers, side_by_side
 
 if TYPE_CHECKING:
-    from toolpace.axispath.axispath import AxisPath
-    from toolpace.machine.limits import Limits
-    from toolpace.machine.machine import Machine
-    from toolpace.path.path import Path
-    from toolpace.trajectory import Trajectory
+    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.optimal.planner import Optimal
+    from toolpace.planning.second_order.planner import SecondOrder
 
-PLANNERS = ("optimal", "genetic", "second-order")
+
+@runtime_checkable
+class Planner(Protocol):
+    """Makes a law of motion of each run of a path; frozen, so that what it is asked for cannot change under way.
+
+    A law s(t) of a run must keep, at any t, for every joint i with limits v, a, j, and with the feed's cap c on ds/dt:
+
+        |dq_i/dt| <= v_i,   |d2q_i/dt2| <= a_i,   |d3q_i/dt3| <= j_i,   ds/dt <= c(s)
+
+    (but for a planner that says it holds fewer), and meet the two given states.
+    """
+
+    @property
+    def name(self) -> str:
+        """As it is asked for in short, and named in plans."""
+        ...
+
+    def plan_run(
+        self, run: AxisRun, limits: Limits, start: EndState, end: EndState, workers: Workers, progress: Progress
+    ) -> PlannedRun:
+        """The law of one run between two states. Raises InfeasibleError where there is none."""
+        ...
+
+
+HOMES = {"optimal": "Optimal", "genetic": "Genetic", "second-order": "SecondOrder"}
+"""Short names of the planners, and their classes in the rooms of the same name."""
+PLANNERS = tuple(HOMES)
 
 
 def plan(
     path: Path | AxisPath,
     machine: Machine | Limits,
     *,
-    planner: str = "optimal",
-    mesh: int | None = None,
+    planner: str | Optimal | Genetic | SecondOrder | Planner = "optimal",
+    start: EndState = AT_REST,
+    end: EndState = AT_REST,
     progress: Callable[[float], None] | None = None,
-    **options: Any,
+    **options: object,
 ) -> Trajectory:
     """The fastest motion along a path within the limits of a machine.
 
-    A Path needs a Machine; an AxisPath takes a Machine or bare Limits. `mesh` fixes the number of mesh cells of
-    each run (default: as many as the motion asks for). `progress` is called with the share done.
-
-    Options of the planner `optimal`: `start` and `end` (EndState, of the first and last run), `guard` (hold the
-    limits between nodes, default true), `bound` (report a lower bound of the duration, default true); of
-    `genetic`: see `planning/genetic`; of `second-order`, which holds no jerk limit: `start` and `end` (speeds
-    only) and `guard`. Raises InfeasibleError where no such motion exists.
+    A Path needs a Machine; an AxisPath takes a Machine or bare Limits. `planner` is an object (`Optimal`, `Genetic`,
+    `SecondOrder`, or one of your own: see `Planner`), or in short the name of one, whose `options` are then given here:
+    plan(path, machine, planner="optimal", mesh=1000, bound=False) is plan(path, machine, planner=Optimal(mesh=1000,
+    bound=False)). `start` and `end` are the states (ds/dt, d2s/dt2) in which the first run starts and the last ends.
+    `progress` is called with the share done. Raises UsageError for arguments that make no sense, and InfeasibleError
+    where no motion within the limits exists.
     """
-    from toolpace.axispath.axispath import AxisPath
-    from toolpace.machine.limits import Limits
-    from toolpace.machine.machine import Machine
-
-    if isinstance(path, AxisPath):
-        axis_path = path
-    elif isinstance(machine, Machine):
-        axis_path = AxisPath.follow(path, machine)
-    else:
-        raise UsageError("plan: a path of tool tip and axis needs a machine; bare limits go with an AxisPath")
-    limits = machine if isinstance(machine, Limits) else machine.limits
+    began = time.perf_counter()
+    chosen = planner_of(planner, options)
+    axis_path = joints_along(path, machine)
+    limits = machine.limits if isinstance(machine, Machine) else machine
     if len(limits) != len(axis_path.joints):
         raise UsageError(f"plan: limits for {len(limits)} joints, path of {len(axis_path.joints)} joints")
-    if not axis_path.runs:
+    runs, last = axis_path.runs, len(axis_path.runs) - 1
+    if not runs:
         raise UsageError("plan: the path has no motion")
-    if mesh is not None and mesh < 8:
-        raise UsageError(f"plan: a mesh of {mesh} cells is too coarse; give at least 8")
-    if planner == "optimal":
-        from toolpace.planning.optimal.planner import plan_optimal
 
-        return plan_optimal(axis_path, limits, cells=mesh, progress=progress, **options)
-    if planner == "genetic":
-        from toolpace.planning.genetic.planner import plan_genetic
+    def one(k: int, workers: Workers, told: Progress) -> PlannedRun:
+        states = start if k == 0 else AT_REST, end if k == last else AT_REST
+        return chosen.plan_run(runs[k], limits, *states, workers, told)
 
-        return plan_genetic(axis_path, limits, progress=progress, **options)
-    if planner == "second-order":
-        from toolpace.planning.second_order.planner import plan_second_order
+    planned = side_by_side(one, [run.s1 - run.s0 for run in runs], progress)
+    lower_bound, open_places = total_bound(axis_path, planned)
+    return Trajectory(
+        axis_path,
+        limits,
+        tuple(run.law for run in planned),
+        planner=chosen.name,
+        lower_bound=lower_bound,
+        open_places=open_places,
+        mesh_points=sum(run.mesh_points for run in planned),
+        solve_seconds=time.perf_counter() - began,
+    )
 
-        return plan_second_order(axis_path, limits, cells=mesh, progress=progress, **options)
-    raise UsageError(f"plan: unknown planner '{planner}'; known are {', '.join(PLANNERS)}")
+
+def planner_of(planner: str | Planner, options: dict[str, object]) -> Planner:
+    """The planner that is meant: an object as it is, or one made of a name and its options. Raises UsageError."""
+    if isinstance(planner, Planner) and not isinstance(planner, type):
+        if options:
+            given = ", ".join(f"{name}=..." for name in options)
+            raise UsageError(f"plan: the planner is given as an object; give its options to it: {given}")
+        return planner
+    if not isinstance(planner, str):
+        names = ", ".join(PLANNERS)
+        raise UsageError(f"plan: {planner!r} is no planner; give one of {names}, or an object like Optimal()")
+    if planner not in HOMES:
+        raise UsageError(f"plan: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
+    room = importlib.import_module(f"toolpace.planning.{planner.replace('-', '_')}.planner")
+    kind = getattr(room, HOMES[planner])
+    known = [field.name for field in fields(kind)]
+    for name in options:
+        if name not in known:
+            raise UsageError(f"plan: the planner {planner} has no option '{name}'; {did_you_mean(name, known)}")
+    made: Planner = kind(**options)
+    return made
+
+
+def joints_along(path: Path | AxisPath, machine: Machine | Limits) -> AxisPath:
+    """The joints along a path of either kind. Raises UsageError where something else is given."""
+    if isinstance(machine, str):
+        raise UsageError(f"plan: '{machine}' is the name of a machine; give Machine.load('{machine}')")
+    if not isinstance(machine, Machine | Limits):
+        raise UsageError(f"plan: {type(machine).__name__} in place of a machine; give a Machine, or Limits")
+    if isinstance(path, AxisPath):
+        return path
+    if isinstance(path, ToolPath):
+        raise UsageError("plan: a tool path has corners; make it smooth first: Path.fit(toolpath, machine=machine)")
+    if not isinstance(path, Path):
+        raise UsageError(f"plan: {type(path).__name__} in place of a path; give a Path, or an AxisPath")
+    if isinstance(machine, Limits):
+        raise UsageError("plan: a path of tool tip and axis needs a machine; bare limits go with an AxisPath")
+    return AxisPath.follow(path, machine)

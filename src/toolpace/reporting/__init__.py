@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from toolpace.files import whole_file
 from toolpace.setpoints import SetPoints
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
+    from toolpace.reporting.figures import PlanFigures
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
 
@@ -39,11 +39,11 @@ def write_report(
     setpoints: SetPoints,
     toolpath: ToolPath | None = None,
     verification: Verification | None = None,
-    facts: Mapping[str, Any] | None = None,
+    figures: PlanFigures | None = None,
 ) -> None:
-    """Write the report from set-points that were sampled already; `facts` are the keys of plan.json, as far
-    as known."""
-    from toolpace.reporting.page import page
+    """Write the report from set-points that were sampled already; `figures` are those of plan.json, where there is
+    one."""
+    from toolpace.reporting.page import report_page
 
     with whole_file(path) as temporary:
-        temporary.write_text(page(trajectory, setpoints, toolpath, verification, facts or {}), encoding="utf-8")
+        temporary.write_text(report_page(trajectory, setpoints, toolpath, verification, figures), encoding="utf-8")

@@ -12,19 +12,19 @@ from toolpace.machine.limits import KINDS
 if TYPE_CHECKING:
     from toolpace.trajectory import Trajectory
 
-
 BINDING = 0.99
 """Share of a limit from which it is shown as binding."""
 NOTHING = -1
+"""Stands where nothing binds, in place of the number of a limit."""
 
 
-def names(joints: tuple[str, ...]) -> list[str]:
+def limit_names(joints: tuple[str, ...]) -> list[str]:
     """What can bind, as `Trajectory.limited_by` names it: "feed", "velocity X", ..."""
     return ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in joints)]
 
 
 def binding(trajectory: Trajectory, t: Floats) -> Ints:
-    """(n,) at each time t [s] the number (in `names`) of the limit that is used most, NOTHING where none
+    """(n,) at each time t [s] the number (in `limit_names`) of the limit that is used most, NOTHING where none
     binds."""
     motion = trajectory.at(t)
     limits = trajectory.limits

@@ -8,17 +8,18 @@ from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace import __version__
 from toolpace.machine.limits import KINDS
-from toolpace.reporting.limiting import NOTHING, binding, names
-from toolpace.reporting.scene import scene, stations
+from toolpace.reporting.figures import PlanFigures
+from toolpace.reporting.limiting import NOTHING, binding, limit_names
+from toolpace.reporting.scene import scene_data, stations
 from toolpace.reporting.series import blocks_over_time, channels, encoded, feed_cap, packed
-from toolpace.reporting.words import NEUTRAL, colours, duration, figure, joint_colour, limit_words, percent
+from toolpace.reporting.words import NEUTRAL, colours, duration, four_digits, joint_colour, limit_words, percent
 from toolpace.setpoints import SetPoints
+from toolpace.version import __version__
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
@@ -26,26 +27,32 @@ if TYPE_CHECKING:
     from toolpace.trajectory import Trajectory
 
 PLACES = 12
+"""Places where the lower bound leaves room that are listed: as many as are looked at."""
 WORTH_A_WORD = 1e-3
-"""Places where the lower bound leaves room that are listed, and the gap from which they are."""
+"""Gap from which they are listed."""
+SHOWN = 5e-4
+"""Share of the time below which a limit gets no bar: it would say 0.0 %."""
+BARS = 12
+"""Limits that get a bar at most: of more, the least are hardly seen."""
 STRIP = 20_000
-"""Columns of the strip that shows what limits where."""
+"""Columns of the strip that shows what limits where: enough to draw it larger ten times on a wide screen."""
 
 
-def page(
+def report_page(
     trajectory: Trajectory,
     setpoints: SetPoints,
     toolpath: ToolPath | None,
     verification: Verification | None,
-    facts: Mapping[str, Any],
+    figures: PlanFigures | None,
 ) -> str:
     """The whole HTML text."""
     from plotly.offline import get_plotlyjs
 
     machine = trajectory.axis_path.machine
     units = ["rad" if r else "m" for r in machine.is_rotary] if machine is not None else [""] * len(setpoints.joints)
-    program = str(facts.get("program") or (toolpath.source if toolpath is not None else "") or "motion")
-    where = str(facts.get("machine") or (machine.name if machine is not None else ""))
+    source = toolpath.source if toolpath is not None else ""
+    program = (figures.program if figures is not None else "") or source or "motion"
+    where = (figures.machine if figures is not None else "") or (machine.name if machine is not None else "")
     title = f"{program} on {where}" if where else program
     here = files("toolpace.reporting")
     palette = colours(setpoints.joints)
@@ -54,7 +61,7 @@ def page(
         program=escape(program),
         machine=escape(where),
         verdict=_verdict(verification),
-        cards=_cards(trajectory, setpoints, toolpath, verification, facts),
+        cards=_cards(trajectory, setpoints, toolpath, verification, figures),
         insight=_insight(trajectory.limited_by()),
         bars=_bars(trajectory.limited_by(), palette),
         open_places=_open_places(trajectory),
@@ -80,13 +87,13 @@ def _data(
     """All that the script draws, as JSON that cannot end the element it stands in."""
     columns = min(STRIP, 4 * len(setpoints))
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
-    data: dict[str, Any] = {
+    data: dict[str, object] = {
         "end": float(setpoints.t[-1]),
         "duration": float(trajectory.duration),
         "joints": list(setpoints.joints),
         "channels": [packed(channel) for channel in channels(setpoints, trajectory.limits, units, toolpath)],
         "blocks": blocks_over_time(setpoints),
-        "limits": [limit_words(name) for name in names(setpoints.joints)],
+        "limits": [limit_words(name) for name in limit_names(setpoints.joints)],
         "colours": list(palette.values()),
         "joint_colours": [joint_colour(j) for j in range(len(setpoints.joints))],
         "strip": encoded(binding(trajectory, strip_times).astype("<i2")),
@@ -97,7 +104,7 @@ def _data(
         cap = feed_cap(setpoints, toolpath) if toolpath is not None else None
         times = np.asarray(np.minimum(setpoints.t[at], trajectory.duration), dtype=np.float64)
         limiting = binding(trajectory, times)
-        data["scene"] = scene(setpoints, at, limiting, cap)
+        data["scene"] = scene_data(setpoints, at, limiting, cap)
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
@@ -115,7 +122,7 @@ def _cards(
     setpoints: SetPoints,
     toolpath: ToolPath | None,
     verification: Verification | None,
-    facts: Mapping[str, Any],
+    figures: PlanFigures | None,
 ) -> str:
     """The figures one asks for first."""
     cards = [("Time", duration(trajectory.duration), f"{trajectory.duration:.3f} s", "big")]
@@ -133,24 +140,17 @@ def _cards(
         shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
         cards.append(("Way of the tip", shown, f"{mean:.0f} mm/min on average", ""))
     stops = max(len(trajectory.laws) - 1, 0)
-    blocks = int(facts.get("blocks") or (toolpath.blocks or len(toolpath) if toolpath is not None else 0))
+    blocks = (figures.blocks if figures is not None else 0) or (
+        toolpath.blocks or len(toolpath) if toolpath is not None else 0
+    )
     if blocks:
         shown = f"{blocks:,}".replace(",", "\u202f")
         cards.append(("Blocks", shown, f"{stops} stop{'' if stops == 1 else 's'} on the way", ""))
-    off = [_worse(facts.get("tip_deviation_mm"), getattr(verification, "tip_deviation", None), 1e3)]
-    off.append(_worse(facts.get("axis_deviation_deg"), getattr(verification, "axis_deviation", None), 180.0 / math.pi))
-    if off[0] is not None:
-        allowed = facts.get("tip_tolerance_mm")
-        note = f"of {allowed * 1e3:.4g} µm allowed" if allowed else "from the program"
-        cards.append(("Tip deviation", f"{off[0] * 1e3:.2f} µm", note, ""))
-    if off[1] is not None:
-        allowed = facts.get("axis_tolerance_deg")
-        note = f"of {allowed:.4g}° allowed" if allowed else "from the program"
-        cards.append(("Axis deviation", f"{off[1]:.4f}°", note, ""))
+    cards += _deviations(verification, figures)
     worst = trajectory.usage().worst
     cards.append(("Peak use of limits", percent(worst), "at any time, worst of all", ""))
-    if facts.get("solve_s") is not None:
-        spent = float(facts.get("fit_s") or 0.0) + float(facts["solve_s"])
+    if figures is not None:
+        spent = figures.fit_s + figures.solve_s
         cards.append(("Computed in", f"{spent:.2f} s", f"{trajectory.mesh_points} mesh points", ""))
     return "\n".join(
         f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
@@ -159,7 +159,31 @@ def _cards(
     )
 
 
-def _worse(told: Any, judged: float | None, scale: float) -> float | None:
+def _deviations(verification: Verification | None, figures: PlanFigures | None) -> list[tuple[str, str, str, str]]:
+    """How far tip and axis are off the program, as far as it is known."""
+    cards = []
+    tip = _worse(
+        figures.tip_deviation_mm if figures is not None else None,
+        verification.tip_deviation if verification is not None else None,
+        1e3,
+    )
+    if tip is not None:
+        allowed = figures.tip_tolerance_mm if figures is not None else None
+        note = f"of {allowed * 1e3:.4g} µm allowed" if allowed else "from the program"
+        cards.append(("Tip deviation", f"{tip * 1e3:.2f} µm", note, ""))
+    axis = _worse(
+        figures.axis_deviation_deg if figures is not None else None,
+        verification.axis_deviation if verification is not None else None,
+        180.0 / math.pi,
+    )
+    if axis is not None:
+        allowed = figures.axis_tolerance_deg if figures is not None else None
+        note = f"of {allowed:.4g}° allowed" if allowed else "from the program"
+        cards.append(("Axis deviation", f"{axis:.4f}°", note, ""))
+    return cards
+
+
+def _worse(told: float | None, judged: float | None, scale: float) -> float | None:
     """The larger of two deviations as far as they are known, in shop-floor units."""
     known = [float(told)] if told is not None else []
     known += [judged * scale] if judged is not None and math.isfinite(judged) else []
@@ -181,9 +205,9 @@ def _insight(shares: Mapping[str, float]) -> str:
 def _bars(shares: Mapping[str, float], palette: Mapping[str, str]) -> str:
     """Share of the time that each limit binds, largest first, as bars."""
     rows = []
-    shown = [(name, share) for name, share in shares.items() if share >= 5e-4]
+    shown = [(name, share) for name, share in shares.items() if share >= SHOWN]
     top = max((share for _, share in shown), default=1.0)
-    for name, share in sorted(shown, key=lambda item: -item[1])[:12]:
+    for name, share in sorted(shown, key=lambda item: -item[1])[:BARS]:
         colour = palette.get(name, NEUTRAL)
         rows.append(
             f'<div class="bar"><span class="name">{escape(limit_words(name))}</span>'
@@ -200,12 +224,12 @@ def _open_places(trajectory: Trajectory) -> str:
         return ""
     rows = "".join(
         f"<tr><td>{duration(place.start)} to {duration(place.end)}</td><td>{place.block or ''}</td>"
-        f"<td>{figure(1e3 * place.seconds)} ms</td></tr>"
+        f"<td>{four_digits(1e3 * place.seconds)} ms</td></tr>"
         for place in places
     )
-    open_ = trajectory.duration - trajectory.lower_bound
+    most = four_digits(1e3 * (trajectory.duration - trajectory.lower_bound))
     return (
-        f'<details class="open"><summary>At most {figure(1e3 * open_)} ms ({percent(trajectory.gap)}) could still be '
+        f'<details class="open"><summary>At most {most} ms ({percent(trajectory.gap)}) could still be '
         "gained: where the proof leaves room</summary>"
         '<div class="scroll"><table class="checks"><thead><tr><th>Time</th><th>Block</th><th>At most</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div></details>"
@@ -223,7 +247,7 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
         cells = []
         for kind in KINDS:
             share, limit = getattr(usage, kind)[joint], float(getattr(limits, kind)[j]) * scale
-            text = f"of {figure(limit)} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
+            text = f"of {four_digits(limit)} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
             cells.append(
                 f'<td><div class="use"><span class="meter"><span style="width:{100.0 * min(share, 1.0):.1f}%;'
                 f'background:{joint_colour(j)}"></span></span><b>{percent(share)}</b></div><small>{text}</small></td>'

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
@@ -11,7 +9,9 @@ from toolpace.reporting.series import encoded, tip_speed
 from toolpace.setpoints import SetPoints
 
 MOST = 24_000
+"""Points of the tip's way: a browser turns so many in space without a jerk, and chords of them look like the curve."""
 WHISKERS = 500
+"""Tool axes drawn: more would hide the way of the tip."""
 
 
 def stations(setpoints: SetPoints, most: int = MOST) -> Ints:
@@ -28,7 +28,7 @@ def stations(setpoints: SetPoints, most: int = MOST) -> Ints:
     return found
 
 
-def scene(setpoints: SetPoints, at: Ints, limiting: Ints, cap: Floats | None) -> dict[str, Any]:
+def scene_data(setpoints: SetPoints, at: Ints, limiting: Ints, cap: Floats | None) -> dict[str, object]:
     """Data of the picture: tip [mm], speed [mm/min], what binds, block, and the whiskers, at the set-points
     `at`."""
     tip = setpoints.tip[at] * 1e3

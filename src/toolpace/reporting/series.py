@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +16,11 @@ from toolpace.toolpath import ToolPath
 MOST = 120_000
 """Points of each channel in the file; a browser thins them again to what its screen can show."""
 _FULL = 32_000
+"""The largest value of a curve as a 16-bit integer, of 32 767: the step between two is below what a screen shows."""
 _MISSING = -32_768
+"""Stands where there is no value."""
+BLOCKS = 40_000
+"""Line numbers over time that a page holds: twenty for each pixel of a wide screen."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Channel:
     unit: str = ""
 
 
-def encoded(values: npt.NDArray[Any]) -> str:
+def encoded(values: npt.NDArray[np.generic]) -> str:
     """Raw little-endian bytes as text."""
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
 
@@ -87,7 +90,7 @@ def channels(setpoints: SetPoints, limits: Limits, units: list[str], toolpath: T
     return found
 
 
-def thinned(values: Floats, most: int = MOST) -> Floats:
+def extremes(values: Floats, most: int = MOST) -> Floats:
     """At most `most` values: of each stretch the least and the largest, in the order in which they come."""
     n = len(values)
     if n <= most:
@@ -102,13 +105,13 @@ def thinned(values: Floats, most: int = MOST) -> Floats:
     return out
 
 
-def packed(channel: Channel) -> dict[str, Any]:
+def packed(channel: Channel) -> dict[str, object]:
     """A channel for the page: 16-bit integers times a scale; a gap where there is no value."""
     values = channel.values
     finite = np.isfinite(values)
     top = float(np.abs(values[finite]).max()) if finite.any() else 1.0
     scale = max(top, 1e-12) / _FULL
-    small = thinned(np.where(finite, values / scale, np.inf))
+    small = extremes(np.where(finite, values / scale, np.inf))
     whole = np.where(np.isfinite(small), np.round(np.where(np.isfinite(small), small, 0.0)), _MISSING)
     return {
         "name": channel.name,
@@ -122,7 +125,7 @@ def packed(channel: Channel) -> dict[str, Any]:
     }
 
 
-def blocks_over_time(setpoints: SetPoints, most: int = 40_000) -> dict[str, Any]:
+def blocks_over_time(setpoints: SetPoints, most: int = BLOCKS) -> dict[str, object]:
     """Line numbers over time, for the texts that a pointer calls up."""
     at = np.linspace(0, len(setpoints) - 1, min(len(setpoints), most)).astype(np.int64)
     return {"data": encoded(setpoints.block[at].astype("<i4"))}

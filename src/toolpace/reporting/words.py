@@ -8,9 +8,13 @@ import math
 from toolpace.machine.limits import KINDS
 
 FEED = "#14a37f"
+"""Colour of the feed."""
 NEUTRAL = "#c3c9d2"
+"""Colour of what is no limit."""
 _JOINTS = ("#2f6fed", "#f0862b", "#8a4fd8", "#d6336c", "#0c9bb3", "#7a8a1a", "#8c5a3c", "#56657a")
+"""Colours of the joints, in turn."""
 _LIGHTER = {"velocity": 0.62, "acceleration": 0.32, "jerk": 0.0}
+"""How much white is mixed into the colour of a joint's limit."""
 
 
 def joint_colour(joint: int) -> str:
@@ -63,6 +67,6 @@ def duration(seconds: float) -> str:
     return f"{minutes // 60} h {minutes % 60:02d} min {rest:02d} s"
 
 
-def figure(value: float) -> str:
+def four_digits(value: float) -> str:
     """A positive figure with about four digits, thousands set apart by a narrow space: 50 000."""
     return f"{value:.4g}" if value < 1000.0 else f"{round(value):,}".replace(",", "\u202f")

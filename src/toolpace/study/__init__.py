@@ -7,8 +7,11 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+SIMULATED = 0.6
+"""Share of the work that is done with the simulation; drawing the pictures is most of the rest."""
 
-def run(out_dir: str | os.PathLike[str], progress: Callable[[float], None] | None = None) -> dict[str, object]:
+
+def write_study(out_dir: str | os.PathLike[str], progress: Callable[[float], None] | None = None) -> dict[str, object]:
     """Simulate, and write study.html (opens offline), figure_4.png to figure_10.png and study.json into a folder.
 
     Returns what study.json holds. `progress` is called with the share done. Without matplotlib (the extra `png`) the
@@ -21,14 +24,14 @@ def run(out_dir: str | os.PathLike[str], progress: Callable[[float], None] | Non
     tell = progress or (lambda share: None)
     out = Path(out_dir)
     out.mkdir(parents=True, exist_ok=True)
-    study = simulate(lambda share: tell(0.6 * share))
+    study = simulate(lambda share: tell(SIMULATED * share))
     drawn = figures.all_figures(study)
-    tell(0.65)
-    pictures = png.write(drawn, out)
+    tell(SIMULATED + 0.05)
+    pictures = png.write_pictures(drawn, out)
     tell(0.9)
     facts = study.facts()
     facts["png"] = pictures if pictures else "not written: install matplotlib, or toolpace[png]"
-    write_text(out / "study.html", page.page(study, drawn))
+    write_text(out / "study.html", page.study_page(study, drawn))
     write_text(out / "study.json", json.dumps(facts, indent=1) + "\n")
     tell(1.0)
     return facts

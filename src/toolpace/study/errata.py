@@ -25,7 +25,7 @@ class Erratum:
     check: str
 
 
-def errata(study: Study) -> list[Erratum]:
+def all_errata(study: Study) -> list[Erratum]:
     """All lines, in the order of the paper."""
     run = AxisPath.follow(study.path, study.machine).runs[0]
     s = np.linspace(run.s0, run.s1, 1001)
@@ -127,3 +127,4 @@ CHOICES = [
     ("Way back", "each joint a quintic of time to the motion at the rejoining; genetic by way of the paper's projection"
      " and the next reference point, optimal where the whole costs least."),
 ]  # fmt: skip
+"""What the paper leaves open, and what was taken for it."""

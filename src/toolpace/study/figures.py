@@ -9,14 +9,20 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.deflect.detour import DetourRun
-from toolpace.deflect.projection import Projection
-from toolpace.study.simulation import DEFLECTION, FEED, Study
+from toolpace.deflect.feed import tip_velocity
+from toolpace.study.simulation import DEFLECTION, FEED, Study, detour_run
 from toolpace.trajectory import Trajectory
 
 TIMES = 1500
+"""At how many times a trajectory is drawn."""
 COLOURS = {"X": "#2563c9", "Y": "#0f8a6a", "Z": "#7a4fd0", "A": "#d9622b", "B": "#c2255c"}
+"""By joint."""
 GENETIC, OPTIMAL, REFERENCE, MARK = "#d9622b", "#2563c9", "#9aa5b4", "#c2255c"
+"""Colours of both planners, of what is given, and of marks."""
 NAMES = {"genetic": "genetic (the paper's)", "optimal": "optimal"}
+"""Of the planners, in legends."""
+FAR = 3.0
+"""Limits further out than this multiple of the data are named, not drawn."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,11 @@ class Panel:
     note: str = ""
     equal: bool = False
     """Whether both axes have the same scale."""
+
+    @property
+    def in_space(self) -> bool:
+        """Whether its curves have three coordinates."""
+        return any(curve.z is not None for curve in self.curves)
 
 
 @dataclass(frozen=True)
@@ -135,7 +146,7 @@ def system_curve(study: Study) -> Figure:
     )  # fmt: skip
 
 
-def clock(parts: tuple[Trajectory, ...], instant: float) -> Iterable[tuple[Trajectory, Floats, float]]:
+def timeline(parts: tuple[Trajectory, ...], instant: float) -> Iterable[tuple[Trajectory, Floats, float]]:
     """What to draw: each trajectory, its times, and what to add for the clock of the whole."""
     if len(parts) == 1:
         yield parts[0], np.linspace(0.0, parts[0].duration, TIMES), 0.0
@@ -150,13 +161,11 @@ def feeds(study: Study, number: int, parts: Mapping[str, tuple[Trajectory, ...]]
     for name, own in parts.items():
         colour = GENETIC if name == "genetic" else OPTIMAL
         time, speed, pace = [], [], []
-        for trajectory, t, shift in clock(own, study.instant[name]):
+        for trajectory, t, shift in timeline(own, study.instant[name]):
             motion = trajectory.at(t)
-            step = 1e-6
-            ahead, behind = (study.machine.forward(motion.q + sign * step * motion.qd)[0] for sign in (1.0, -1.0))
             state = trajectory.laws[0].at(t)
             time.append(t + shift)
-            speed.append(1e3 * np.linalg.norm(ahead - behind, axis=1) / (2.0 * step))
+            speed.append(1e3 * np.linalg.norm(tip_velocity(study.machine, motion.q, motion.qd), axis=1))
             pace.append(state[1] / lengths(study, trajectory, state[0]))
         feed.append(Curve(NAMES[name], joined(time), joined(speed), colour))
         rate.append(Curve(NAMES[name], joined(time), joined(pace), colour))
@@ -197,7 +206,7 @@ def motions(study: Study, number: int, parts: Mapping[str, tuple[Trajectory, ...
         limit = float(getattr(study.machine.limits, kind)[0])
         for name, own in parts.items():
             time, values = [], []
-            for trajectory, t, shift in clock(own, study.instant[name]):
+            for trajectory, t, shift in timeline(own, study.instant[name]):
                 time.append(t + shift)
                 values.append(getattr(trajectory.at(t), attribute))
             peak = max(np.abs(v).max() for v in values)
@@ -218,13 +227,11 @@ def deflected_curves(study: Study) -> Figure:
     arc = run.evaluate(np.linspace(run.s0, run.s1, 2000)).tip[0]
     ways = {}
     for name, trajectory in trajectories.items():
-        detour = trajectory.axis_path.runs[0]
-        assert isinstance(detour, DetourRun)
-        ways[name] = trajectory.tip(np.linspace(0.0, detour.detour.duration, 600))[0]
+        ways[name] = trajectory.tip(np.linspace(0.0, detour_run(trajectory).detour.duration, 600))[0]
     marks = [
         ("deflection", np.array(DEFLECTION), "#17202e"),
-        ("projection, 20th interval", tip_of(study.interval), MARK),
-        ("projection, whole path", tip_of(study.whole), "#0f8a6a"),
+        ("projection, 20th interval", study.interval.tip, MARK),
+        ("projection, whole path", study.whole.tip, "#0f8a6a"),
     ]
     colours = {"genetic": GENETIC, "optimal": OPTIMAL}
 
@@ -246,8 +253,3 @@ def deflected_curves(study: Study) -> Figure:
           Panel("seen along z", "x [mm]", "y [mm]", curves(0, 1), equal=True)),),
         "genetic goes by way of the projection on the 20th interval, as printed; optimal rejoins where it costs least.",
     )  # fmt: skip
-
-
-def tip_of(projection: Projection) -> Floats:
-    """(3,)"""
-    return projection.tip

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.study.errata import CHOICES, comparison, errata
-from toolpace.study.figures import Figure, Panel
+from toolpace.arrays import Floats
+from toolpace.study.errata import CHOICES, all_errata, comparison
+from toolpace.study.figures import FAR, Figure, Panel
 from toolpace.study.simulation import CLOSED_FORM, Study, periods
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 STYLE = """
 :root { --ink: #17202e; --soft: #5b6778; --line: #e4e8ee; --ground: #f4f6f9; }
@@ -27,9 +31,10 @@ th { text-align: left; color: var(--soft); font-weight: 500; border-bottom: 1px 
 th, td { padding: 6px 10px; vertical-align: top; } td { border-bottom: 1px solid #eff2f6; }
 td.n, th.n { text-align: right; white-space: nowrap; } tr:last-child td { border-bottom: 0; }
 """
+"""Of the page; it has no file of its own, since it is read by nobody else."""
 
 
-def page(study: Study, figures: Sequence[Figure]) -> str:
+def study_page(study: Study, figures: Sequence[Figure]) -> str:
     """The whole page; about 5 MB of it are plotly.js."""
     from plotly.offline import get_plotlyjs
 
@@ -48,7 +53,7 @@ def page(study: Study, figures: Sequence[Figure]) -> str:
         section("Time in each interval, T_i", "In seconds, interval by interval.", periods_table(study)),
         section("Errata", "What the paper prints, what holds, and a check that was worked out for this page.",
                 table(["where", "printed", "holds", "check"],
-                      [(e.where, e.printed, e.holds, e.check) for e in errata(study)])),
+                      [(e.where, e.printed, e.holds, e.check) for e in all_errata(study)])),
         section("What the paper does not say, and what was chosen", "", table(["", "chosen"], CHOICES)),
         "</main></body></html>",
     ]  # fmt: skip
@@ -61,6 +66,7 @@ TIMES_LEAD = (
     " interval, whose single quintic cannot both leave rest quickly and stay at the feed; the rest is what its preset"
     " speeds keep in reserve, and what a few generations do not find."
 )
+"""What the table of times shows, above it."""
 
 
 def section(title: str, lead: str, body: str) -> str:
@@ -133,12 +139,12 @@ def figure_section(figure: Figure) -> str:
     return section(f"Figure {figure.number}. {figure.title}", figure.caption, drawing)
 
 
-def drawn(figure: Figure) -> Any:
+def drawn(figure: Figure) -> go.Figure:
     """The plotly figure."""
     from plotly.subplots import make_subplots
 
     rows, columns = len(figure.rows), max(map(len, figure.rows))
-    specs = [[{"type": "scene" if spatial(panel) else "xy"} for panel in row] for row in figure.rows]
+    specs = [[{"type": "scene" if panel.in_space else "xy"} for panel in row] for row in figure.rows]
     titles = [f"{p.title}<br><sup>{p.note}</sup>" if p.note else p.title for row in figure.rows for p in row]
     out = make_subplots(
         rows=rows, cols=columns, specs=specs, subplot_titles=titles, horizontal_spacing=0.08,
@@ -157,12 +163,7 @@ def drawn(figure: Figure) -> Any:
     return out
 
 
-def spatial(panel: Panel) -> bool:
-    """Whether a panel is drawn in space."""
-    return any(curve.z is not None for curve in panel.curves)
-
-
-def add_panel(out: Any, panel: Panel, i: int, j: int, shown: set[str]) -> None:
+def add_panel(out: go.Figure, panel: Panel, i: int, j: int, shown: set[str]) -> None:
     """One panel of a plotly figure; every name stands once in the legend."""
     import plotly.graph_objects as go
 
@@ -181,7 +182,7 @@ def add_panel(out: Any, panel: Panel, i: int, j: int, shown: set[str]) -> None:
             out.add_trace(go.Scatter3d(x=x, y=y, z=rounded(curve.z), **common, **style), i, j)
         else:
             out.add_trace(go.Scatter(x=x, y=y, **common, **style), i, j)
-    if spatial(panel):
+    if panel.in_space:
         out.update_scenes(
             {
                 "xaxis_title": panel.x_label, "yaxis_title": panel.y_label, "zaxis_title": panel.z_label,
@@ -199,10 +200,10 @@ def add_panel(out: Any, panel: Panel, i: int, j: int, shown: set[str]) -> None:
         low = min(np.nanmin(curve.y) for curve in panel.curves)
         high = max(np.nanmax(curve.y) for curve in panel.curves)
         for sign, reach in ((1.0, high), (-1.0, -low)):
-            if 3.0 * reach >= panel.limit:
+            if FAR * reach >= panel.limit:
                 out.add_hline(sign * panel.limit, line={"color": "#c92a3f", "width": 1, "dash": "dash"}, row=i, col=j)
 
 
-def rounded(values: Any) -> list[float | None]:
+def rounded(values: Floats) -> list[float | None]:
     """Six digits are enough for a drawing; a gap where there is no number."""
     return [None if not np.isfinite(v) else float(f"{v:.6g}") for v in values]

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.files import whole_file
-from toolpace.study.figures import Figure, Panel
+from toolpace.study.figures import FAR, Figure, Panel
 
-FAR = 3.0
-"""Limits further out than this multiple of the data are named, not drawn."""
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from mpl_toolkits.mplot3d import Axes3D
 
 
-def write(figures: Sequence[Figure], folder: Path) -> list[str]:
+def write_pictures(figures: Sequence[Figure], folder: Path) -> list[str]:
     """Write figure_N.png for each figure and return their names; nothing without matplotlib."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -30,12 +32,12 @@ def write(figures: Sequence[Figure], folder: Path) -> list[str]:
         FigureCanvasAgg(canvas)
         for i, row in enumerate(figure.rows):
             for j, panel in enumerate(row):
-                space = any(curve.z is not None for curve in panel.curves)
-                axes = canvas.add_subplot(
-                    rows, len(row), i * len(row) + j + 1, **({"projection": "3d"} if space else {})
-                )
-                draw(axes, panel, space)
-        named: dict[str, Any] = {}
+                place = (rows, len(row), i * len(row) + j + 1)
+                if panel.in_space:
+                    draw_in_space(canvas.add_subplot(*place, projection="3d"), panel)
+                else:
+                    draw_in_plane(canvas.add_subplot(*place), panel)
+        named: dict[str, Artist] = {}
         for axes in canvas.axes:
             named |= dict(zip(*reversed(axes.get_legend_handles_labels())))
         canvas.legend(
@@ -54,35 +56,45 @@ def write(figures: Sequence[Figure], folder: Path) -> list[str]:
     return names
 
 
-def draw(axes: Any, panel: Panel, space: bool) -> None:
-    """One panel on its axes."""
+def draw_in_space(axes: Axes3D, panel: Panel) -> None:
+    """One panel of curves in space."""
+    draw_curves(axes, panel)
+    axes.set_zlabel(panel.z_label)
+    axes.tick_params(labelsize=8)
+    axes.locator_params(nbins=5)
+    axes.set_aspect("equal")
+    axes.view_init(elev=18, azim=-62)
+
+
+def draw_in_plane(axes: Axes, panel: Panel) -> None:
+    """One panel of curves in a plane, with the limit."""
+    draw_curves(axes, panel)
+    axes.grid(True, color="#e4e8ee", linewidth=0.7)
+    axes.spines[["top", "right"]].set_visible(False)
+    if panel.equal:
+        axes.set_aspect("equal", adjustable="datalim")
+    draw_limit(axes, panel)
+
+
+def draw_curves(axes: Axes, panel: Panel) -> None:
+    """All curves of a panel, its labels and its title."""
     for curve in panel.curves:
-        style: dict[str, Any] = {"color": curve.colour, "label": curve.name or None}
-        if curve.style == "marks":
-            style |= {"linestyle": "none", "marker": "o", "markersize": 4}
-        else:
-            style |= {"linewidth": 1.3, "linestyle": "--" if curve.style == "dash" else "-"}
-        data = (curve.x, curve.y, curve.z) if space else (curve.x, curve.y)
-        axes.plot(*data, **style)
+        marks = curve.style == "marks"
+        axes.plot(
+            *((curve.x, curve.y) if curve.z is None else (curve.x, curve.y, curve.z)),
+            color=curve.colour,
+            label=curve.name or None,
+            marker="o" if marks else None,
+            markersize=4,
+            linestyle="none" if marks else "--" if curve.style == "dash" else "-",
+            linewidth=1.3,
+        )
     axes.set_xlabel(panel.x_label)
     axes.set_ylabel(panel.y_label)
-    if space:
-        axes.set_zlabel(panel.z_label)
-        axes.tick_params(labelsize=8)
-        axes.locator_params(nbins=5)
-        axes.set_aspect("equal")
-        axes.view_init(elev=18, azim=-62)
-    else:
-        axes.grid(True, color="#e4e8ee", linewidth=0.7)
-        axes.spines[["top", "right"]].set_visible(False)
-        if panel.equal:
-            axes.set_aspect("equal", adjustable="datalim")
-    title = panel.title if not panel.note else f"{panel.title}: {panel.note}"
-    axes.set_title(title, fontsize=10)
-    limits(axes, panel)
+    axes.set_title(panel.title if not panel.note else f"{panel.title}: {panel.note}", fontsize=10)
 
 
-def limits(axes: Any, panel: Panel) -> None:
+def draw_limit(axes: Axes, panel: Panel) -> None:
     """The limit as dashed lines, where it is near enough to the curves."""
     if panel.limit is None:
         return

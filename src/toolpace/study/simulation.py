@@ -11,7 +11,7 @@ from toolpace import deflect
 from toolpace.arrays import Floats
 from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.quintic import quintic_through
-from toolpace.deflect.replan import passing_time
+from toolpace.deflect.detour import DetourRun
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
@@ -20,11 +20,16 @@ from toolpace.trajectory import Trajectory
 FEED = 0.03
 """F of Eq. (11) [m/s]."""
 RADIUS = 0.1
+"""Of the arc [m]."""
 INTERVALS = 31
 DEFLECTION = (0.059, 0.0568, 0.0589)
+"""Where the tip is found [m]."""
 PRINTED_PROJECTION = (0.058, 0.058, 0.0571)
+"""[m]"""
 DEFLECTED_INTERVAL = 20
+"""These as section III has them."""
 GENERATIONS = (1, 10, 100)
+"""The paper's, and ten and a hundred times as many, to see what they find."""
 CLOSED_FORM = 5.3112
 """Optimum rest to rest: L / F + 2 sqrt(F / J), J = 21.2 m/s^3 the tip's jerk where B's limit binds [s]."""
 
@@ -65,7 +70,8 @@ class Study:
     def facts(self) -> dict[str, object]:
         """The figures of study.json."""
         peak = {
-            name: {"without_deflection": usage(a), "with_deflection": usage(b)} for name, (a, b) in self.pairs().items()
+            name: {"without_deflection": usage_facts(a), "with_deflection": usage_facts(b)}
+            for name, (a, b) in self.pairs().items()
         }
         return {
             "projection_interval20_m": list(map(float, self.interval.tip)),
@@ -87,14 +93,21 @@ class Study:
                     "instant_s": self.instant[name],
                     "remaining_s": b.duration,
                     "remaining_without_s": a.duration - self.instant[name],
-                    "detour_s": b.axis_path.runs[0].detour.duration,  # type: ignore[attr-defined]
+                    "detour_s": detour_run(b).detour.duration,
                 }
                 for name, (a, b) in self.pairs().items()
             },
         }
 
 
-def usage(trajectory: Trajectory) -> dict[str, object]:
+def detour_run(trajectory: Trajectory) -> DetourRun:
+    """The way back with which a trajectory after a deflection begins."""
+    run = trajectory.axis_path.runs[0]
+    assert isinstance(run, DetourRun)
+    return run
+
+
+def usage_facts(trajectory: Trajectory) -> dict[str, object]:
     """Peak value over limit, the worst first."""
     peak = trajectory.usage()
     return {
@@ -105,7 +118,7 @@ def usage(trajectory: Trajectory) -> dict[str, object]:
 
 def periods(study: Study, trajectory: Trajectory) -> Floats:
     """(31,) time in each interval, T_i [s]."""
-    passed = [passing_time(trajectory.laws[0], float(s)) for s in study.points]
+    passed = [trajectory.laws[0].passing_time(float(s)) for s in study.points]
     return np.diff(passed)
 
 
@@ -127,8 +140,8 @@ def simulate(progress: Callable[[float], None]) -> Study:
     whole = deflect.project(path, DEFLECTION)
     first = genetic[GENERATIONS[0]]
     instant = {
-        "genetic": passing_time(first.laws[0], where[0]),
-        "optimal": passing_time(optimal.laws[0], where[0]),
+        "genetic": first.laws[0].passing_time(where[0]),
+        "optimal": optimal.laws[0].passing_time(where[0]),
     }
     back = {
         "genetic": deflect.replan(

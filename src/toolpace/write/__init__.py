@@ -4,93 +4,81 @@ from __future__ import annotations
 
 import os
 import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+
+import msgspec
 
 from toolpace.errors import UsageError
 from toolpace.files import reason, whole_folder
-from toolpace.setpoints import SetPoints
 from toolpace.write.csv import write_csv
-from toolpace.write.plan_json import PLAN, PlanRecord, plan_record, read_plan, write_plan
+from toolpace.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
+from toolpace.write.result import PlanResult
 
-if TYPE_CHECKING:
-    from toolpace.judge import Verification
-    from toolpace.machine.machine import Machine
-    from toolpace.toolpath import ToolPath
-    from toolpace.trajectory import Trajectory
-
-__all__ = ["PlanRecord", "plan_record", "read_plan", "write_all", "write_csv", "write_plan"]
+__all__ = [
+    "MACHINE", "PLAN", "REPORT", "SET_POINTS", "TABLE", "WRITING", "PlanRecord", "PlanResult", "read_plan",
+    "write_csv", "write_folder",
+]  # fmt: skip
 
 SET_POINTS = "setpoints.npz"
 TABLE = "setpoints.csv"
 MACHINE = "machine.toml"
 REPORT = "report.html"
+"""Names of the files beside plan.json."""
+WRITING = "writing"
+"""The step under which plan.json tells the time that the other files took."""
 
 
-def write_all(
+def write_folder(
     directory: str | os.PathLike[str],
-    trajectory: Trajectory,
-    path: Any,
-    toolpath: ToolPath | None,
-    machine: Machine,
-    setpoints: SetPoints,
-    program_path: str | os.PathLike[str] | None = None,
+    result: PlanResult,
+    *,
     csv: bool = False,
     report: bool = True,
-    progress: Callable[[str, float], None] | None = None,
-    *,
-    verification: Verification | None = None,
-    feed: str | None = None,
-    tip_tolerance: float | None = None,
-    axis_tolerance: float | None = None,
-    dialect: str | None = None,
-    step_s: dict[str, float] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> PlanRecord:
-    """Write plan.json, setpoints.npz, machine.toml, a copy of the program (program.<ext>) and, as asked,
-    setpoints.csv and report.html; return what plan.json says.
+    """Write setpoints.npz, machine.toml, a copy of the program (program.<ext>), as asked setpoints.csv and
+    report.html, and last plan.json; return what plan.json says.
 
-    `path` is the Path (its deviations and fitting time are read), or None. `feed`, `tip_tolerance` [m] and
-    `axis_tolerance` [rad] are what the plan was made with, and `dialect` what the program was read as, so that it
-    can be judged by the files alone; `step_s` are the times of the steps so far.
-    `progress(what, share done)` is called as files are written. Everything is written to a temporary folder
-    beside `directory` first; where anything fails (UsageError), nothing is left behind.
+    `progress` is called with the share done. Everything is written to a temporary folder beside `directory` first;
+    where anything fails (UsageError), nothing is left behind.
     """
-    tell = progress or (lambda what, share: None)
-    program = Path(program_path) if program_path is not None else None
-    copied = f"program{program.suffix}" if program is not None else ""
-    record = plan_record(
-        trajectory,
-        path,
-        toolpath,
-        machine,
-        setpoints,
-        verification,
-        program=program.name if program is not None else "",
-        program_file=copied,
-        feed=feed,
-        tip_tolerance=tip_tolerance,
-        axis_tolerance=axis_tolerance,
-        dialect=dialect,
-        step_s=step_s,
-    )
-    with whole_folder(directory) as folder:
-        tell("set-points", 0.0)
-        setpoints.save(folder / SET_POINTS)
-        (folder / MACHINE).write_text(machine.to_toml(), encoding="utf-8")
-        if program is not None:
-            try:
-                shutil.copyfile(program, folder / copied)
-            except OSError as error:
-                raise UsageError(f"{program}: cannot read: {reason(error)}") from None
+    tell = progress or (lambda share: None)
+    began = time.perf_counter()
+    record = result.record()
+    with whole_folder(directory, last=PLAN) as folder:
+        tell(0.0)
+        result.setpoints.save(folder / SET_POINTS)
+        (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
+        if result.program is not None:
+            copy_program(result.program, folder / result.program_copy)
         if csv:
-            tell("table", 0.1)
-            write_csv(folder / TABLE, setpoints, machine)
+            tell(0.1)
+            write_csv(folder / TABLE, result.setpoints, result.machine)
         if report:
-            tell("report", 0.4)
+            tell(0.4)
             from toolpace.reporting import write_report
 
-            write_report(folder / REPORT, trajectory, setpoints, toolpath, verification, record.facts())
+            write_report(
+                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record
+            )
+        steps = {**record.step_s, WRITING: time.perf_counter() - began}
+        record = msgspec.structs.replace(record, step_s=steps)
         write_plan(folder / PLAN, record)
-        tell("done", 1.0)
+        tell(1.0)
     return record
+
+
+def copy_program(program: Path, copy: Path) -> None:
+    """Copy the program beside its plan. Raises UsageError where it cannot be read."""
+    try:
+        shutil.copyfile(program, copy)
+    except OSError as error:
+        raise UsageError(f"{program}: cannot read: {reason(error)}") from None
+
+
+def written_files(program: Path, *, csv: bool, report: bool) -> list[str]:
+    """Names of the files of a plan, the one to look at last."""
+    names = [PLAN, SET_POINTS, MACHINE, f"program{program.suffix}"]
+    return names + [TABLE] * csv + [REPORT] * report

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 CHUNK = 20_000
+"""Rows that are turned into text in one piece, to keep memory low."""
 _KINDS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s2"), (" jerk", "qddd", "/s3"))
+"""What a column holds, the field of SetPoints, and what its unit is divided by."""
 
 
 def columns(setpoints: SetPoints, machine: Machine | None) -> tuple[list[str], list[float]]:

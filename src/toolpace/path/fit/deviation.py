@@ -24,8 +24,8 @@ CLOSER = 6
 
 
 @dataclass(frozen=True)
-class Check:
-    """What a curve is compared with."""
+class Comparison:
+    """What curves are compared with, and how far they are off it."""
 
     line: Polyline
     axis_tolerance: float

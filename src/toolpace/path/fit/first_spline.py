@@ -16,7 +16,8 @@ from toolpace.path.fit.knots import refined_at
 from toolpace.path.fit.polyline import Machine, Polyline
 from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.spline import Spline, knots_of
-from toolpace.path.fit.windows import Range, ranges, side_by_side
+from toolpace.path.fit.windows import Range, ranges, solve_ranges
+from toolpace.workers import Workers
 
 INSIDE = 0.6
 """Share of the tolerance within which the first spline must run."""
@@ -32,13 +33,14 @@ def inside_spline(
     axis_tolerance: float,
     machine: Machine | None,
     look: Callable[[Spline, Floats], tuple[Floats, Floats]],
+    workers: Workers,
 ) -> tuple[Spline, Samples]:
     """A spline well inside the tube, and its samples. `look` tells parameters and deviations between samples."""
     spline = near_polyline(line, breaks)
     data = sample(line, breaks, axis_tolerance, machine)
     where: Floats | None = None
     for _ in range(ROUNDS):
-        settle(spline, data, weight, where)
+        settle(spline, data, weight, where, workers)
         bad = data.s[~(deviation(spline, data) <= INSIDE)]
         if len(bad) == 0:
             # a spline with as many coefficients as samples obeys at the samples and swings between them
@@ -65,7 +67,7 @@ def near_polyline(line: Polyline, breaks: Floats) -> Spline:
     return spline
 
 
-def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None) -> None:
+def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
     """Replace the coefficients about the parameters `where`, or all, by those of the smoothing spline."""
     from toolpace.kernels.fit.quintic_spline import third_rows
     from toolpace.kernels.fit.smoothest import least_squares
@@ -97,7 +99,7 @@ def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None) 
                 raise PathError("the program asks for a corner that no curve within the tolerance can follow")
             x[low:high, columns] = moved[low - base : high - base]
 
-    side_by_side(ranges(spline.breaks, where), solve, lambda share: None)
+    solve_ranges(ranges(spline.breaks, where), solve, workers)
 
 
 def deviation(spline: Spline, data: Samples) -> Floats:

@@ -1,21 +1,34 @@
-"""The fit of a whole tool path: polyline, first spline, smoothing inside the tube, and a check between the samples."""
+"""The fit of a whole tool path: the smoothest curve within its tolerances, run by run.
+
+of a run from stop to stop:
+  a first spline well inside the tube about the polyline, on as many knots as that takes
+  repeat
+      smooth it as far as the tube at its samples allows                  (an interior point, window by window)
+      look between the samples:  inside the tube everywhere?  done
+      where it strays: sample there too; then narrow the tube there; at last put in knots
+  where that does not end, the first spline
+"""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError, UsageError
-from toolpace.path.fit.deviation import PARTS, Check
+from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.knots import first_breaks, refined_at
 from toolpace.path.fit.polyline import Machine, Polyline, polylines
-from toolpace.path.fit.samples import sample
+from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.smooth import tighten
+from toolpace.path.fit.spline import Spline
 from toolpace.path.run import SplineRun
 from toolpace.toolpath import ToolPath
+from toolpace.workers import Progress, Workers, side_by_side
 
 SLOW = 0.3
 """A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
@@ -25,6 +38,16 @@ LOCAL = 3
 """Repairs that keep the knots."""
 REPAIRS = 10
 """Repairs before the first spline is taken as it is."""
+
+
+class FittedRun(NamedTuple):
+    """A run and how far it is from its polyline."""
+
+    run: SplineRun
+    tip_deviation: float
+    """Of the tip [tolerances]."""
+    axis_deviation: float
+    """Of the tool axis [tolerances]."""
 
 
 def fit_runs(
@@ -40,29 +63,21 @@ def fit_runs(
             raise UsageError(f"{name} is {value:g}: give a positive tolerance")
     if len(toolpath) < 2:
         raise PathError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
-    runs = []
-    tip_worst = axis_worst = start = 0.0
     lines = polylines(toolpath, tip_tolerance, axis_tolerance, machine)
-    total = sum(len(line.s) for line in lines)
-    done = part = 0
+    starts = list(itertools.accumulate((tip_tolerance * line.s[-1] for line in lines), initial=0.0))
 
-    def report(share: float) -> None:
-        if progress is not None:
-            progress((done + share * part) / total)
-
-    for line in lines:
-        part = len(line.s)
+    def one(k: int, workers: Workers, told: Progress) -> FittedRun:
+        line = lines[k]
         try:
-            run, tip_off, axis_off = fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, start, report)
+            return fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, starts[k], workers, told)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
-        runs.append(run)
-        start = run.s1
-        tip_worst, axis_worst = max(tip_worst, tip_off), max(axis_worst, axis_off)
-        done += part
-    report(0.0)
-    return tuple(runs), tip_worst * tip_tolerance, axis_worst * axis_tolerance, lines[0].wait
+
+    fitted = side_by_side(one, [len(line.s) for line in lines], progress)
+    tip = max(run.tip_deviation for run in fitted)
+    axis = max(run.axis_deviation for run in fitted)
+    return tuple(run.run for run in fitted), tip * tip_tolerance, axis * axis_tolerance, lines[0].wait
 
 
 def fit_run(
@@ -72,41 +87,74 @@ def fit_run(
     axis_tolerance: float,
     machine: Machine | None,
     start: float,
-    report: Callable[[float], None],
-) -> tuple[SplineRun, float, float]:
-    """One run that starts at parameter `start` [m], and its deviations in tolerances."""
+    workers: Workers,
+    progress: Progress,
+) -> FittedRun:
+    """One run that starts at parameter `start` [m]. Raises PathError where no curve fits."""
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
-    check = Check(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
-    begin = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine, check.between)
-    spline, data = begin[0].copy(), begin[1]
+    check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
+    first, samples = inside_spline(
+        line, first_breaks(line.s), weight, axis_tolerance, machine, check.between, workers
+    )
+    spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
     where: Floats | None = None
-    for repair in range(REPAIRS + 1):
-        if repair < REPAIRS:
-            radius = narrowed(data.s, narrow)
-            tighten(spline, data, weight, least_third, radius, where, report)
-            if not (np.isfinite(spline.tip).all() and np.isfinite(spline.turn).all()):
-                spline, data = begin
-        else:
-            spline, data = begin
-        polynomials = spline.pieces()
-        at, tip_off, axis_off = check.closely(polynomials, spline.breaks, data.s)
-        off = np.maximum(tip_off, axis_off)
-        bad = np.flatnonzero(~(off <= LIMIT))
-        if len(bad) == 0:
-            run = piecewise(line, toolpath, spline.breaks, polynomials, tip_tolerance, axis_tolerance, start)
-            return run, float(np.max(tip_off)), float(np.max(axis_off))
-        # it strays between the samples: compare there too, and smooth about these places once more
-        where = at[bad]
-        s = with_neighbours(data.s, at, bad)
+
+    def finished(found: Deviations, spline: Spline) -> FittedRun:
+        run = piecewise(line, toolpath, spline.breaks, found.polynomials, tip_tolerance, axis_tolerance, start)
+        return FittedRun(run, float(np.max(found.tip)), float(np.max(found.axis)))
+
+    for repair in range(REPAIRS):
+        tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, progress)
+        if not spline.is_finite:
+            spline, data = first.copy(), samples
+        found = deviations(check, spline, data)
+        if len(found.bad) == 0:
+            return finished(found, spline)
+        # it strays between the samples: compare there too, in a narrower tube, and smooth about these places once more
+        where = found.at[found.bad]
+        s = with_neighbours(data.s, found.at, found.bad)
         if repair > 0:
-            narrow.append((where, np.clip(0.95 / off[bad], 0.7, 1.0)))
+            narrow.append((where, np.clip(0.95 / found.off[found.bad], 0.7, 1.0)))
         if repair >= LOCAL:
             spline = spline.over(refined_at(line.s, spline.breaks, where))
             s = np.union1d(s, spline.breaks)
         data = sample(line, spline.breaks, axis_tolerance, machine, s, data)
-    raise PathError("the curve cannot be kept inside the tolerance")
+    found = deviations(check, first, samples)
+    if len(found.bad):
+        raise PathError("the curve cannot be kept inside the tolerance")
+    return finished(found, first)
+
+
+class Deviations(NamedTuple):
+    """How far a spline is from its polyline, between the samples too."""
+
+    polynomials: Floats
+    """The pieces of the spline."""
+    at: Floats
+    """(k,) parameters at which it was looked."""
+    tip: Floats
+    """(k,) deviation of the tip [tolerances]."""
+    axis: Floats
+    """(k,) deviation of the tool axis [tolerances]."""
+
+    @property
+    def off(self) -> Floats:
+        """(k,) the larger of both."""
+        off: Floats = np.maximum(self.tip, self.axis)
+        return off
+
+    @property
+    def bad(self) -> Ints:
+        """Indices of the places outside the tolerance; a nan is outside."""
+        return np.flatnonzero(~(self.off <= LIMIT))
+
+
+def deviations(check: Comparison, spline: Spline, data: Samples) -> Deviations:
+    """Look at a spline more closely than its samples do."""
+    polynomials = spline.pieces()
+    return Deviations(polynomials, *check.closely(polynomials, spline.breaks, data.s))
 
 
 def with_neighbours(samples: Floats, at: Floats, bad: Ints) -> Floats:

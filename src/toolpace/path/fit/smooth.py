@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.path.fit.samples import Samples
 from toolpace.path.fit.spline import Spline, knots_of
-from toolpace.path.fit.windows import Range, ranges, side_by_side
+from toolpace.path.fit.windows import Range, ranges, solve_ranges
+from toolpace.workers import Progress, Workers
 
 USED = 0.95
 """Share of the tolerance that the samples may use; what lies between takes some of the rest."""
@@ -27,13 +26,14 @@ def tighten(
     least_third: float,
     radius: Floats,
     where: Floats | None,
-    report: Callable[[float], None],
+    workers: Workers,
+    progress: Progress,
 ) -> None:
     """Minimise the roughness of a spline inside the tube, in place.
 
     `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel; `radius` (m,) the share
     of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is
-    everywhere. `report` is told the share done.
+    everywhere.
     """
     from toolpace.kernels.fit.quintic_spline import third_rows
     from toolpace.kernels.fit.smoothest import smoothest
@@ -70,4 +70,4 @@ def tighten(
         if 0 <= steps < STEPS or np.all(data.off(j, moved, base, target, metric) <= 1.02 * USED * radius[j]):
             x[low:high] = moved[low - base : high - base]
 
-    side_by_side(ranges(spline.breaks, where), solve, report)
+    solve_ranges(ranges(spline.breaks, where), solve, workers, progress)

@@ -17,6 +17,11 @@ class Spline:
     tip: Floats
     turn: Floats
 
+    @property
+    def is_finite(self) -> bool:
+        """Whether all coefficients are numbers."""
+        return bool(np.isfinite(self.tip).all() and np.isfinite(self.turn).all())
+
     def pieces(self) -> Floats:
         """Taylor coefficients (cells, 6, 3 + d) at the left end of each cell."""
         from toolpace.kernels.fit.quintic_spline import pieces

@@ -8,15 +8,14 @@ of cores.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
+from toolpace.workers import UNTOLD, Progress, Workers
 
 WINDOW = 2000
 """Coefficients of a window."""
@@ -56,15 +55,11 @@ def near(n: int, cells: npt.NDArray[np.intp]) -> list[Range]:
     return out
 
 
-def side_by_side(
-    stages: list[list[Range]], solve: Callable[[int, Range], None], report: Callable[[float], None]
+def solve_ranges(
+    stages: list[list[Range]], solve: Callable[[int, Range], None], workers: Workers, progress: Progress = UNTOLD
 ) -> None:
-    """solve(0, range) for the tip and solve(1, range) for the turn, for all ranges; `report` is told the share done."""
+    """solve(0, range) for the tip and solve(1, range) for the turn, for all ranges, on all cores stage by stage."""
     jobs = [[(which, part) for part in stage for which in range(2)] for stage in stages]
-    count = sum(len(stage) for stage in jobs)
-    done = 0
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for stage in jobs:
-            for _ in pool.map(lambda job: solve(*job), stage):
-                done += 1
-                report(done / count)
+    parts = progress.split([len(stage) for stage in jobs])
+    for stage, told in zip(jobs, parts):
+        workers.each(lambda job: solve(*job), stage, told)

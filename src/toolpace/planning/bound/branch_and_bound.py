@@ -21,7 +21,7 @@ from toolpace.kernels.optimal import dual
 from toolpace.planning.bound.open_places import settled, surroundings
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import Relaxed, relaxed
-from toolpace.workers import Crew, Tell
+from toolpace.workers import Progress, Workers
 
 KNOT_RAMPS = 2.0
 """How far around a knot whose range is asked for the multipliers may change, in times in which an acceleration builds
@@ -65,7 +65,9 @@ class Piece:
     """The relaxation within the ranges."""
 
 
-def close(part: Part, lost: float, needed: float, until: float, ramp: float, crew: Crew, tell: Tell) -> float:
+def close(
+    part: Part, lost: float, needed: float, until: float, ramp: float, workers: Workers, progress: Progress
+) -> float:
     """How much more than its multipliers say any motion takes in a part; `lost` is how much more the best known takes.
 
     Best first branch and bound, until as much as `needed` is proved: the piece with the least value is tightened, and
@@ -81,10 +83,10 @@ def close(part: Part, lost: float, needed: float, until: float, ramp: float, cre
         worst = min(pieces, key=lambda piece: piece.value)
         patience = PATIENCE if worst.value > best + LEAST_GAIN * lost else patience - 1
         best = max(best, worst.value)
-        tell(min(best, enough) - base)
+        progress(min(best, enough) - base)
         if best >= enough:
             break
-        tighter = tightened(part, worst, cut, until, ramp, crew)
+        tighter = tightened(part, worst, cut, until, ramp, workers)
         pieces.remove(worst)
         if tighter.value >= min(worst.value + LEAST_PROGRESS * (cut - worst.value), enough):
             pieces.append(tighter)
@@ -93,7 +95,7 @@ def close(part: Part, lost: float, needed: float, until: float, ramp: float, cre
     return max(min(min(piece.value for piece in pieces), cut) - base, 0.0)
 
 
-def tightened(part: Part, piece: Piece, wanted: float, until: float, ramp: float, crew: Crew) -> Piece:
+def tightened(part: Part, piece: Piece, wanted: float, until: float, ramp: float, workers: Workers) -> Piece:
     """The piece with the ranges of its open knots narrowed to what may take less than `wanted`.
 
     What is cut off takes at least that, as multipliers of its own prove. So it need not be looked at again.
@@ -106,7 +108,7 @@ def tightened(part: Part, piece: Piece, wanted: float, until: float, ramp: float
         near = Near(part, piece, k, ramp)
         return k, near.border(False, wanted), near.border(True, wanted)
 
-    for k, least, most in crew.each(narrow, open_knots(part.knots, piece).tolist()):
+    for k, least, most in workers.each(narrow, open_knots(part.knots, piece).tolist()):
         low[k], high[k] = np.fmax(low[k], least), np.fmin(high[k], most)
     return relaxed_in(part, low, high, piece)
 

@@ -29,9 +29,8 @@ from toolpace.planning.bound.relaxation import (
 )
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.guess import highest_of, ramp_time, steady_speed
-from toolpace.planning.optimal import meshed_run
 from toolpace.planning.optimal.problem import OnMesh, discretise, node_weights
-from toolpace.workers import Crew, Tell, untold
+from toolpace.workers import UNTOLD, Progress, Workers
 
 PIECE = 4_000
 """Nodes from border to border, unless the overlap would be wider."""
@@ -40,6 +39,8 @@ OVERLAP_RAMPS = 40.0
 LEAST_OVERLAP = 100
 FADE = 0.5
 """Share of the overlap in which the multipliers of one piece fade into those of the next."""
+WHOLE = 12_000
+"""Nodes up to which a run is bounded in one piece: cheaper so, and exact."""
 SAMPLES = 20_000
 """Nodes from which the highest steady speed of the run is taken."""
 
@@ -107,8 +108,8 @@ def bound_long_run(
     law: SplineLaw,
     start: EndState = AT_REST,
     end: EndState = AT_REST,
-    crew: Crew | None = None,
-    tell: Tell = untold,
+    workers: Workers | None = None,
+    progress: Progress = UNTOLD,
 ) -> Bound:
     """The bound of a run's plan; that of a long run from pieces of it, on all cores."""
     border, over = borders(law, OVERLAP_RAMPS * min(ramp_time(limits), law.duration))
@@ -126,14 +127,14 @@ def bound_long_run(
                 share *= np.clip(0.5 + sign * (place - at) / (2.0 * FADE * reach), 0.0, 1.0)
         return joined.add(low, high, share, first, last)
 
-    steps = (crew or Crew()).each(one, range(len(border) - 1), tell)
+    steps = (workers or Workers()).each(one, range(len(border) - 1), progress)
     return joined.bound(max(steps))
 
 
 def borders(law: SplineLaw, overlap: float) -> tuple[Ints, Ints]:
     """Nodes (k,) between which the pieces lie, and how many nodes pieces reach beyond them to cover a time."""
     last = len(law.nodes) - 1
-    count = last // PIECE if last > meshed_run.KEPT else 1
+    count = last // PIECE if last > WHOLE else 1
     while count > 1:
         border = np.linspace(0, last, count + 1).astype(np.int64)
         before, after = (np.searchsorted(law.times, law.times[border] + shift) for shift in (-overlap, overlap))

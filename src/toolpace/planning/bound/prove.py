@@ -18,13 +18,22 @@ from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.bound.open_places import Place, losses_by_knot, open_places, settled
 from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.problem import Knots
-from toolpace.planning.bound.relaxation import STANDS_STILL, Bound, Relaxed, coefficients, problem_of, relaxed, summed
+from toolpace.planning.bound.relaxation import (
+    STANDS_STILL,
+    Bound,
+    Relaxed,
+    coefficients,
+    places_in_time,
+    problem_of,
+    relaxed,
+)
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.guess import ramp_time
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, slower, solve
+from toolpace.planning.planned_run import PlannedRun, total_bound
 from toolpace.trajectory import Trajectory
-from toolpace.workers import Crew, Tally, Tell, part_of, untold
+from toolpace.workers import UNTOLD, CallersProgress, Progress, Workers
 
 GAP = 1e-4
 """What is to be proved, unless something else is asked for: duration / bound - 1."""
@@ -50,10 +59,10 @@ def prove(
     until = time.monotonic() + within
     runs, limits = trajectory.axis_path.runs, trajectory.limits
     laws = [law for law in trajectory.laws if isinstance(law, SplineLaw)]
-    tally = Tally(progress, [1.0])
-    crew = Crew(tally)
-    bounds = crew.each(
-        lambda k: bound_long_run(runs[k], limits, laws[k], *end_states(laws[k]), crew=crew), range(len(runs))
+    told = CallersProgress(progress)
+    workers = Workers(told)
+    bounds = workers.each(
+        lambda k: bound_long_run(runs[k], limits, laws[k], *end_states(laws[k]), workers=workers), range(len(runs))
     )
     open_ = np.array([bound.duration - bound.seconds for bound in bounds])
     total = max(float(open_.sum()), 1e-300)
@@ -61,13 +70,18 @@ def prove(
     for k in np.argsort(-open_).tolist():
         if bounds[k].gap > gap and time.monotonic() < until:
             share = open_[k] / total
-            tell = part_of(tally.of(0), done, done + share)
-            bounds[k] = prove_run(runs[k], limits, laws[k], gap, until, *end_states(laws[k]), crew=crew, tell=tell)
+            part = told.part(done, done + share)
+            states = end_states(laws[k])
+            bounds[k] = prove_run(runs[k], limits, laws[k], gap, until, *states, workers=workers, progress=part)
         done += open_[k] / total
-    unmeshed = crew.each(lambda k: continuous_bound(runs[k], limits, laws[k]), range(len(runs)))
+    unmeshed = workers.each(lambda k: continuous_bound(runs[k], limits, laws[k]), range(len(runs)))
     dwells = trajectory.axis_path.first_dwell + sum(run.dwell for run in runs)
-    tally.of(0)(1.0)
-    lower_bound, places = summed(trajectory.axis_path, laws, bounds)
+    told(1.0)
+    proved = [
+        PlannedRun(law, 0, bound.seconds, places_in_time(run, law, bound))
+        for run, law, bound in zip(runs, laws, bounds, strict=True)
+    ]
+    lower_bound, places = total_bound(trajectory.axis_path, proved)
     return replace(
         trajectory,
         lower_bound=max(lower_bound, trajectory.lower_bound),
@@ -94,15 +108,15 @@ def prove_run(
     until: float,
     start: EndState = AT_REST,
     end: EndState = AT_REST,
-    crew: Crew | None = None,
-    tell: Tell = untold,
+    workers: Workers | None = None,
+    progress: Progress = UNTOLD,
 ) -> Bound:
     """The bound of a run's plan, raised until the gap is at most `target` or the time is `until` (time.monotonic).
 
     Place by place: the multipliers may change in a part around it; what lies outside is priced by those found. So
     what is gained at places whose parts do not overlap adds up.
     """
-    crew = crew or Crew()
+    workers = workers or Workers()
     problem = problem_of(run, limits, law, start, end)
     knots, c = Knots(problem), coefficients(law)
     found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap)
@@ -117,12 +131,12 @@ def prove_run(
         gained = 0.0
         if value < wanted and time.monotonic() < until:
 
-            def told(gain: float, before: float = value) -> None:
-                tell(min((before + gain - first) / (wanted - first), 1.0))
+            def closed(gain: float, before: float = value) -> None:
+                progress(min((before + gain - first) / (wanted - first), 1.0))
 
             part = part_around(knots, place, found, dual, law.times)
             lost = place.open - to_gain(problem, c, place)
-            gained = close(part, lost, wanted - value, until, ramp, crew, told)
+            gained = close(part, lost, wanted - value, until, ramp, workers, Progress(closed))
         value += gained
         places.append((law.nodes[place.first], law.nodes[place.last], place.open - gained))
     kept = np.array(places).reshape(-1, 3)

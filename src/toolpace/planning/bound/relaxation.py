@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
 from toolpace.kernels.optimal import relaxation
 from toolpace.laws.spline import SplineLaw
@@ -114,22 +112,14 @@ def problem_of(run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, en
     return discretise(run, limits, nodes, start, end)
 
 
-def summed(
-    axis_path: AxisPath, laws: Sequence[SplineLaw], bounds: Sequence[Bound]
-) -> tuple[float, tuple[OpenPlace, ...]]:
-    """The lower bound of all runs with their dwells [s], and where what is open of it lies."""
-    total, begins = axis_path.first_dwell, axis_path.first_dwell
-    places = []
-    gap = sum(bound.duration - bound.seconds for bound in bounds)
-    for run, law, bound in zip(axis_path.runs, laws, bounds):
-        blocks = run.block_at(bound.places[:, 0])
-        times = begins + np.interp(bound.places[:, :2], law.nodes, law.times)
-        for (start, end), seconds, block in zip(times.tolist(), bound.places[:, 2].tolist(), blocks.tolist()):
-            if seconds > IN_GAP * gap:
-                places.append(OpenPlace(start, end, seconds, block))
-        total += bound.seconds + run.dwell
-        begins += law.duration + run.dwell
-    return total, tuple(places)
+def places_in_time(run: AxisRun, law: SplineLaw, bound: Bound) -> tuple[OpenPlace, ...]:
+    """Where the relaxation stands still, in time since the start of the run."""
+    blocks = run.block_at(bound.places[:, 0])
+    times = np.interp(bound.places[:, :2], law.nodes, law.times)
+    return tuple(
+        OpenPlace(start, end, seconds, block)
+        for (start, end), seconds, block in zip(times.tolist(), bound.places[:, 2].tolist(), blocks.tolist())
+    )
 
 
 def coefficients(law: SplineLaw) -> Floats:

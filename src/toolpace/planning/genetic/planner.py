@@ -6,16 +6,12 @@ deflection", ACC 2009, section II.C and Fig. 2. What it leaves open is said at e
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
-from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.kernels.planners import genetic
@@ -26,7 +22,9 @@ from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.genetic.preset_speeds import Preset, preset
 from toolpace.planning.genetic.problem import Intervals, reference_points
 from toolpace.planning.guarantee import BRED
-from toolpace.trajectory import Trajectory
+from toolpace.planning.options import Options
+from toolpace.planning.planned_run import PlannedRun
+from toolpace.workers import Progress, Workers
 
 CHECKS = 12
 ATTEMPTS = 5
@@ -37,10 +35,11 @@ EVOLVE_SLACK = 2e-4
 SLOWEST = 1.6
 """Longest period that a first population holds, as a multiple of that at the mean of both preset speeds."""
 FASTEST = 0.7
+"""The shortest such period, as the same multiple."""
 
 
 @dataclass(frozen=True)
-class Genetic:
+class Genetic(Options):
     """The parameters that the paper does not give ("simple GA with one generation"), with what is taken here."""
 
     generations: int = 1
@@ -61,8 +60,12 @@ class Genetic:
     """Most usage of any limit that the preset speeds and accelerations ask for; the rest is for the periods."""
     evolve: int = 0
     """Sweeps that, after the periods, evolve the preset speeds and accelerations too; the paper has none."""
+    intervals: int | tuple[float, ...] | None = None
+    """Least number of intervals of each run, or the reference points between them; None: see `reference_points`."""
 
     def __post_init__(self) -> None:
+        if self.intervals is not None and not isinstance(self.intervals, int):
+            object.__setattr__(self, "intervals", interval_points(self.intervals))
         for name, low, high in (
             ("generations", 0, 10**6), ("population", 2, 10**6), ("bits", 2, 15), ("crossover", 0.0, 1.0),
             ("mutation", 0.0, 1.0), ("elite", 1, self.population - 1), ("evolve", 0, 10**6),
@@ -76,12 +79,33 @@ class Genetic:
             raise UsageError(f"genetic: selection is '{self.selection}'; known are tournament, roulette")
 
     @property
+    def name(self) -> str:
+        """Its short name."""
+        return "genetic"
+
+    def plan_run(
+        self, run: AxisRun, limits: Limits, start: EndState, end: EndState, workers: Workers, progress: Progress
+    ) -> PlannedRun:
+        """The paper's law of one run. Raises InfeasibleError where no individual keeps to the limits."""
+        law = bred_law(run, limits, self, start=start, end=end)
+        return PlannedRun(law, len(law.s))
+
+    @property
     def breeding(self) -> tuple[int, int, int, float, float, int, int]:
         """Population, generations, bits, crossover, mutation, elite, tournament size: as the kernels take them."""
         tournament = 2 if self.selection == "tournament" else 0
         return (
             self.population, self.generations, self.bits, self.crossover, self.mutation, self.elite, tournament
         )  # fmt: skip
+
+
+def interval_points(given: npt.ArrayLike) -> int | tuple[float, ...]:
+    """A number of intervals, or reference points, as they are kept. Raises UsageError where they are neither."""
+    try:
+        points = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"genetic: intervals is {given!r}; give a number of them, or reference points") from None
+    return int(points) if points.ndim == 0 else tuple(points.ravel().tolist())
 
 
 def shortest(parts: Intervals, given: Preset, options: Genetic, allowed: Floats, which: Ints) -> Floats:
@@ -121,19 +145,18 @@ def evolved(parts: Intervals, given: Preset, options: Genetic, allowed: Floats, 
     return Preset(speed, acceleration, periods)
 
 
-def plan_run(
+def bred_law(
     run: AxisRun,
     limits: Limits,
     options: Genetic,
     *,
-    intervals: int | npt.ArrayLike | None = None,
     start: EndState = AT_REST,
     end: EndState = AT_REST,
 ) -> QuinticLaw:
     """The law of one run; raises InfeasibleError naming interval and limit where no individual keeps to the limits."""
     check_state(run, limits, start, run.s0)
     check_state(run, limits, end, run.s1)
-    parts = Intervals(run, limits, reference_points(run, intervals), (start.at_rest, end.at_rest))
+    parts = Intervals(run, limits, reference_points(run, options.intervals), (start.at_rest, end.at_rest))
     reserve = options.reserve
     for attempt in range(ATTEMPTS):
         try:
@@ -189,37 +212,3 @@ def shortened(parts: Intervals, first: Preset, options: Genetic) -> Preset:
         f"genetic: between its nodes {parts.interval_name(int(which[0]))} takes {peak[which[0]]:.6g} of a limit;"
         " give more intervals"
     )
-
-
-def plan_genetic(
-    axis_path: AxisPath,
-    limits: Limits,
-    *,
-    intervals: int | npt.ArrayLike | None = None,
-    start: EndState = AT_REST,
-    end: EndState = AT_REST,
-    progress: Callable[[float], None] | None = None,
-    **options: Any,
-) -> Trajectory:
-    """The paper's motion along all runs; `start` and `end` are states of the first and last run.
-
-    `intervals`: see `reference_points`, for each run; `options`: the fields of `Genetic`. Raises InfeasibleError
-    naming interval and limit where no individual keeps to the limits.
-    """
-    began = time.perf_counter()
-    try:
-        chosen = Genetic(**options)
-    except TypeError:
-        known = [field.name for field in fields(Genetic)]
-        unknown = ", ".join(sorted(set(options) - set(known)))
-        raise UsageError(f"genetic: unknown option {unknown}; known are {', '.join(known)}") from None
-    laws, last = [], len(axis_path.runs) - 1
-    for k, run in enumerate(axis_path.runs):
-        states = start if k == 0 else AT_REST, end if k == last else AT_REST
-        laws.append(plan_run(run, limits, chosen, intervals=intervals, start=states[0], end=states[1]))
-        if progress is not None:
-            progress((k + 1) / (last + 1))
-    return Trajectory(
-        axis_path, limits, tuple(laws), planner="genetic", mesh_points=sum(len(law.s) for law in laws),
-        solve_seconds=time.perf_counter() - began,
-    )  # fmt: skip

@@ -19,6 +19,7 @@ SETTLED = 3
 FINEST = 1e-13
 """Shortest step of the grid, as a share of the run."""
 MOST_POINTS = 20_000
+"""Points after which no closer look is taken: a path that is detail everywhere is not looked at for ever."""
 
 
 class Seen(NamedTuple):

@@ -23,52 +23,83 @@ CELLS_A_PLACE = 20
 """Most cells for each hint, or for each of the places that it takes to tell the speed between them."""
 NODES_A_FALL = 1.0
 """Fewest nodes while z falls or grows by the factor e: where the motion nearly stops, steps in time are too long."""
+EVEN_SHARE = 0.25
+"""Nodes that lie evenly along the run, as a share of the others: a fifth of all, for what the guess does not see."""
 ONE_PLACE = 1e-4
 """Share of a cell up to which breaks are one place: cells that short spoil the spline, and nothing happens in them."""
 
 
 def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> tuple[Floats, Guess]:
-    """Nodes (n,) from s0 to s1; `cells` fixes their number, else time decides it; breaks and detail come on top."""
+    """Nodes (n,) from s0 to s1, and the guess they come from; `ends` are the given z, 0 at rest.
+
+    `cells` fixes their number, else time decides it. How many nodes each cell of the guess's grid gets:
+      as many as are even in time, and more next to rest;
+      at least so many where z falls or grows by much;
+      at least so many between two hints, or, where there are none, a fifth of all evenly along the run.
+    Breaks and what only a closer look has found come on top.
+    """
     fewest = cells or (FEWEST_CELLS if len(run.hints) else DEFAULT_CELLS)
     many = places(run, limits, fewest) if cells is None and not len(run.hints) else fewest
     rough = guess(run, limits, ends, many)
-    s, t = rough.s, rough.t
-    total = t[-1]
-    step = total / fewest
-    most = max(MOST_CELLS, CELLS_A_PLACE * max(len(run.hints), many if many > fewest else 0))
+    step = rough.t[-1] / fewest
     if cells is None:
-        step = min(step, max(ramp_time(limits) / STEPS_A_RAMP, total / most))
-    # nodes a unit of time: even, but no coarser than GRADING next to rest
-    middle = (t[1:] + t[:-1]) / 2.0
+        most = max(MOST_CELLS, CELLS_A_PLACE * max(len(run.hints), many if many > fewest else 0))
+        step = min(step, max(ramp_time(limits) / STEPS_A_RAMP, rough.t[-1] / most))
+    count = even_in_time(rough.t, ends, step)
+    count = finer_where_z_falls(count, rough, ends, step)
+    if cells is None and len(run.hints):
+        count = np.maximum(count, between_hints(run, rough, step))
+    else:
+        count += EVEN_SHARE * count.sum() * np.diff(rough.s) / (run.s1 - run.s0)
+    measure = np.concatenate([[0.0], np.cumsum(count)])
+    wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
+    nodes = spread(run, rough, measure, wanted, ends, step)
+    nodes = with_breaks(nodes, rough.detail, 0.0)
+    knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
+    return with_breaks(nodes, knots), rough
+
+
+def even_in_time(t: Floats, ends: tuple[float, float], step: float) -> Floats:
+    """(n - 1,) nodes between the times t (n,): one every `step`, but no coarser than GRADING next to rest."""
+    total, middle = t[-1], (t[1:] + t[:-1]) / 2.0
     density = np.full(len(middle), 1.0 / step)
     for distance, z in ((middle, ends[0]), (total - middle, ends[1])):
         if z == 0.0:
             density = np.maximum(density, 1.0 / (GRADING * np.maximum(distance, step)))
-    count = np.diff(t) * density
+    count: Floats = np.diff(t) * density
+    return count
+
+
+def finer_where_z_falls(count: Floats, rough: Guess, ends: tuple[float, float], step: float) -> Floats:
+    """(n - 1,) the same, with NODES_A_FALL at least while z changes by the factor e; next to rest it always does."""
+    total, middle = rough.t[-1], (rough.t[1:] + rough.t[:-1]) / 2.0
     moves = (middle > (step if ends[0] == 0.0 else 0.0)) & (middle < total - (step if ends[1] == 0.0 else 0.0))
     fall = np.abs(np.diff(np.log(np.maximum(rough.z, 1e-300))))
-    count = np.where(moves, np.maximum(count, NODES_A_FALL * fall), count)
-    if cells is None and len(run.hints):
-        # between two hints the third derivative bends, unless they are one place
-        hints = np.unique(np.concatenate([[run.s0], run.hints, [run.s1]]))
-        inside = np.clip(np.searchsorted(hints, (s[1:] + s[:-1]) / 2.0) - 1, 0, len(hints) - 2)
-        share = np.diff(s) / np.diff(hints)[inside]
-        count = np.maximum(count, np.minimum(CELLS_A_HINT * share, np.diff(t) / (ONE_PLACE * step)))
-    else:
-        count += 0.25 * count.sum() * np.diff(s) / (run.s1 - run.s0)
-    measure = np.concatenate([[0.0], np.cumsum(count)])
-    wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
+    return np.where(moves, np.maximum(count, NODES_A_FALL * fall), count)
+
+
+def between_hints(run: AxisRun, rough: Guess, step: float) -> Floats:
+    """(n - 1,) nodes for CELLS_A_HINT between hints: the third derivative bends there, unless they are one place."""
+    hints = np.unique(np.concatenate([[run.s0], run.hints, [run.s1]]))
+    middle = (rough.s[1:] + rough.s[:-1]) / 2.0
+    inside = np.clip(np.searchsorted(hints, middle) - 1, 0, len(hints) - 2)
+    share = np.diff(rough.s) / np.diff(hints)[inside]
+    return np.minimum(CELLS_A_HINT * share, np.diff(rough.t) / (ONE_PLACE * step))
+
+
+def spread(
+    run: AxisRun, rough: Guess, measure: Floats, wanted: int, ends: tuple[float, float], step: float
+) -> Floats:
+    """The nodes that are wanted, even in a measure (n,) that grows along the guess; next to rest one step is one."""
+    total, length = rough.t[-1], run.s1 - run.s0
     outer = [step if z == 0.0 else 0.0 for z in ends]
-    first, last = np.interp([outer[0], total - outer[1]], t, measure)
+    first, last = np.interp([outer[0], total - outer[1]], rough.t, measure)
     inner = wanted - sum(z == 0.0 for z in ends)
-    length = run.s1 - run.s0
-    graded = to_graded((s - run.s0) / length, ends)
+    graded = to_graded((rough.s - run.s0) / length, ends)
     nodes = run.s0 + length * from_graded(np.interp(np.linspace(first, last, inner + 1), measure, graded), ends)
     nodes = np.concatenate([[run.s0] if ends[0] == 0.0 else [], nodes, [run.s1] if ends[1] == 0.0 else []])
     nodes[0], nodes[-1] = run.s0, run.s1
-    nodes = with_breaks(nodes, rough.detail, 0.0)
-    knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
-    return with_breaks(nodes, knots), rough
+    return nodes
 
 
 def with_breaks(nodes: Floats, breaks: Floats, one_place: float = ONE_PLACE) -> Floats:

@@ -8,10 +8,10 @@ from toolpace.arrays import Floats
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import GUARANTEE
 from toolpace.planning.optimal.dips import without_dips
-from toolpace.planning.optimal.meshed_run import Course
+from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import LIMITS, Stalled
 from toolpace.planning.peaks import cell_peaks
-from toolpace.workers import Crew
+from toolpace.workers import Workers
 
 MOST_EASED = 300
 """Places that may pass the guarantee for easing to be worth a thought."""
@@ -25,23 +25,23 @@ CLOSER_CELLS, CLOSER = 20, 1000
 """Cells that are looked at again, and how closely: what all is slowed down for shall not hide between probes."""
 
 
-def kept(course: Course, law: SplineLaw, crew: Crew) -> SplineLaw:
+def within_guarantee(meshed: MeshedRun, law: SplineLaw, workers: Workers) -> SplineLaw:
     """The law within the guarantee: slowed down about the places that pass it, so gently that nothing else does.
 
     Where that does not do, or is no better, it is slowed down as a whole; with an end in motion it cannot be: Stalled.
     One that could not be solved, and so uses no limit anywhere, is sped up.
     """
     law = without_dips(law)
-    peak = cell_peaks(course, law, crew=crew)
+    peak = cell_peaks(meshed, law, workers=workers)
     rests = law.rest[0] > 0.0 and law.rest[1] > 0.0
     if peak.max() <= GUARANTEE:
-        return law.slowed(closer(course, law, peak, crew)) if rests and 0.0 < scale(peak) < TOO_SLOW else law
+        return law.slowed(closer(meshed, law, peak, workers)) if rests and 0.0 < scale(peak) < TOO_SLOW else law
     finite = bool(np.isfinite(peak).all())
-    slowed = law.slowed(max(1.0, closer(course, law, peak, crew))) if finite and rests else None
+    slowed = law.slowed(max(1.0, closer(meshed, law, peak, workers))) if finite and rests else None
     if finite:
-        eased = SplineLaw(law.nodes, law.c * easing(law, peak, course.ramp), law.rest)
+        eased = SplineLaw(law.nodes, law.c * easing(law, peak, meshed.ramp), law.rest)
         better = slowed is None or eased.duration < slowed.duration
-        if better and not eased.dips().any() and cell_peaks(course, eased, crew=crew).max() <= GUARANTEE:
+        if better and not eased.dips().any() and cell_peaks(meshed, eased, workers=workers).max() <= GUARANTEE:
             return eased
     if slowed is None:
         cell, kind = divmod(int(np.nan_to_num(peak, nan=np.inf).argmax()), peak.shape[1])
@@ -49,13 +49,13 @@ def kept(course: Course, law: SplineLaw, crew: Crew) -> SplineLaw:
     return slowed
 
 
-def closer(course: Course, law: SplineLaw, peak: Floats, crew: Crew) -> float:
+def closer(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: Workers) -> float:
     """By how much z must be divided as the cells with the highest peaks (cells, 3) show that are looked at closely."""
     used = np.stack([peak[:, 0] ** 2, peak[:, 1], peak[:, 2] ** (2.0 / 3.0)], axis=1).max(axis=1)
     highest = np.argsort(-used)[:CLOSER_CELLS]
     fine = SplineLaw(law.nodes, law.c, law.rest)
     fine.inside = np.linspace(0.0, 1.0, CLOSER)
-    return max(scale(peak), scale(cell_peaks(course, fine, highest, crew)))
+    return max(scale(peak), scale(cell_peaks(meshed, fine, highest, workers)))
 
 
 def scale(peak: Floats) -> float:

@@ -8,24 +8,29 @@ from toolpace.arrays import Bools, Floats, Ints
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import ALLOWED
 from toolpace.planning.optimal.dips import too_short
-from toolpace.planning.optimal.ease import kept, worth
-from toolpace.planning.optimal.meshed_run import Course
+from toolpace.planning.optimal.ease import within_guarantee, worth
+from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, slower
 from toolpace.planning.optimal.windows import mend, solve_run, stretches
 from toolpace.planning.peaks import cell_peaks
-from toolpace.workers import Crew, Tell, part_of, untold
+from toolpace.workers import UNTOLD, Progress, Workers
 
 START_LOSS = 0.03
 """Share of z by which a solve that starts from a solution is slowed down first."""
 WARM_SPREAD = 0.03
 """First gap of such a solve, relative to the duration."""
+MOST_PASSED = 1.5
+"""Usage beyond which a start is slowed down no further."""
 REFINE_ROUNDS = 6
+"""Rounds in which cells are cut; what passes a limit then is lowered only, lest the mesh grow without end."""
 LEAST_CELL = 1e-5
 """Time of a cell, as a share of that in which an acceleration builds up, below which it is cut no further."""
 REFINE_ABOVE = 1.003
 """Usage between nodes from which a cell is cut rather than its limits lowered."""
 QUARTER_ABOVE = 1.05
+"""The same, from which it is cut into four."""
 MOST_ROUNDS = 20
+"""Rounds after which the best law so far is slowed down."""
 OVERSHOOT = 1.2
 URGE = 1.3
 MOST_OVERSHOOT = 6.0
@@ -34,42 +39,43 @@ MOST_MENDED = 0.3
 """Share of the nodes beyond which mending is no cheaper than solving anew."""
 
 
-def guarded(course: Course, law: SplineLaw, fixed: bool, crew: Crew, tell: Tell = untold) -> SplineLaw:
+def guarded(
+    meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD
+) -> SplineLaw:
     """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
 
-    Where a limit is passed, the mesh is refined (unless it is fixed) or the rows there are tightened, and the
-    surroundings are solved again. What that leaves, slowing down takes away.
+    repeat
+      look between the nodes:  nothing passed?  done
+      cut the cells that pass a limit by far (unless the mesh is fixed);  lower the limits of the others
+      solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
+    slow the best one down to the guarantee
     """
-    c = law.c
-    peak = cell_peaks(course, law, crew=crew)
-    best, least = law, worth(law, peak, course.ramp)
-    for round_ in range(MOST_ROUNDS):
+    peak = cell_peaks(meshed, law, workers=workers)
+    best, least = law, worth(law, peak, meshed.ramp)
+    for number in range(MOST_ROUNDS):
         dips = law.dips()
         wrong = (peak.max(axis=1) > ALLOWED) | dips
         if not wrong.any():
-            return kept(course, law, crew)
-        worst = float(peak.max())
-        parts = np.where(dips, 4, 1 if fixed or round_ >= REFINE_ROUNDS else halves(peak))
-        parts[(np.diff(law.times) < course.ramp * LEAST_CELL) | too_short(law.nodes)] = 1
-        if parts.max() > 1:
-            course, c = course.finer(law, parts)
-            wrong = np.repeat(wrong, parts)
-            peak = np.repeat(np.where(parts[:, None] > 1, 1.0, peak), parts, axis=0)
-        else:
-            course.clock = law.times
-        course.tighten(peak, min(OVERSHOOT * URGE ** max(round_ - 2, 0), MOST_OVERSHOOT), reach=1 + round_ // 3)
+            return within_guarantee(meshed, law, workers)
+        loss = START_LOSS + 1.0 - 1.0 / min(float(peak.max()), MOST_PASSED)
+        parts = np.where(dips, 4, 1 if fixed or number >= REFINE_ROUNDS else halves(peak))
+        parts[(np.diff(law.times) < meshed.ramp * LEAST_CELL) | too_short(law.nodes)] = 1
+        meshed, c = meshed.cut(law, parts)
+        wrong = np.repeat(wrong, parts)
+        peak = np.repeat(np.where(parts[:, None] > 1, 1.0, peak), parts, axis=0)
+        meshed.tighten(peak, min(OVERSHOOT * URGE ** max(number - 2, 0), MOST_OVERSHOOT), reach=1 + number // 3)
         # how many rounds there will be nobody knows; the first ones take the longest
-        halfway = part_of(tell, 1.0 - 0.5**round_, 1.0 - 0.5 ** (round_ + 1))
+        halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
-            c, moved = resolve(course, c, wrong, START_LOSS + 1.0 - 1.0 / min(worst, 1.5), crew, halfway)
+            c, moved = resolve(meshed, c, wrong, loss, workers, halfway)
         except Stalled:
             break
-        law = SplineLaw(course.nodes, c, course.rest)
-        peak[moved] = cell_peaks(course, law, moved, crew)
-        now = worth(law, peak, course.ramp)
+        law = SplineLaw(meshed.nodes, c, meshed.rest)
+        peak[moved] = cell_peaks(meshed, law, moved, workers)
+        now = worth(law, peak, meshed.ramp)
         if now < least:
             best, least = law, now
-    return kept(course, best, crew)
+    return within_guarantee(meshed, best, workers)
 
 
 def halves(peak: Floats) -> Ints:
@@ -79,19 +85,19 @@ def halves(peak: Floats) -> Ints:
 
 
 def resolve(
-    course: Course, c: Floats, wrong: Bools, loss: float, crew: Crew, tell: Tell = untold
+    meshed: MeshedRun, c: Floats, wrong: Bools, loss: float, workers: Workers, progress: Progress = UNTOLD
 ) -> tuple[Floats, Ints]:
     """New coefficients after the rows or the mesh at the marked cells changed, and the cells that moved.
 
     Only stretches around those cells are solved again, unless they are most of the run.
     """
-    everything = np.arange(len(course.nodes) - 1)
-    parts = stretches(course, wrong)
+    everything = np.arange(len(meshed.nodes) - 1)
+    parts = stretches(meshed, wrong)
     if sum(part.high - part.low for part in parts) < MOST_MENDED * len(everything):
-        mended, solved, stuck = mend(course, c, parts, loss, WARM_SPREAD, crew, tell)
-        if not stuck or course.is_long:
+        mended, solved, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress)
+        if not stuck or meshed.is_long:
             moved = np.zeros(len(everything), dtype=np.bool_)
             for low, high, _, _ in solved:
                 moved[max(low - 1, 0) : high + 1] = True
             return mended, np.flatnonzero(moved)
-    return solve_run(course, slower(course, c, loss), WARM_SPREAD, crew, tell), everything
+    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress), everything

@@ -6,12 +6,13 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.kernels.motion import cubic_spline
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import EndState
 from toolpace.planning.guarantee import ALLOWED
+from toolpace.planning.mesh.guess import Guess, ramp_time
 from toolpace.planning.mesh.nodes import split
+from toolpace.planning.optimal.dips import on_finer_mesh
 from toolpace.planning.optimal.problem import OnMesh, Problem, discretise
 
 LEAST_REACH = 40
@@ -20,28 +21,41 @@ KEPT = 12_000
 """Nodes up to which the problem of the whole run is kept."""
 BESIDE = 2
 """Knots on either side of a stretch that its basis functions know."""
-FLOOR = 0.3
-"""Where z dips between two nodes: what it starts from on the finer mesh, as a share of z at the nodes."""
 INSIDE = EndState(1.0)
 """Any motion, where a stretch ends inside the run."""
 
 
-class Course(OnMesh):
+class MeshedRun(OnMesh):
     """The mesh of a run, by how much its limits are lowered at each node, and about when the nodes are passed."""
 
     def __init__(
-        self, run: AxisRun, limits: Limits, nodes: Floats, ends: tuple[EndState, EndState], highest: float
+        self,
+        run: AxisRun,
+        limits: Limits,
+        nodes: Floats,
+        ends: tuple[EndState, EndState],
+        highest: float,
+        passed: tuple[Floats, Floats],
+        ramp: float,
     ) -> None:
-        """Take the nodes from s0 to s1, and the highest z that the limits allow anywhere at steady speed."""
+        """Take the nodes from s0 to s1, and the highest z that the limits allow anywhere at steady speed.
+
+        `passed`: parameters, and about when they are passed [s]; `ramp`: in which time an acceleration builds up [s].
+        """
         inner = nodes[1 if ends[0].at_rest else 0 : -1 if ends[1].at_rest else len(nodes)]
         super().__init__(inner, (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1])), ends)
         self.run, self.limits, self.ends, self.highest = run, limits, ends, highest
         self.lowered = np.ones((len(inner), 3))
-        self.clock = np.arange(len(inner), dtype=np.float64)
-        """(n,) about when the nodes are passed [s]."""
-        self.ramp = 8.0
-        """Time in which an acceleration builds up [s]."""
+        self.clock, self.ramp = np.interp(self.nodes, *passed), ramp
         self._whole = discretise(run, limits, nodes, *ends, highest) if len(nodes) <= KEPT else None
+
+    @classmethod
+    def after_guess(
+        cls, run: AxisRun, limits: Limits, nodes: Floats, ends: tuple[EndState, EndState], rough: Guess
+    ) -> MeshedRun:
+        """The run on these nodes, before anything is known of it but a first idea of its motion."""
+        highest = max(rough.highest, ends[0].speed ** 2, ends[1].speed ** 2)
+        return cls(run, limits, nodes, ends, highest, (rough.s, rough.t), min(ramp_time(limits), rough.t[-1]))
 
     @property
     def is_long(self) -> bool:
@@ -94,12 +108,19 @@ class Course(OnMesh):
         if self._whole is not None:
             self._whole.lower(by)
 
-    def finer(self, law: SplineLaw, parts: Ints) -> tuple[Course, Floats]:
-        """The course with its cells cut into so many parts, and the same spline on the finer mesh."""
+    def cut(self, law: SplineLaw, parts: Ints) -> tuple[MeshedRun, Floats]:
+        """The run with its cells cut into so many parts (cells,), and the coefficients of the same law on that mesh.
+
+        Where nothing is cut, it is this run itself, its nodes passed when the law passes them.
+        """
+        if parts.max() == 1:
+            self.clock = law.times
+            return self, law.c
         nodes = split(self.nodes, parts)
-        finer = Course(self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest)
-        finer.clock, finer.ramp = np.interp(finer.nodes, law.nodes, law.times), self.ramp
+        passed = law.nodes, law.times
+        finer = MeshedRun(
+            self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest, passed, self.ramp
+        )
         finer.lower(np.repeat(self.lowered, np.append(parts, 1), axis=0))
-        c = cubic_spline.on_finer_knots(self.nodes, law.cells, finer.nodes)
-        least = FLOOR * np.interp(cubic_spline.control_points(finer.nodes), self.nodes, law.z_at_nodes())
+        c, least = on_finer_mesh(law, finer.nodes)
         return finer, np.maximum(c, least)

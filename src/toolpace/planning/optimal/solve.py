@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from toolpace.arrays import Floats
@@ -69,46 +71,88 @@ def slower(mesh: OnMesh, c: Floats, loss: float, taper: tuple[int, int] | None =
     return c * (1.0 - loss * share * share * (3.0 - 2.0 * share))
 
 
+@dataclass(frozen=True)
+class Attempt:
+    """What one start came to."""
+
+    c: Floats
+    """(n + 2,) coefficients."""
+    optimal: bool
+    """Whether the method came to its end."""
+    time: float = np.inf
+    """The sum of weight / speed over the nodes [s]; like what follows, worked out where it did not."""
+    open: float = 0.0
+    """How far it is from the optimum: the gap, or a share of the gradient where that is more."""
+    used: Floats | None = None
+    """(points, 3) usage of cap, acceleration and jerk rows."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is within the limits."""
+        return self.used is not None and bool(self.used.max() <= 1.0 + BROKEN_BY)
+
+
 def solve(problem: Problem, c: Floats, spread: float) -> Floats:
     """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
 
     A start from which the core does not come to its end is followed by slower ones, between two rests at last by one
     within all limits at the nodes, which is as good as the answer gets where the core does not move from it.
     """
-    best: Floats | None = None
-    least, time, stall = np.inf, np.inf, Stalled(float(problem.nodes[0]), "some limit")
-    rests = bool((problem.end == newton.REST).all())
     starts = [(slower(problem, c, loss), first_gap) for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0))]
+    rests = bool((problem.end == newton.REST).all())
     if rests:
         starts.append((within(problem, c), 1.0))
+    attempts: list[Attempt] = []
     for begin, first_gap in starts:
-        relief = reliefs(problem, begin)
-        if not np.isfinite(relief).all():
-            # z has fallen to nothing: no start
+        attempt = attempted(problem, begin, first_gap)
+        if attempt is None:
             continue
-        found, status, _, gap, gradient = solver.maximise_speed(
-            problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
-            relief, problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
-        )  # fmt: skip
-        if status == solver.OPTIMAL:
-            optimum: Floats = found
-            return optimum
-        used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, found)
-        worst, kind = divmod(int(np.argmax(used)), used.shape[1])
-        stall = Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind])
-        if used.max() > 1.0 + BROKEN_BY:
-            continue
-        time, before = float((problem.weight / np.sqrt(z)).sum()), time
-        open_ = max(gap, STEEP * gradient)
-        if open_ < least:
-            best, least = found, open_
-        if least < GOOD_ENOUGH or (least < ACCEPTABLE and abs(time - before) < AGREE * time):
+        if attempt.optimal:
+            return attempt.c
+        attempts.append(attempt)
+        if attempt.holds and agreed([one for one in attempts if one.holds]):
             break
-    if rests and best is None and (starts[-1][0] > 0.0).all():
+    holding = [attempt for attempt in attempts if attempt.holds]
+    best = min(holding, key=lambda attempt: attempt.open, default=None)
+    if best is not None and (rests or best.open <= ACCEPTABLE):
+        return best.c
+    if best is None and rests and (starts[-1][0] > 0.0).all():
         return starts[-1][0]
-    if best is None or (least > ACCEPTABLE and not rests):
-        raise stall
-    return best
+    raise stalled(problem, attempts)
+
+
+def attempted(problem: Problem, begin: Floats, first_gap: float) -> Attempt | None:
+    """What the core makes of one start; None where z has fallen to nothing, which is no start."""
+    relief = reliefs(problem, begin)
+    if not np.isfinite(relief).all():
+        return None
+    found, status, _, gap, gradient = solver.maximise_speed(
+        problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
+        relief, problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
+    )  # fmt: skip
+    if status == solver.OPTIMAL:
+        return Attempt(found, optimal=True)
+    used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, found)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        time = float((problem.weight / np.sqrt(z)).sum())
+    return Attempt(found, False, time, max(gap, STEEP * gradient), used)
+
+
+def agreed(holding: list[Attempt]) -> bool:
+    """Whether further starts would find nothing better: one is good enough, or the last two agree."""
+    least = min(attempt.open for attempt in holding)
+    times = [attempt.time for attempt in holding[-2:]]
+    same = len(times) == 2 and abs(times[1] - times[0]) < AGREE * times[1]
+    return least < GOOD_ENOUGH or (least < ACCEPTABLE and same)
+
+
+def stalled(problem: Problem, attempts: list[Attempt]) -> Stalled:
+    """Where the last attempt passes a limit most."""
+    used = attempts[-1].used if attempts else None
+    if used is None:
+        return Stalled(float(problem.nodes[0]), "some limit")
+    worst, kind = divmod(int(np.argmax(used)), used.shape[1])
+    return Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind])
 
 
 def within(problem: Problem, c: Floats) -> Floats:

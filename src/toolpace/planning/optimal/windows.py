@@ -9,9 +9,9 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.kernels.optimal import newton
-from toolpace.planning.optimal.meshed_run import Course
+from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, slower, solve
-from toolpace.workers import Crew, Tell, part_of, untold
+from toolpace.workers import UNTOLD, Progress, Workers
 
 MEND_RAMPS = 7.0
 """How far a mended place may move its surroundings, in times in which an acceleration builds up."""
@@ -24,6 +24,7 @@ WINDOW = 8_000
 SEAM_RAMPS = 60.0
 """Half the width of the stretch over the seam between two windows."""
 SEAM_LOSS = 0.1
+"""Share of z by which the stretch over a seam is slowed down before it is solved: its ends are at their best."""
 
 
 class Stretch(NamedTuple):
@@ -35,17 +36,17 @@ class Stretch(NamedTuple):
     last: int
 
 
-def around(course: Course, first: Ints, last: Ints, ramps: float) -> list[Stretch]:
+def around(meshed: MeshedRun, first: Ints, last: Ints, ramps: float) -> list[Stretch]:
     """The stretches about the nodes from each `first` to each `last`, `ramps` ramp times wider on either side."""
-    low, high = course.around(first, last, ramps)
+    low, high = meshed.around(first, last, ramps)
     return [Stretch(*part) for part in zip(low.tolist(), high.tolist(), first.tolist(), last.tolist())]
 
 
-def stretches(course: Course, cells: Bools, ramps: float = MEND_RAMPS) -> list[Stretch]:
+def stretches(meshed: MeshedRun, cells: Bools, ramps: float = MEND_RAMPS) -> list[Stretch]:
     """The stretches around the marked cells, so much wider on either side as the motion takes `ramps` ramps for."""
     marked = np.flatnonzero(cells)
     merged: list[Stretch] = []
-    for part in around(course, marked, marked + 1, ramps):
+    for part in around(meshed, marked, marked + 1, ramps):
         if merged and part.low <= merged[-1].high + 1:
             merged[-1] = merged[-1]._replace(high=max(part.high, merged[-1].high), last=part.last)
         else:
@@ -53,43 +54,43 @@ def stretches(course: Course, cells: Bools, ramps: float = MEND_RAMPS) -> list[S
     return merged
 
 
-def solve_run(course: Course, c: Floats, spread: float, crew: Crew, tell: Tell = untold) -> Floats:
+def solve_run(meshed: MeshedRun, c: Floats, spread: float, workers: Workers, progress: Progress = UNTOLD) -> Floats:
     """The fastest z of a run, from the start c with a first gap of `spread`; a long run is solved window by window.
 
     What happens at one place of a run is of no matter further away than the machine needs to stop and start again.
     So the windows are solved with their borders left as they start, slow; then a wide stretch over each border is
     solved, between nodes that are at their best already. Raises Stalled.
     """
-    last = len(course.nodes) - 1
-    count = int(np.ceil(last / WINDOW)) if course.is_long else 1
+    last = len(meshed.nodes) - 1
+    count = int(np.ceil(last / WINDOW)) if meshed.is_long else 1
     while count > 1:
         border = np.linspace(0, last, count + 1).astype(np.int64)
-        seams = around(course, border[1:-1], border[1:-1], SEAM_RAMPS)
+        seams = around(meshed, border[1:-1], border[1:-1], SEAM_RAMPS)
         if all(left.high < right.low for left, right in itertools.pairwise(seams)):
             break
         count //= 2
     if count <= 1:
-        return solve(course.problem(0, last), c, spread)
+        return solve(meshed.problem(0, last), c, spread)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
     begin = c
     for parts, loss, gap, told in (
-        (windows, 0.0, spread, part_of(tell, 0.0, 0.85)), (seams, SEAM_LOSS, SEAM_LOSS, part_of(tell, 0.85, 1.0)),
+        (windows, 0.0, spread, progress.part(0.0, 0.85)), (seams, SEAM_LOSS, SEAM_LOSS, progress.part(0.85, 1.0)),
     ):  # fmt: skip
-        c, _, stuck = mend(course, c, parts, loss, gap, crew, told, least=0.0)
+        c, _, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
         if stuck:
             # an end in motion may leave no way to so slow a border
-            return solve(course.problem(0, last), begin, spread)
+            return solve(meshed.problem(0, last), begin, spread)
     return c
 
 
 def mend(
-    course: Course,
+    meshed: MeshedRun,
     c: Floats,
     parts: list[Stretch],
     loss: float,
     spread: float,
-    crew: Crew,
-    tell: Tell = untold,
+    workers: Workers,
+    progress: Progress = UNTOLD,
     least: float = LEAST_LEFT,
 ) -> tuple[Floats, list[Stretch], list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
@@ -103,21 +104,21 @@ def mend(
 
     def one(part: Stretch) -> Stretch | None:
         try:
-            mend_one(course, c, out, part, loss, spread, least)
+            mend_one(meshed, c, out, part, loss, spread, least)
         except Stalled:
             return part
         return None
 
-    stuck = [part for part in crew.each(one, parts, tell) if part is not None]
+    stuck = [part for part in workers.each(one, parts, progress) if part is not None]
     solved = parts
     for wide in (WIDER * MEND_RAMPS, MUCH_WIDER * MEND_RAMPS):
-        if not stuck or (wide > WIDER * MEND_RAMPS and not course.is_long):
+        if not stuck or (wide > WIDER * MEND_RAMPS and not meshed.is_long):
             break
         first, last = np.array([(part.first, part.last) for part in stuck]).T
         still = []
-        for part in around(course, first, last, wide):
+        for part in around(meshed, first, last, wide):
             try:
-                mend_one(course, out, out, part, max(loss, SEAM_LOSS), spread, least)
+                mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least)
                 solved = [*solved, part]
             except Stalled:
                 still.append(part)
@@ -125,9 +126,11 @@ def mend(
     return out, solved, stuck
 
 
-def mend_one(course: Course, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float) -> None:
+def mend_one(
+    meshed: MeshedRun, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float
+) -> None:
     """Set the coefficients in `out` that lie inside one stretch of nodes, from those in c. Raises Stalled."""
-    piece = course.problem(part.low, part.high)
+    piece = meshed.problem(part.low, part.high)
     mine = c[part.low : part.high + 3]
     taper = part.first - part.low, part.high - part.last
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)

@@ -7,13 +7,11 @@ jerk limits cost.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError
 from toolpace.kernels.planners import reachability
@@ -23,11 +21,12 @@ from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.guarantee import ALLOWED, GUARANTEE
 from toolpace.planning.mesh.detail import detail
 from toolpace.planning.mesh.nodes import split, with_breaks
+from toolpace.planning.options import Options, check_mesh
 from toolpace.planning.peaks import CHUNK, peaks_of
+from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.second_order.problem import BOTH_ENDS, FIVE, Cells
 from toolpace.planning.second_order.refusal import refusal
-from toolpace.trajectory import Trajectory
-from toolpace.workers import Crew, Tally
+from toolpace.workers import Progress, Workers
 
 PILOT = 400
 """Even cells of the first solve, which tells where the time goes."""
@@ -39,6 +38,34 @@ REFINE_ABOVE = 1.0003
 REFINE_ROUNDS, MOST_ROUNDS = 6, 20
 OVERSHOOT = 1.2
 """How far a limit is lowered, as a multiple of how far it was passed."""
+
+
+@dataclass(frozen=True)
+class SecondOrder(Options):
+    """The fastest motion within velocity, feed and acceleration; jerk is not limited, and no lower bound is proved.
+
+    Of the states in which a path starts and ends only the speeds are held: acceleration may jump, there as anywhere.
+    """
+
+    mesh: int | None = None
+    """Number of mesh cells of each run, at least 8; None: as many as the motion asks for."""
+    guard: bool = True
+    """Whether limits hold inside the cells too; without it they hold at both ends of each."""
+
+    def __post_init__(self) -> None:
+        check_mesh("second-order", self.mesh)
+
+    @property
+    def name(self) -> str:
+        """Its short name."""
+        return "second-order"
+
+    def plan_run(
+        self, run: AxisRun, limits: Limits, start: EndState, end: EndState, workers: Workers, progress: Progress
+    ) -> PlannedRun:
+        """The fastest law of one run. Raises InfeasibleError where no motion within the limits joins both speeds."""
+        law = second_order_law(run, limits, cells=self.mesh, start=start, end=end, guard=self.guard)
+        return PlannedRun(law, len(law.nodes))
 
 
 def even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> Floats:
@@ -58,7 +85,7 @@ def even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells:
     return with_breaks(with_breaks(nodes, closer, 0.0), knots)
 
 
-def plan_run(
+def second_order_law(
     run: AxisRun,
     limits: Limits,
     *,
@@ -136,36 +163,3 @@ def cell_peaks(run: AxisRun, limits: Limits, law: LinearLaw) -> Floats:
     every = np.arange(len(law.acceleration))
     parts = [every[first : first + CHUNK] for first in range(0, len(every), CHUNK)]
     return np.concatenate([peaks_of(run, limits, law, part)[:, :2] for part in parts])
-
-
-def plan_second_order(
-    axis_path: AxisPath,
-    limits: Limits,
-    *,
-    cells: int | None = None,
-    start: EndState = AT_REST,
-    end: EndState = AT_REST,
-    guard: bool = True,
-    progress: Callable[[float], None] | None = None,
-) -> Trajectory:
-    """The fastest trajectory along all runs without jerk limits; `start` is of the first, `end` of the last.
-
-    Only the speeds of `start` and `end` are held: acceleration may jump, there as anywhere. No lower bound is proved.
-    """
-    began = time.perf_counter()
-    runs = axis_path.runs
-    lengths = np.array([run.s1 - run.s0 for run in runs])
-    tally = Tally(progress, (lengths / lengths.sum()).tolist())
-    crew = Crew(tally)
-
-    def one(k: int) -> LinearLaw:
-        states = start if k == 0 else AT_REST, end if k == len(runs) - 1 else AT_REST
-        law = plan_run(runs[k], limits, cells=cells, start=states[0], end=states[1], guard=guard)
-        tally.of(k)(1.0)
-        return law
-
-    laws = crew.aside(lambda: crew.each(one, range(len(runs))))
-    return Trajectory(
-        axis_path, limits, tuple(laws), planner="second-order", mesh_points=sum(len(law.nodes) for law in laws),
-        solve_seconds=time.perf_counter() - began,
-    )  # fmt: skip

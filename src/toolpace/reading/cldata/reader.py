@@ -10,7 +10,7 @@ import numpy as np
 from toolpace.reading.arcs import Arc, ArcError, ArcTable, arc_about
 from toolpace.reading.cldata.feed import ClFeed
 from toolpace.reading.cldata.words import CANCELLABLE, CANCELLED_BY, ENDS, PASSED, STOPS, Statement, numbers, statements
-from toolpace.reading.gcode.unroll import great_circle
+from toolpace.reading.gcode.unroll import slerp
 from toolpace.reading.points import assemble, unit_axes
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
@@ -222,7 +222,7 @@ class ClReader:
         tip, axes = table[move, :3], axis[move]
         inside = t < 1
         tip[inside] = ArcTable(list(self.arcs.values())).evaluate(which[move[inside]], t[inside])
-        axes[inside] = great_circle(axis[move[inside] - 1], axis[move[inside]], t[inside])
+        axes[inside] = slerp(axis[move[inside] - 1], axis[move[inside]], t[inside])
         stop, dwell = np.zeros(len(move), dtype=bool), np.zeros(len(move))
         last = np.cumsum(pieces) - 1
         stop[last[sorted(self.stops)]] = True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Protocol
+from typing import Protocol, SupportsIndex
 
 import numpy as np
 
@@ -22,7 +22,7 @@ class Kinematics(Protocol):
         """Names of the joints, in the order of the columns of q."""
 
     @property
-    def rotary(self) -> Iterable[Any]:
+    def rotary(self) -> Iterable[SupportsIndex]:
         """Indices of the rotary joints, in the order of the columns of ToolPath.rotary."""
 
     def forward(self, q: Floats, /) -> tuple[Floats, Floats]:

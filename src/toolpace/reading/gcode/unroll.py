@@ -102,7 +102,7 @@ class Unroll:
         for inside in INSIDE:
             tip, axis, _ = self.evaluate(move, (piece + inside) / count)
             gap = np.linalg.norm(tip - tip0 - inside * (tip1 - tip0), axis=1)
-            turn = np.linalg.norm(axis - great_circle(axis0, axis1, float(inside)), axis=1)
+            turn = np.linalg.norm(axis - slerp(axis0, axis1, float(inside)), axis=1)
             worst = np.maximum(worst, np.maximum(gap / TIP_GAP, turn / AXIS_GAP))
         starts = np.concatenate([[0], np.cumsum(self.pieces[moves])[:-1]])
         return np.asarray(np.maximum.reduceat(worst, starts))
@@ -156,7 +156,7 @@ class Unroll:
         )
 
 
-def great_circle(a: Floats, b: Floats, t: float | Floats) -> Floats:
+def slerp(a: Floats, b: Floats, t: float | Floats) -> Floats:
     """Unit vectors at fraction t from a to b (n, 3) along the great circle (Shoemake 1985, slerp)."""
     angle = 2 * np.arcsin(np.clip(np.linalg.norm(b - a, axis=1) / 2, 0, 1))
     small = angle < 1e-9

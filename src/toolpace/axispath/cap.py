@@ -1,0 +1,41 @@
+"""How fast the parameter of a path may run: a number, or a function that a caller gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.errors import UsageError
+from toolpace.workers import Lock
+
+
+class SpeedCap:
+    """Most ds/dt along a run."""
+
+    def __init__(self, cap: float | Callable[[Floats], npt.ArrayLike], lock: Lock | None = None) -> None:
+        """Take a number, or a function of s (n,) that is never called from two threads at once.
+
+        `lock` is that of other functions of the same caller. UsageError for what is no number above zero.
+        """
+        if not callable(cap):
+            try:
+                figure = float(cap)
+            except (TypeError, ValueError):
+                figure = np.nan
+            if not figure > 0.0:
+                raise UsageError(f"path: speed_cap is {cap!r}; give a positive number, inf, or a function of s")
+            cap = figure
+        self.cap = cap
+        self.lock = lock or Lock()
+
+    def at(self, s: Floats) -> Floats:
+        """(n,) the cap at s (n,)."""
+        if callable(self.cap):
+            with self.lock:
+                cap = self.cap(s)
+        else:
+            cap = self.cap
+        return np.broadcast_to(np.asarray(cap, dtype=float), s.shape).copy()

@@ -1,0 +1,121 @@
+"""Axis paths through waypoints: the natural spline of degree five, or straight lines from stop to stop.
+
+Of all curves through the waypoints the natural quintic spline has the least integral of its squared third derivative
+over the parameter, which is what jerk is made of. It is four times continuously differentiable, and its third and
+fourth derivatives vanish at both ends. Two waypoints make a straight line, three a parabola.
+
+Source: I. J. Schoenberg, Spline interpolation and best quadrature formulae (1964), for the property of least integral.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.axispath.cap import SpeedCap
+from toolpace.axispath.spline import SplineAxisRun, line_run, spline_run
+from toolpace.errors import PathError, UsageError
+
+DEGREE = 5
+MISSED = 1e-10
+"""Distance from a waypoint, as a share of the joint's range and size, from which rounding has spoiled the spline: seen
+among thousands of waypoints where steps in s are more than ten thousand times as long as others."""
+
+
+def waypoint_runs(
+    q: npt.ArrayLike,
+    s: npt.ArrayLike | None,
+    speed_cap: float | Callable[[Floats], npt.ArrayLike],
+    stop: bool,
+) -> tuple[SplineAxisRun, ...]:
+    """One run through waypoints q (n, m) at s (n,), or with `stop` one from each to the next; see AxisPath."""
+    points = _checked(q)
+    parameter = chord_lengths(points) if s is None else _parameter(s, len(points))
+    if stop or len(points) == 2:
+        cap = SpeedCap(speed_cap)
+        ends = parameter.tolist()
+        return tuple(line_run((ends[k], ends[k + 1]), points[k : k + 2], cap) for k in range(len(points) - 1))
+    return (_natural_run(parameter, points, speed_cap),)
+
+
+def _natural_run(s: Floats, points: Floats, speed_cap: float | Callable[[Floats], npt.ArrayLike]) -> SplineAxisRun:
+    from scipy.interpolate import make_interp_spline
+
+    still = np.zeros(points.shape[1])
+    natural: Any = [(3, still), (4, still)]
+    spline = make_interp_spline(s, points, k=DEGREE, bc_type=(natural, natural))
+    try:
+        run = spline_run(spline, speed_cap)
+        off = np.abs(run.evaluate(s)[0] - points).max(axis=0)
+    except PathError:
+        off = np.full(points.shape[1], np.inf)
+    if (off > MISSED * (np.ptp(points, axis=0) + np.abs(points).max(axis=0))).any():
+        h = np.diff(s)
+        k = int(np.argmin(h / np.maximum(np.append(h[1:], 0.0), np.append(0.0, h[:-1]))))
+        raise UsageError(
+            f"waypoints: q[{k + 1}] lies too close to q[{k}] for a spline through both ({h[k]:.3g} apart in s, "
+            "far less than their neighbours); leave one of them out"
+        )
+    return run
+
+
+def chord_lengths(points: Floats) -> Floats:
+    """(n,) how far each waypoint (n, m) is along the polygon through them, each joint in shares of its whole range.
+
+    The shares make metres and radians alike, and slides and arms.
+    """
+    span = np.ptp(points, axis=0)
+    moves = span > 0.0
+    steps = np.diff(points[:, moves] / span[moves], axis=0)
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
+
+
+def _checked(q: npt.ArrayLike) -> Floats:
+    points = _numbers(q, "waypoints", "(n, joints)")
+    if points.ndim != 2 or points.shape[1] == 0:
+        raise UsageError(
+            f"waypoints: q has shape {points.shape}, not (n, joints); give one row a waypoint, q[:, None] for one joint"
+        )
+    if len(points) < 2:
+        raise UsageError(f"waypoints: {len(points)} of them make no path; give at least two")
+    bad = np.argwhere(~np.isfinite(points))
+    if len(bad):
+        i, j = bad[0]
+        raise UsageError(f"waypoints: q[{i}, {j}] is {points[i, j]:g}; give finite numbers")
+    same = np.flatnonzero((points[1:] == points[:-1]).all(axis=1))
+    if len(same):
+        k = int(same[0])
+        raise UsageError(
+            f"waypoints: q[{k + 1}] repeats q[{k}]; leave it out; to wait there, plan the ways to it and from it apart"
+        )
+    return points
+
+
+def _parameter(s: npt.ArrayLike, count: int) -> Floats:
+    parameter = _numbers(s, "s", "(n,)")
+    if parameter.shape != (count,):
+        raise UsageError(f"waypoints: s has shape {parameter.shape} for {count} waypoints; give one value a waypoint")
+    if not np.isfinite(parameter).all():
+        k = int(np.argmin(np.isfinite(parameter)))
+        raise UsageError(f"waypoints: s[{k}] is {parameter[k]:g}; give finite numbers")
+    falls = np.flatnonzero(np.diff(parameter) <= 0.0)
+    if len(falls):
+        k = int(falls[0])
+        raise UsageError(
+            f"waypoints: s[{k + 1}] = {parameter[k + 1]:g} does not lie above s[{k}] = {parameter[k]:g}; s must grow"
+        )
+    return parameter
+
+
+def _numbers(value: npt.ArrayLike, what: str, shape: str) -> Floats:
+    try:
+        given = np.asarray(value)
+    except ValueError:
+        raise UsageError(f"waypoints: {what} are lists of different lengths; give {shape}") from None
+    if given.dtype.kind not in "iuf":
+        raise UsageError(f"waypoints: {what} of {given.dtype} are no real numbers; give {shape}")
+    return np.array(given, dtype=float)

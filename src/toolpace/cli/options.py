@@ -1,0 +1,63 @@
+"""The options of the commands: how each is called, and what `--help` says of it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from cyclopts import Parameter
+
+Switch = Parameter(negative="", show_default=False)
+"""An option that is there or not."""
+
+Program = Annotated[str, Parameter(help="G-code, APT, CLSF or a table (CSV) of points and tool axes.")]
+MachineName = Annotated[
+    str | None,
+    Parameter(
+        name=["--machine", "-m"],
+        help="Name of a built-in machine (see `toolpace machines`) or a machine file (.toml). Required.",
+    ),
+]
+TipTolerance = Annotated[
+    str, Parameter(help="How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in.")
+]
+AxisTolerance = Annotated[str, Parameter(help="How far the tool axis may turn from the program's: 0.05deg, 1e-3rad.")]
+PlannerName = Annotated[
+    str,
+    Parameter(
+        help="optimal: least time, the default. genetic: the method of Wu, Li, Liu and Perez (ACC 2009).\n"
+        "second-order: least time without jerk limits, to compare with; it fails the verification of jerk."
+    ),
+]
+Prove = Annotated[
+    bool,
+    Switch,
+    Parameter(
+        help="After planning, prove how close the plan is to the fastest possible one: raises the lower bound until"
+        " the gap is 0.01 % or the time for it is up."
+    ),
+]
+ProveWithin = Annotated[str, Parameter(help="That time.")]
+Feed = Annotated[
+    str | None,
+    Parameter(
+        help="In place of the program's feeds: a factor (120%), a value (3000mm/min), or none: as fast as the machine"
+        " can."
+    ),
+]
+TimeStep = Annotated[str, Parameter(help="Time between set-points.")]
+Out = Annotated[
+    str | None, Parameter(name=["--out", "-o"], help="Folder for the results; by default PROGRAM-plan, here.")
+]
+Csv = Annotated[bool, Switch, Parameter(help="Write the set-points as a table (setpoints.csv) too.")]
+ToolLength = Annotated[
+    str | None, Parameter(help="From the spindle nose to the tip, in place of the machine file's: 120mm.")
+]
+Dialect = Annotated[str | None, Parameter(help="gcode, apt or csv, where the name of the program does not tell.")]
+NoReport = Annotated[bool, Switch, Parameter(help="Leave report.html out.")]
+
+PlanFolder = Annotated[str, Parameter(help="The folder that `toolpace plan` wrote.")]
+OneMachine = Annotated[
+    str | None, Parameter(help="One machine, or a machine file to look at; all built-in ones without.")
+]
+Toml = Annotated[bool, Switch, Parameter(help="Print the machine file.")]
+Results = Annotated[str, Parameter(name=["--out", "-o"], help="Folder for the results.")]

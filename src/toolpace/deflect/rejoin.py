@@ -1,0 +1,38 @@
+"""Where the tool shall be back on its path."""
+
+from __future__ import annotations
+
+import numpy.typing as npt
+
+from toolpace.axispath.follow import FollowRun
+from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.projection import project
+from toolpace.errors import UsageError
+from toolpace.path.path import Path
+
+
+def rejoin_time(
+    commanded: CommandedMotion,
+    deflection: npt.ArrayLike,
+    rejoin: str | float,
+    interval: tuple[float, float] | None,
+) -> float | None:
+    """When the commanded law passes the wanted point of rejoining [s]; None where it is free.
+
+    `rejoin` is "fastest" (free), "projection" (of the deflection on the run, or on the `interval` of it) or a
+    parameter of the run.
+    """
+    run = commanded.run
+    if rejoin == "fastest":
+        return None
+    if isinstance(rejoin, str):
+        if rejoin != "projection":
+            raise UsageError(f"replan: rejoin at '{rejoin}'; give 'fastest', 'projection' or a parameter")
+        if not isinstance(run, FollowRun):
+            raise UsageError("replan: a projection needs a path of tip and axis; give the parameter to rejoin at")
+        s = project(Path((run.run,)), deflection, interval=interval).s
+    else:
+        s = float(rejoin)
+        if not run.s0 <= s <= run.s1:
+            raise UsageError(f"replan: rejoin at s = {s:g}; the run goes from {run.s0:g} to {run.s1:g}")
+    return commanded.law.passing_time(s)

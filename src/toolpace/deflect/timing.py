@@ -1,0 +1,53 @@
+"""How a detour and the rest of its run are timed: by which planner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+from toolpace.deflect.detour import DetourRun
+from toolpace.errors import UsageError, did_you_mean
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.planner import Planner, planner_of
+
+DIRECT = "direct"
+"""Short name of no planner at all: the detour runs as made, and the rest as it was."""
+PLANNERS = ("optimal", "genetic", DIRECT)
+"""Short names of all that can time a detour."""
+
+
+class Timing(NamedTuple):
+    """A way of timing detours."""
+
+    name: str
+    """As trajectories tell it."""
+    law: Callable[[DetourRun, Limits, TimeLaw], TimeLaw]
+    """Takes a detour, the limits and the law under which the detour runs as made; returns the law it shall have."""
+
+
+def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
+    """What a planner, or the short name of one and its options, asks for. Raises UsageError."""
+    if isinstance(planner, str) and planner not in PLANNERS:
+        raise UsageError(f"replan: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
+    if planner == DIRECT:
+        if options:
+            raise UsageError(f"replan: the planner '{DIRECT}' has no options, but {', '.join(options)} is given")
+        return Timing(DIRECT, lambda run, limits, direct: direct)
+    # their compiled code is loaded here, where it is used
+    from toolpace.deflect.genetic import genetic_law
+    from toolpace.deflect.planned import planned_law
+    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.optimal.planner import Optimal
+    from toolpace.planning.second_order.planner import SecondOrder
+
+    chosen = planner_of(planner, options)
+    if isinstance(chosen, SecondOrder):
+        raise UsageError("replan: accelerations jump in plans of SecondOrder(); give Optimal() or Genetic()")
+    if isinstance(chosen, Genetic):
+        genetic = chosen
+        return Timing(genetic.name, lambda run, limits, direct: genetic_law(run, limits, direct, genetic))
+    # a bound of one run tells nothing of the whole, and takes longer than its law
+    other = replace(chosen, bound=False) if isinstance(chosen, Optimal) else chosen
+    return Timing(other.name, lambda run, limits, direct: planned_law(run, limits, direct, other))

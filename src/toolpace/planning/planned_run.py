@@ -1,0 +1,41 @@
+"""What a planner makes of one run, and what the runs come to together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from toolpace.axispath.axispath import AxisPath
+from toolpace.laws.law import TimeLaw
+from toolpace.trajectory import OpenPlace
+
+WORTH_NAMING = 0.01
+"""Least share of what is open in all runs together from which a place is named: a hundred of them would be no help."""
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A run's law of motion, and how good it is known to be."""
+
+    law: TimeLaw
+    mesh_points: int
+    lower_bound: float = 0.0
+    """No motion on the mesh is faster than this [s]; 0 when unknown."""
+    open_places: tuple[OpenPlace, ...] = ()
+    """Where the motion may be faster, or the bound too low; in time since the start of the run."""
+
+
+def total_bound(axis_path: AxisPath, planned: Sequence[PlannedRun]) -> tuple[float, tuple[OpenPlace, ...]]:
+    """The bound of all runs with their dwells [s], 0 where one has none, and where what is open of it lies."""
+    if not all(run.lower_bound > 0.0 for run in planned):
+        return 0.0, ()
+    total = begins = axis_path.first_dwell
+    open_ = sum(run.law.duration - run.lower_bound for run in planned)
+    places = []
+    for run, of_run in zip(axis_path.runs, planned, strict=True):
+        for place in of_run.open_places:
+            if place.seconds > WORTH_NAMING * open_:
+                places.append(replace(place, start=begins + place.start, end=begins + place.end))
+        total += of_run.lower_bound + run.dwell
+        begins += of_run.law.duration + run.dwell
+    return total, tuple(places)

@@ -1,0 +1,384 @@
+"""Deflection, section II.D of Wu, Li, Liu, Perez, ACC 2009: projection, way back in motion, replanning."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from testbed import published
+from toolpace import deflect
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.quintic import quintic_through
+from toolpace.deflect.detour import DetourRun
+from toolpace.deflect.projection import descend
+from toolpace.errors import InfeasibleError, UsageError
+from toolpace.judge import verify
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
+from toolpace.path.path import Path
+from toolpace.planning.endstate import EndState
+from toolpace.planning.genetic.planner import Genetic
+from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.optimal.planner import Optimal
+from toolpace.planning.planner import plan
+from toolpace.planning.second_order.planner import SecondOrder
+from toolpace.trajectory import Trajectory
+
+MACHINE = Machine.load("paper-ab")
+ARC = Path.paper_arc()
+LENGTH = ARC.runs[0].s1
+DEFLECTION = (0.059, 0.0568, 0.0589)
+TWENTIETH = (19 * LENGTH / 31, 20 * LENGTH / 31)
+
+
+@dataclass
+class Case:
+    """A path on a machine, with its plans made when asked for."""
+
+    path: Path
+    machine: Machine
+    plans: dict[str, Trajectory] = field(default_factory=dict)
+
+    def plan(self, planner: str) -> Trajectory:
+        """The plan of a planner, once."""
+        if planner not in self.plans:
+            self.plans[planner] = plan(self.path, self.machine, planner=planner)
+        return self.plans[planner]
+
+
+CASES = {
+    "study": Case(quintic_through(ARC, MACHINE), MACHINE),
+    "flank": Case(*published.flank()),
+    "fan": Case(*published.fan()),
+}
+
+
+def closest_on_arc(point: np.ndarray, low: float = 0.0, high: float = LENGTH) -> np.ndarray:
+    """Closed form: the angle of the point's projection in the plane of the circle, clipped."""
+    angle = np.arctan2((point[0] + point[1]) / np.sqrt(2.0), point[2])
+    angle = np.clip(angle, low / 0.1, high / 0.1)
+    flat = np.sin(angle) / np.sqrt(2.0)
+    return 0.1 * np.array([flat, flat, np.cos(angle)])
+
+
+def test_eq8_to_10_force_is_the_negative_gradient() -> None:
+    target, point, step = np.array([0.1, 0.2, -0.1]), np.array([0.3, -0.1, 0.2]), 1e-6
+    for alpha, m in ((1.0, 2.0), (0.7, 3.0), (2.0, 1.5)):
+        height = [
+            [deflect.potential(target + sign * d, point, alpha=alpha, m=m) for sign in (1, -1)]
+            for d in step * np.eye(3)
+        ]
+        slope = [(above - below) / (2 * step) for above, below in height]
+        np.testing.assert_allclose(deflect.force(target, point, alpha=alpha, m=m), -np.array(slope), atol=1e-8)
+    assert deflect.potential(target, point) == pytest.approx(float((target - point) @ (target - point)))
+
+
+def test_eq8_with_velocities_and_eq10_where_they_are_the_same() -> None:
+    apart = deflect.potential([1, 0, 0], [0, 0, 0], velocity=([0, 2, 0], [0, 0, 0]), alpha_velocity=3.0, n=2.0)
+    assert apart == pytest.approx(1.0 + 3.0 * 4.0)
+    same = deflect.potential([1, 0, 0], [0, 0, 0], velocity=([0, 2, 0], [0, 2, 0]), alpha_velocity=3.0)
+    assert same == pytest.approx(1.0)
+    assert not deflect.force([1, 0, 0], [1, 0, 0]).any()
+
+
+def test_printed_projection_is_that_on_the_20th_interval() -> None:
+    found = deflect.project(ARC, DEFLECTION, interval=TWENTIETH)
+    np.testing.assert_allclose(found.tip, (0.05804, 0.05804, 0.05713), atol=5e-6)
+    assert [round(v, 3) for v in found.tip[:2]] == [0.058, 0.058] and round(found.tip[2], 4) == 0.0571
+    assert found.s == pytest.approx(TWENTIETH[0], abs=1e-12)
+    assert found.distance == pytest.approx(2.367e-3, abs=5e-7)
+
+
+def test_errata_projection_on_the_whole_arc_is_closer() -> None:
+    found = deflect.project(ARC, DEFLECTION)
+    np.testing.assert_allclose(found.tip, closest_on_arc(np.array(DEFLECTION)), atol=1e-12)
+    np.testing.assert_allclose(found.tip, (0.0574027, 0.0574027, 0.0583941), atol=5e-8)
+    assert found.distance == pytest.approx(1.781e-3, abs=5e-7)
+    assert 18 < 31 * found.s / LENGTH < 19
+
+
+def test_errata_circle_about_the_printed_centre_misses_the_printed_projection() -> None:
+    printed = np.array([0.058, 0.058, 0.0571])
+    assert np.linalg.norm(printed) == pytest.approx(0.09994, abs=1e-5)
+    assert np.linalg.norm(printed - [0.0707, 0.0707, 0.0]) == pytest.approx(0.0599, abs=1e-4)
+
+
+def test_errata_no_other_direction_or_count_gives_the_printed_projection() -> None:
+    for count in (30, 31, 32):
+        for first in (19, count - 20):
+            on = (first * LENGTH / count, (first + 1) * LENGTH / count)
+            tip = deflect.project(ARC, DEFLECTION, interval=on).tip
+            met = [round(v, 3) for v in tip[:2]] == [0.058, 0.058] and round(tip[2], 4) == 0.0571
+            assert met == (count == 31 and first == 19)
+
+
+def test_projection_is_the_closest_point_of_the_arc_wherever_the_deflection_is() -> None:
+    random = np.random.default_rng(3)
+    for _ in range(50):
+        angle, distance = random.uniform(0, np.pi / 2), 10 ** random.uniform(-6, -2)
+        point = closest_on_arc(np.array([np.sin(angle), np.sin(angle), np.sqrt(2) * np.cos(angle)]))
+        point = point + distance * random.normal(size=3)
+        found = deflect.project(ARC, point)
+        np.testing.assert_allclose(found.tip, closest_on_arc(point), atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["flank", "fan"])
+def test_projection_agrees_with_dense_search_and_newton(name: str) -> None:
+    path = CASES[name].path
+    run = path.runs[0]
+    random = np.random.default_rng(4)
+    grid = np.linspace(run.s0, run.s1, 40001)
+    tips = run.evaluate(grid).tip[0]
+    for _ in range(20):
+        point = tips[random.integers(len(tips))] + 10 ** random.uniform(-5, -2.3) * random.normal(size=3)
+        k = int(np.argmin(np.linalg.norm(tips - point, axis=1)))
+        s = grid[k]
+        for _ in range(20):
+            jet = run.evaluate(np.array([s])).tip[:, 0]
+            slope = (jet[0] - point) @ jet[1]
+            s = np.clip(
+                s - slope / (jet[1] @ jet[1] + (jet[0] - point) @ jet[2]), grid[max(k - 1, 0)], grid[min(k + 1, 40000)]
+            )
+        wanted = float(np.linalg.norm(run.evaluate(np.array([s])).tip[0, 0] - point))
+        assert deflect.project(path, point).distance == pytest.approx(wanted, rel=1e-12, abs=1e-15)
+
+
+def test_projection_error_falls_with_every_step() -> None:
+    """The descent converges linearly: the further off the path, the more slowly."""
+    point, wanted = np.array(DEFLECTION), closest_on_arc(np.array(DEFLECTION))
+    run = ARC.runs[0]
+
+    def curve(s: float) -> tuple[np.ndarray, np.ndarray]:
+        jet = run.evaluate(np.array([s])).tip
+        return jet[0, 0], jet[1, 0]
+
+    errors = []
+    s = 0.09
+    for _ in range(5):
+        errors.append(float(np.linalg.norm(curve(s)[0] - wanted)))
+        tip, along = curve(s)
+        s += float(deflect.force(tip, point) @ along) / (2.0 * float(along @ along))
+    assert all(after < 0.05 * before for before, after in itertools.pairwise(errors) if before > 1e-12)
+    found, steps = descend(curve, point, 0.0, LENGTH, 0.09)
+    assert steps < 20 and np.linalg.norm(curve(found)[0] - wanted) < 1e-12
+
+
+def test_projection_refuses_what_is_no_point_or_no_interval() -> None:
+    with pytest.raises(UsageError, match="is no point"):
+        deflect.project(ARC, (0.0, np.nan, 0.0))
+    with pytest.raises(UsageError, match="no interval"):
+        deflect.project(ARC, DEFLECTION, interval=(1.0, 2.0))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_detour_is_its_own_derivative(order: int) -> None:
+    """Along the parameter, over the way back, the rejoining and beyond."""
+    old = CASES["study"].plan("optimal")
+    new = deflect.replan(old, 0.05, old.tip([0.05])[0][0] + [0, 1e-4, 1e-4], planner="direct")
+    run = new.axis_path.runs[0]
+    assert isinstance(run, DetourRun)
+    s = np.linspace(run.s0, run.join + 0.5 * (run.join - run.s0), 60)[1:-1]
+    step = 1e-5 * (run.join - run.s0)
+    s = s[np.abs(s - run.join) > 2 * step]
+    low, high = (run.evaluate(s + d)[order - 1] for d in (-step, step))
+    exact = run.evaluate(s)[order]
+    np.testing.assert_allclose((high - low) / (2 * step), exact, atol=1e-5 * np.abs(exact).max())
+
+
+def test_detour_parameter_and_its_inverse() -> None:
+    old = CASES["fan"].plan("optimal")
+    for time in (0.02, 1.0, 3.5, 7.0):
+        new = deflect.replan(old, time, old.tip([time])[0][0] + 1e-4, planner="direct")
+        run = new.axis_path.runs[0]
+        assert isinstance(run, DetourRun)
+        t = np.linspace(0.0, run.detour.duration, 50)
+        np.testing.assert_allclose(run.time_at(run.parameter(t)[0]), t, atol=1e-9)
+
+
+@pytest.mark.parametrize("planner", ["optimal", "genetic", "direct"])
+@pytest.mark.parametrize("rejoin", ["fastest", "projection"])
+def test_study_deflection_is_replanned_in_motion(planner: str, rejoin: str) -> None:
+    old = CASES["study"].plan("genetic" if planner == "genetic" else "optimal")
+    time = old.laws[0].passing_time(TWENTIETH[0])
+    interval = TWENTIETH if rejoin == "projection" else None
+    new = deflect.replan(old, time, DEFLECTION, planner=planner, rejoin=rejoin, interval=interval)
+    judge(old, new, time, np.array(DEFLECTION), old.tip([time])[1][0])
+    assert new.usage().feed <= PROMISED
+    run = new.axis_path.runs[0]
+    assert isinstance(run, DetourRun)
+    if rejoin == "projection":
+        assert run.join == pytest.approx(TWENTIETH[0], abs=1e-9)
+    assert np.abs(new.at([0.0]).qd).max() > 0.1, "the tool does not stop"
+    assert new.duration < old.duration - time + (0.12 if rejoin == "fastest" else 0.35)
+
+
+def judge(old: Trajectory, new: Trajectory, time: float, tip: np.ndarray, axis: np.ndarray) -> None:
+    """Starts as deflected with the commanded velocities, keeps to the limits, rejoins the path and stays on it."""
+    machine = new.axis_path.machine
+    assert machine is not None
+    before, after = old.at([time]), new.at([0.0])
+    found = machine.forward(after.q)
+    np.testing.assert_allclose(found[0][0], tip, atol=1e-9)
+    np.testing.assert_allclose(found[1][0], axis, atol=1e-9)
+    for kind, limit in (("qd", old.limits.velocity), ("qdd", old.limits.acceleration)):
+        scale = np.where(np.isfinite(limit), limit, 1.0)
+        assert (np.abs(getattr(before, kind) - getattr(after, kind)) <= 1e-6 * scale).all(), kind
+    assert new.usage().worst <= PROMISED
+    t = np.linspace(0.0, new.duration, 20001)
+    motion = new.at(t)
+    for value, limit in zip(
+        (motion.qd, motion.qdd, motion.qddd), (old.limits.velocity, old.limits.acceleration, old.limits.jerk)
+    ):
+        assert (np.abs(value) / limit).max() <= PROMISED
+    step = t[1]
+    jump = np.abs(np.diff(motion.qdd, axis=0)).max(axis=0) / (old.limits.jerk * step)
+    assert jump.max() <= 1.001, "acceleration is continuous"
+    np.testing.assert_allclose(new.at([new.duration]).q[0], old.at([old.duration]).q[0], atol=1e-9)
+    run = new.axis_path.runs[0]
+    assert isinstance(run, DetourRun)
+    if not run.ends_here:
+        s = np.linspace(run.join, run.s1, 30)
+        np.testing.assert_array_equal(run.evaluate(s)[0], old.axis_path.runs[0].evaluate(s)[0])
+
+
+@pytest.mark.parametrize("planner", ["optimal", "genetic"])
+@pytest.mark.parametrize("name", CASES)
+def test_random_deflections_come_back(name: str, planner: str) -> None:
+    """A few of the thousand of benchmarks/deflections.py."""
+    case = CASES[name]
+    old = case.plan(planner)
+    random = np.random.default_rng(11)
+    for _ in range(12):
+        time = float(random.uniform(0.0, old.duration))
+        tip, axis = (value[0] for value in old.tip([time]))
+        way, turn = random.normal(size=3), np.cross(axis, random.normal(size=3))
+        tip = tip + 10 ** random.uniform(-5, np.log10(5e-3)) * way / np.linalg.norm(way)
+        angle = np.radians(random.uniform(0, 2))
+        axis = np.cos(angle) * axis + np.sin(angle) * turn / np.linalg.norm(turn)
+        judge(old, deflect.replan(old, time, tip, axis=axis, planner=planner), time, tip, axis)
+
+
+def test_no_deflection_costs_next_to_nothing() -> None:
+    old = CASES["fan"].plan("optimal")
+    for time in (0.5, 3.0, 6.0):
+        new = deflect.replan(old, time, old.tip([time])[0][0])
+        assert new.duration == pytest.approx(old.duration - time, abs=2e-3)
+
+
+@pytest.mark.parametrize("time", [0.0, 1e-6, 1e-3])
+def test_at_rest_and_nearly_so(time: float) -> None:
+    old = CASES["study"].plan("optimal")
+    for instant in (time, old.duration - time):
+        tip, axis = (value[0] for value in old.tip([instant]))
+        judge(old, deflect.replan(old, instant, tip + 5e-4, planner="optimal"), instant, tip + 5e-4, axis)
+
+
+def test_optimal_starts_in_the_state_it_is_given() -> None:
+    start, end = EndState(0.02, 0.1), EndState(0.025, -0.1)
+    trajectory = plan(ARC, MACHINE, start=start, end=end)
+    assert trajectory.state(0.0)[1:] == pytest.approx((start.speed, start.acceleration))
+    assert trajectory.state(trajectory.duration)[1:] == pytest.approx((end.speed, end.acceleration))
+
+
+def test_optimal_is_no_slower_than_the_motion_it_starts_from() -> None:
+    old = CASES["fan"].plan("optimal")
+    for time in (0.7, 2.9, 4.4):
+        tip = old.tip([time])[0][0] + [1e-3, 5e-4, -5e-4]
+        direct, best = (deflect.replan(old, time, tip, planner=planner) for planner in ("direct", "optimal"))
+        assert best.duration <= direct.duration
+
+
+def test_joints_without_a_machine_and_several_runs() -> None:
+    def wave(s: np.ndarray, order: int) -> np.ndarray:
+        return np.stack([np.sin(s + order * np.pi / 2), 2.0**order * np.cos(2 * s + order * np.pi / 2)], axis=-1)
+
+    one = AxisPath.from_callable(wave, 0.0, 1.0).runs[0]
+    two = AxisPath.from_callable(wave, 1.0, 2.0).runs[0]
+    limits = Limits([1.0, 1.0], [4.0, 4.0], [40.0, 40.0])
+    old = plan(AxisPath((one, two), ("q1", "q2")), limits)
+    for time in (0.4 * old.duration, 0.7 * old.duration, float(old.starts[1])):
+        q = old.at([time]).q[0] + [0.01, -0.02]
+        new = deflect.replan(old, time, q)
+        assert new.usage().worst <= PROMISED
+        np.testing.assert_allclose(new.at([0.0]).q[0], q, atol=1e-9)
+        np.testing.assert_allclose(new.at([new.duration]).q[0], wave(np.array([2.0]), 0)[0], atol=1e-9)
+
+
+def test_pose_out_of_travel_is_refused_with_figures() -> None:
+    """The reason is confirmed: the joints of the deflected pose are out of travel."""
+    old = CASES["study"].plan("optimal")
+    far = old.tip([2.0])[0][0] + [1.2, 0, 0]
+    with pytest.raises(InfeasibleError, match=r"deflection at 2 s: the pose cannot be commanded: .*X"):
+        deflect.replan(old, 2.0, far)
+    q = MACHINE.joints_at(far[None], old.at([2.0]).q[:, MACHINE.rotary])[0]
+    assert abs(q[MACHINE.joints.index("X")]) > 1.0
+
+
+def test_way_back_out_of_travel_is_refused_with_figures() -> None:
+    """A joint that moves towards the end of its travel so fast that it cannot stop before it."""
+    old = CASES["study"].plan("optimal")
+    time = 2.6
+    motion = old.at([time])
+    b = MACHINE.joints.index("B")
+    travel = float(motion.q[0, b]) - 1e-5
+    text = MACHINE.to_toml()
+    narrow = Machine.from_toml(text, "narrow")
+    object.__setattr__(narrow, "travel", narrow.travel.copy())
+    narrow.travel[b] = (travel, 1.4)
+    assert motion.qd[0, b] ** 2 / (2 * MACHINE.limits.acceleration[b]) > 1e-5, "no motion stops it within the limits"
+    with pytest.raises(InfeasibleError, match=r"no way back to the path within limits and travel; the joints are off"):
+        deflect.replan(old, time, old.tip([time])[0][0] + 1e-6, narrow)
+
+
+def test_axis_out_of_reach_is_refused() -> None:
+    case = CASES["flank"]
+    old = case.plan("optimal")
+    tip = old.tip([1.0])[0][0]
+    with pytest.raises(InfeasibleError):
+        deflect.replan(old, 1.0, tip, axis=(0.0, 0.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"planner": "best"}, "unknown planner"),
+        ({"planner": "genetik"}, "did you mean 'genetic'"),
+        ({"planner": "genetic", "generation": 3}, "generations"),
+        ({"planner": "direct", "guard": False}, "has no options, but guard"),
+        ({"planner": SecondOrder()}, "accelerations jump"),
+        ({"rejoin": "soon"}, "rejoin at 'soon'"),
+        ({"rejoin": 5.0}, "rejoin at s = 5"),
+        ({"axis": (0, 0, 0)}, "not all zero"),
+    ],
+)
+def test_bad_arguments(options: dict[str, object], words: str) -> None:
+    old = CASES["study"].plan("optimal")
+    with pytest.raises(UsageError, match=words):
+        deflect.replan(old, 1.0, DEFLECTION, **options)
+    with pytest.raises(UsageError, match="not within"):
+        deflect.replan(old, 99.0, DEFLECTION)
+    with pytest.raises(UsageError, match="finite coordinates"):
+        deflect.replan(old, 1.0, (0.0, 0.0))
+
+
+def test_a_planner_object_is_what_its_short_name_asks_for() -> None:
+    old = CASES["study"].plan("genetic")
+    for given, name, options in (
+        (Genetic(generations=2), "genetic", {"generations": 2}),
+        (Optimal(mesh=300, bound=True), "optimal", {"mesh": 300}),
+    ):
+        one = deflect.replan(old, 1.0, DEFLECTION, rejoin="projection", planner=given)
+        two = deflect.replan(old, 1.0, DEFLECTION, rejoin="projection", planner=name, **options)
+        assert one.duration == two.duration and one.planner == two.planner == name
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_independent_judge_finds_nothing_but_the_moving_start(name: str) -> None:
+    case = CASES[name]
+    old = case.plan("genetic")
+    assert verify(old, case.machine).ok
+    new = deflect.replan(old, 1.3, old.tip([1.3])[0][0] + 1e-3, planner="genetic")
+    assert {check.what for check in verify(new, case.machine).findings if not check.ok} == {"rest at the start"}

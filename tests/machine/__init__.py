@@ -1,0 +1,1 @@
+"""Kinematics, the choice of rotary positions, machine files."""

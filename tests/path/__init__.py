@@ -1,0 +1,1 @@
+"""Paths of tip and tool axis."""

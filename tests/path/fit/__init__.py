@@ -1,0 +1,1 @@
+"""The fit of a path to a program."""

@@ -1,0 +1,221 @@
+"""The fit stays in its tube, whatever the program, and keeps stops, blocks and feeds."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.support.tool_paths import random_toolpath, spiral, tilted, toolpath_through
+from toolpace.errors import PathError
+from toolpace.machine.machine import Machine
+from toolpace.path.fit import fit as fitting
+from toolpace.path.path import Path
+
+TIP, AXIS = 10e-6, 1e-3
+MACHINE = Machine.load("xyzac-trunnion")
+
+
+def curve(path, per_cell=24):
+    """Dense points (n, 3) and tool axes (n, 3) of each run."""
+    for run in path.runs:
+        u = np.arange(per_cell) / per_cell
+        s = np.append((run.breaks[:-1, None] + np.diff(run.breaks)[:, None] * u).ravel(), run.s1)
+        jet = run.evaluate(s)
+        yield jet.tip[0], MACHINE.axis_at(jet.rotary[0]) if jet.axis is None else jet.axis[0]
+
+
+def to_segments(points, ends):
+    """Distance (n,) of points (n, 3) to a polyline (k, 3)."""
+    d = np.diff(ends, axis=0)
+    square = np.maximum(np.sum(d * d, axis=1), 1e-300)
+    if len(points) > len(d):
+        best = np.full(len(points), np.inf)
+        for a, step, length in zip(ends[:-1], d, square):
+            u = np.clip((points - a) @ step / length, 0, 1)
+            best = np.minimum(best, np.linalg.norm(points - a - u[:, None] * step, axis=1))
+        return best
+    best = np.empty(len(points))
+    for i, point in enumerate(points):
+        u = np.clip(np.sum((point - ends[:-1]) * d, axis=1) / square, 0, 1)
+        best[i] = np.min(np.linalg.norm(point - ends[:-1] - u[:, None] * d, axis=1))
+    return best
+
+
+def assert_in_tube(path, toolpath, axis_slack=1.02):
+    """Hausdorff distances of tip and axis both ways, by brute force and without the fit's own parameter."""
+    stops = np.flatnonzero(toolpath.stop)
+    pieces = [
+        (a, b)
+        for a, b in pairwise(stops)
+        if np.any(toolpath.tip[a : b + 1] != toolpath.tip[a])
+        or np.any(np.abs(toolpath.axis[a : b + 1] - toolpath.axis[a]) > 1e-12)
+    ]
+    assert len(pieces) == len(path.runs)
+    for (a, b), (tip, axis) in zip(pieces, curve(path)):
+        assert np.max(to_segments(tip, toolpath.tip[a : b + 1])) <= TIP
+        assert np.max(to_segments(toolpath.tip[a : b + 1], tip)) <= TIP
+        assert np.max(to_segments(toolpath.axis[a : b + 1], axis)) <= AXIS * axis_slack
+        assert tip[0] == pytest.approx(toolpath.tip[a], abs=1e-12)
+        assert tip[-1] == pytest.approx(toolpath.tip[b], abs=1e-12)
+        assert axis[-1] == pytest.approx(toolpath.axis[b], abs=1e-9)
+    assert path.tip_deviation <= TIP
+    assert path.axis_deviation <= AXIS
+
+
+@pytest.mark.parametrize("block", range(10))
+def test_a_hundred_nasty_programs(block):
+    for seed in range(1000 + 10 * block, 1010 + 10 * block):
+        toolpath, _ = random_toolpath(seed)
+        assert_in_tube(Path.fit(toolpath, TIP, AXIS), toolpath)
+
+
+@pytest.mark.parametrize("block", range(4))
+def test_nasty_programs_in_joints(block):
+    for seed in range(10 * block, 10 * block + 10):
+        toolpath, rotary = random_toolpath(seed)
+        joints = np.stack([rotary[:, 1], -rotary[:, 0]], axis=1)
+        given = replace(toolpath, rotary=joints, rotary_joints=("C", "A"), axis=MACHINE.axis_at(joints))
+        for program in (toolpath, given):
+            path = Path.fit(program, TIP, AXIS, machine=MACHINE)
+            assert_in_tube(path, program)
+            assert path.runs[0].evaluate(path.runs[0].breaks[:1]).rotary is not None
+
+
+def up(n):
+    return np.tile([0.0, 0.0, 1.0], (n, 1))
+
+
+def apex_distance(path, corner):
+    return min(np.min(np.linalg.norm(tip - corner, axis=1)) for tip, _ in curve(path, 50))
+
+
+def test_a_right_angle_between_long_blocks_is_rounded_within_tolerance():
+    toolpath = toolpath_through([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0]], up(3))
+    path = Path.fit(toolpath, TIP, AXIS)
+    assert_in_tube(path, toolpath)
+    assert 0.5 * TIP < apex_distance(path, [0.1, 0, 0]) <= TIP
+    assert len(path.runs) == 1 and len(path.runs[0].breaks) < 120
+
+
+def test_a_reversal():
+    toolpath = toolpath_through([[0, 0, 0], [0.05, 0, 0], [0.01, 0, 0]], up(3))
+    path = Path.fit(toolpath, TIP, AXIS)
+    assert_in_tube(path, toolpath)
+    assert apex_distance(path, [0.05, 0, 0]) > 0.5 * TIP
+
+
+def test_rotation_in_place_has_length():
+    a = np.linspace(0.1, 0.8, 30)
+    toolpath = toolpath_through(np.zeros((30, 3)), tilted(a, 0.3))
+    for machine in (None, MACHINE):
+        path = Path.fit(toolpath, TIP, AXIS, machine=machine)
+        assert_in_tube(path, toolpath)
+        assert path.runs[0].s1 == pytest.approx(0.7 * TIP / AXIS, rel=0.01)
+
+
+def test_turn_of_the_table_at_the_pole():
+    joints = np.stack([np.linspace(0, 2, 9), np.zeros(9)], axis=1)
+    toolpath = toolpath_through(np.tile([0.01, 0.0, 0.0], (9, 1)), up(9), rotary=joints, joints=("C", "A"))
+    run = Path.fit(toolpath, TIP, AXIS, machine=MACHINE).runs[0]
+    assert run.evaluate(np.array([run.s1])).rotary[0][0] == pytest.approx([2.0, 0.0])
+    assert run.s1 > 0
+
+
+def test_a_straight_line_stays_straight():
+    rng = np.random.default_rng(0)
+    x = np.sort(np.concatenate([[0, 0.05], rng.uniform(0, 0.05, 300)]))
+    toolpath = toolpath_through(np.stack([x, 2 * x, -x], axis=1), up(302))
+    run = Path.fit(toolpath, TIP, AXIS).runs[0]
+    jet = run.evaluate(np.linspace(run.s0, run.s1, 500))
+    assert np.max(np.abs(jet.tip[3])) < 1.0
+    assert np.max(np.abs(jet.tip[2])) < 0.01
+
+
+def test_one_block():
+    toolpath = toolpath_through([[0, 0, 0], [1e-6, 0, 0]], up(2))
+    assert_in_tube(Path.fit(toolpath, TIP, AXIS), toolpath)
+
+
+def test_stops_dwells_blocks_and_repeated_points():
+    tip = np.array([[0, 0, 0], [0, 0, 0], [0.01, 0, 0], [0.01, 0, 0], [0.02, 0.01, 0], [0.03, 0.01, 0]])
+    toolpath = toolpath_through(tip, up(6), stops=(2, 3), dwells={2: 1.0, 3: 0.5})
+    path = Path.fit(toolpath)
+    assert [run.dwell for run in path.runs] == [1.5, 0.0]
+    assert [list(run.block) for run in path.runs] == [[3], [5, 6]]
+    assert path.runs[0].s1 == path.runs[1].s0
+    for run in path.runs:
+        assert run.block_start[0] == run.s0 and run.block_start[-1] == pytest.approx(run.s1)
+        assert len(run.feed) == len(run.least_time) == len(run.block) == len(run.block_start) - 1
+        assert np.all(np.diff(run.breaks) > 0)
+
+
+def test_dwells_before_anything_moves_are_kept():
+    tip = np.array([[0, 0, 0], [0, 0, 0], [0.01, 0, 0], [0.02, 0, 0]])
+    path = Path.fit(toolpath_through(tip, up(4), stops=(1, 2), dwells={0: 0.25, 1: 0.5, 3: 2.0}))
+    assert path.first_dwell == 0.75
+    assert [run.dwell for run in path.runs] == [0.0, 2.0]
+
+
+def test_nothing_moves():
+    with pytest.raises(PathError, match="nothing moves"):
+        Path.fit(toolpath_through(np.zeros((3, 3)), up(3)))
+
+
+def test_an_axis_that_turns_half_round_is_named():
+    toolpath = toolpath_through([[0, 0, 0], [0.01, 0, 0]], [[0, 0, 1], [0, 0, -1]])
+    with pytest.raises(PathError, match="tool path:2"):
+        Path.fit(toolpath)
+
+
+@pytest.mark.parametrize("seed", [2, 5, 7])
+def test_progress_never_falls_and_ends_at_one(seed):
+    """Nor where the curve has to be smoothed once more."""
+    seen: list[float] = []
+    Path.fit(random_toolpath(seed)[0], progress=seen.append)
+    assert len(seen) > 1 and seen[0] > 0.0 and seen[-1] == 1.0
+    assert seen == sorted(seen)
+
+
+def test_the_same_bits_on_one_core_and_on_many(monkeypatch):
+    toolpath = spiral(6000)
+    curves = []
+    for cores in (1, 2, 7):
+        monkeypatch.setattr(os, "cpu_count", lambda cores=cores: cores)
+        curves.append(Path.fit(toolpath, TIP, AXIS).runs[0])
+    for other in curves[1:]:
+        assert np.array_equal(curves[0].breaks, other.breaks)
+        assert np.array_equal(curves[0].coefficients, other.coefficients)
+
+
+def test_a_curve_of_nan_is_never_taken(monkeypatch):
+    """Whatever smoothing does, the checks see it, and the first spline remains."""
+
+    def poison(spline, *others):
+        spline.tip[5] = np.nan
+
+    monkeypatch.setattr(fitting, "tighten", poison)
+    toolpath = spiral(300)
+    path = Path.fit(toolpath, TIP, AXIS)
+    assert np.all(np.isfinite(path.runs[0].coefficients))
+    assert_in_tube(path, toolpath)
+
+
+def test_smoothing_gives_up_on_nan():
+    from toolpace.kernels.fit.quintic_spline import basis_rows, third_rows
+    from toolpace.kernels.fit.smoothest import smoothest
+
+    knots = np.concatenate([np.zeros(5), np.linspace(0.0, 400.0, 21), np.full(5, 400.0)])
+    s = np.linspace(0.0, 400.0, 81)
+    target = np.stack([s, np.sin(s / 50.0), np.zeros(81)], axis=1)
+    target[40, 1] = np.nan
+    metric = np.tile(np.eye(3), (81, 1, 1))
+    x = np.zeros((25, 3))
+    steps, _, _ = smoothest(
+        third_rows(knots), np.ones(3), *basis_rows(knots, s), target, metric,
+        np.full(81, 1e-9), np.ones(81), x, 1, 24, np.full(20, 1e-9), 0.02, 80,
+    )  # fmt: skip
+    assert steps < 0

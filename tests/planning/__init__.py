@@ -1,0 +1,1 @@
+"""The planners, and the bound of their problem."""

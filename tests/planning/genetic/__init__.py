@@ -1,0 +1,1 @@
+"""The planner of Wu, Li, Liu and Perez (ACC 2009)."""

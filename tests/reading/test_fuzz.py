@@ -1,0 +1,142 @@
+"""Whatever the bytes: a sound ToolPath or a one-line ToolpaceError, nothing else."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.support.table_table import MACHINE
+from toolpace.errors import ToolpaceError
+from toolpace.reading import read_text
+from toolpace.reading.source import Source
+
+GCODE = """%
+O1 (SEED)
+G21 G90 G94 G17 G40 G49 G80 G54
+T1 M6
+S9000 M3
+G0 X0 Y0 Z20 A0 C0
+G43.4 H1
+G1 X10.5 Y-3.25 Z5. A-20 C45 F1200
+G2 X14.5 Y.75 I4. J0.
+G3 X10.5 Y-3.25 R4.
+G93 G1 X12 A-21 F60
+G94 G91 G1 X1 F500
+G90 G61 G1 Z8
+G64 P0.01
+G4 P.5
+G49 G0 X0 Y0 Z50
+G18 G2 X10 Z60 K10 F300
+M30
+%
+"""
+APT = """PARTNO SEED
+UNITS/MM
+MULTAX
+FEDRAT/MMPM,250
+SPINDL/2000,RPM,CLW
+FROM/0,0,50,0,0,1
+RAPID
+GOTO/10,0,0,0.6,0,0.8
+GOTO/12,1,0.5 $
+,0.5,0.1,0.86
+GODLTA/0,0,4
+CIRCLE/12,0,0,0,0,-1,1,0.1
+GOTO/11,0,0
+DELAY/2
+FEDRAT/0.1,MMPR
+GOTO/1,2,3
+FINI
+"""
+TABLE = """x [mm],y [mm],z [mm],i,j,k,feed [mm/min],rapid,stop,dwell [s]
+0,0,0,0,0,1,100,0,0,0
+1,2,3,0,0.6,0.8,100,0,0,0.5
+4,5,6,0,0,1,100,1,1,0
+"""
+SEEDS = {"gcode": GCODE, "apt": APT, "csv": TABLE}
+SCRAPS = [
+    "nan", "inf", "-", "+", ".", "1e999", "$", "%", "(", ")", ";", "/", ",", "G",
+    "#1", "G2", "G3", "R1", "P9", "C99999", "CIRCLE/", "G91", "G20", "M429", "M428", "é",
+    "9" * 400, "\x00", "\n", "\t", "\f", "\u2028", "\u0660",
+]  # fmt: skip
+
+
+def check(data: bytes, dialect: str | None, machine=MACHINE) -> None:
+    try:
+        text = Source.from_bytes(data)
+        p = read_text("\n".join(text.lines) + "\n" * text.last_line_ended, machine, dialect)
+    except ToolpaceError as error:
+        assert "\n" not in str(error) and str(error)
+        return
+    n = len(p)
+    assert n >= 2 and p.tip.shape == (n, 3) == p.axis.shape
+    for values in (p.tip, p.axis, p.least_time, p.dwell):
+        assert np.isfinite(values).all()
+    assert (p.feed > 0).all() and (p.least_time >= 0).all() and (p.dwell >= 0).all()
+    assert np.abs(np.linalg.norm(p.axis, axis=1) - 1).max() < 1e-9
+    assert (np.diff(p.block) >= 0).all() and p.stop[0] and p.stop[-1]
+    assert p.rotary is None or np.isfinite(p.rotary).all()
+
+
+@pytest.mark.parametrize("dialect", SEEDS)
+def test_the_seeds_are_sound(dialect):
+    assert len(read_text(SEEDS[dialect], MACHINE, dialect)) > 2
+
+
+def mutated(seed: str, chance: random.Random) -> bytes:
+    data = seed
+    for _ in range(chance.randint(1, 4)):
+        at, to = sorted((chance.randrange(len(data) + 1), chance.randrange(len(data) + 1)))
+        kind = chance.randrange(6)
+        if kind == 0:
+            data = data[:at] + chance.choice(SCRAPS) + data[at:]
+        elif kind == 1:
+            data = data[:at] + data[at + chance.randint(1, 5) :]
+        elif kind == 2:
+            data = data[:at] + chr(chance.randrange(32, 127)) + data[at + 1 :]
+        elif kind == 3:
+            data = data[:at] if chance.random() < 0.3 else data[:at] + data[at:to] + data[at:]
+        elif kind == 4:
+            lines = data.split("\n")
+            chance.shuffle(lines)
+            data = "\n".join(lines)
+        else:
+            data = data[:at] + str(chance.choice([0, -1, 1e3, 0.5, 123456789])) + data[at:]
+        data = data or " "
+    return data.encode()
+
+
+@pytest.mark.parametrize("dialect", SEEDS)
+def test_mutated_programs(dialect):
+    chance = random.Random(20260101)
+    for number in range(4000):
+        check(mutated(SEEDS[dialect], chance), dialect if number % 4 else None, MACHINE if number % 3 else None)
+
+
+@pytest.mark.parametrize("dialect", SEEDS)
+def test_programs_cut_off_anywhere(dialect):
+    for end in range(len(SEEDS[dialect])):
+        check(SEEDS[dialect][:end].encode(), dialect)
+
+
+def test_random_bytes():
+    chance = random.Random(7)
+    for _ in range(1000):
+        check(chance.randbytes(chance.randint(0, 200)), chance.choice([None, *SEEDS]))
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(st.text(alphabet=" GMXYZABCFIJKRPNOSTHD0123456789.-+/%()\n", max_size=120))
+def test_anything_spelt_like_gcode(text):
+    check(("G0 X0 Y0 Z0\n" + text).encode(), "gcode")
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.text(max_size=80))
+def test_any_text(text):
+    for dialect in (None, *SEEDS):
+        check(text.encode("utf-8", "replace"), dialect)

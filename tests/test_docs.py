@@ -1,0 +1,83 @@
+"""The pages for those who come from other libraries are true, and the reference is whole."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+
+import toolpace as tp
+from toolpace import demo
+
+DOCS = Path(__file__).parents[1] / "docs"
+BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NOTES = sorted((DOCS / "design").glob("*.md"))
+PEERS = ("toppra", "ruckig")
+HERE = {name for name in PEERS if importlib.util.find_spec(name)}
+"""Peers that are installed: `bench` asks for them."""
+
+
+def blocks_of(page: str) -> list[tuple[str, str]]:
+    """The code blocks of a page, each with what it is said to print."""
+    found = BLOCK.findall((DOCS / "coming_from" / f"{page}.md").read_text(encoding="utf-8"))
+    pairs = zip(found, [*found[1:], ("", "")])
+    return [(code, said if after == "text" else "") for (kind, code), (after, said) in pairs if kind == "python"]
+
+
+def needs(code: str, peer: str) -> bool:
+    """Whether a block is the peer's: it imports it, or calls what its blocks made."""
+    return re.search(rf"^import {peer}|^from {peer}|\bmove\(", code, re.MULTILINE) is not None
+
+
+@pytest.mark.parametrize("page", PEERS)
+def test_pages_print_what_they_say(page, capsys):
+    names: dict[str, object] = {}
+    ours = 0
+    for code, said in blocks_of(page):
+        if needs(code, page) and page not in HERE:
+            continue
+        exec(compile(code, f"{page}.md", "exec"), names)
+        assert capsys.readouterr().out == said
+        ours += not needs(code, page)
+    assert ours >= 3
+
+
+def test_every_public_name_is_in_the_reference():
+    reference = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.md"))
+    entries = set(re.findall(r"^\.\. auto\w+:: toolpace\.([\w.]+)$", reference, re.MULTILINE))
+    public = set(tp.__all__) - {"__version__", "deflect", "ToolpaceError"}
+    public |= {f"deflect.{name}" for name in tp.deflect.__all__} | {"errors.ToolpaceError"}
+    assert public <= entries
+
+
+def test_every_result_of_the_benchmarks_is_a_page():
+    written = {page.stem for page in (DOCS.parent / "benchmarks" / "results").glob("*.md")}
+    assert written == {page.stem for page in (DOCS / "benchmarks").glob("*.md")} - {"index"}
+
+
+def test_every_design_note_is_in_the_contents():
+    contents = (DOCS / "design" / "index.md").read_text(encoding="utf-8").split()
+    assert {page.stem for page in (DOCS / "design").glob("*.md")} - {"index"} <= set(contents)
+
+
+@pytest.mark.parametrize("page", sorted(page.stem for page in (DOCS / "tutorial").glob("*.md")))
+def test_tutorial_runs(page, tmp_path, monkeypatch):
+    (tmp_path / "part.ngc").write_text(demo.spiral_program(60), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for kind, code in BLOCK.findall((DOCS / "tutorial" / f"{page}.md").read_text(encoding="utf-8")):
+        if kind == "python":
+            exec(compile(code, f"{page}.md", "exec"), names)
+
+
+@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", *(f"docs/design/{p.name}" for p in NOTES)])
+def test_files_that_a_document_names_exist(document):
+    """Named from the top of the project, from the package, from the results of the benchmarks, or from beside it."""
+    text = (DOCS.parent / document).read_text(encoding="utf-8")
+    named = set(re.findall(r"`([\w./-]+/[\w.-]+\.(?:py|md|json|toml))`|\]\(((?!http)[\w./-]+)\)", text))
+    top = DOCS.parent
+    places = (top, top / "src" / "toolpace", (top / document).parent)
+    missing = [name for pair in named for name in pair if name and not any((at / name).exists() for at in places)]
+    assert not missing
