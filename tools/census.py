@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 MOST_MODULES = 14
-"""In a folder, `__init__.py` not counted."""
+"""In a folder; `__init__.py` and `__main__.py`, the ways in, are not counted."""
 MOST_LINES, MOST_PARAMETERS = 80, 12
 """Of a function of the kernels."""
 SHOWN = 8
@@ -153,7 +153,7 @@ def census(package: Path) -> Census:
     for module, file in known.items():
         tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
         graph[module] = imports_of(tree, module, file.name == "__init__.py", known)
-        if file.name != "__init__.py":
+        if not file.name.startswith("__"):
             counted.folders[str(file.parent.relative_to(package.parent))] += 1
         inside = "kernels" in file.relative_to(package).parts
         counted.functions += functions_of(tree, file.relative_to(package), inside)

@@ -106,7 +106,7 @@ def test_binding_is_the_feed_where_the_motion_cruises_and_nothing_where_it_pause
     fast = motions.Trajectory()
     fast.limits = fast.limits.scaled(2.0, 2.0, 2.0)
     cruise, pause = 0.5 * fast.laws[0].duration, fast.starts[1] - 0.1
-    assert [limiting.names(fast.joints)[k] for k in binding(fast, np.array([cruise]))] == ["feed"]
+    assert [limiting.limit_names(fast.joints)[k] for k in binding(fast, np.array([cruise]))] == ["feed"]
     assert binding(fast, np.array([pause])).tolist() == [NOTHING]
 
 
@@ -119,7 +119,7 @@ def test_binding_is_the_joint_whose_limit_is_lowered():
         velocity = np.full(len(slow.joints), np.inf)
         velocity[k] = 0.9 * speed[k]
         slow.limits = Limits(velocity, np.inf, np.inf, slow.joints)
-        assert limiting.names(slow.joints)[binding(slow, cruise)[0]] == f"velocity {joint}"
+        assert limiting.limit_names(slow.joints)[binding(slow, cruise)[0]] == f"velocity {joint}"
 
 
 def test_words():

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Bools, Floats, Ints
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import PathError
+from toolpace.machine.continuation import nearest_solution
 from toolpace.toolpath import ToolPath
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 GRID = 401
-"""Points of a run, beside its breaks, at which the solution of the inverse kinematics is chosen."""
+"""Points of a run, beside its breaks, at which the solution of the inverse kinematics is chosen at least."""
 TURN_A_CELL = 0.3
 """Most turn of a rotary joint between two of them [rad]: the solutions are half a turn apart."""
 SHORTEST_CELL = 1e-13
@@ -42,43 +43,63 @@ class Branch:
 
 
 def branches_of(path: Path, machine: Machine) -> list[Branch | None]:
-    """The solution taken along each run: chosen over the whole path, where the path gives tool axes only.
+    """The solution taken along each run: chosen once over the whole path, where the path gives tool axes only.
 
-    Between two points of the grid the nearest solution is meant. Where the tool axis passes close to its pole, the
-    first rotary joint turns far on a short way, and on a coarse grid the other solution looks nearer: where a joint
-    turns far, or the solution changes, the grid is made finer. Raises PathError where that does not end.
+    Between two points of the grid the nearest solution is meant. So the grid is made finer, with the choice kept, where
+    a joint turns far or the solution changes. Raises PathError where that does not end.
     """
-    grids = [np.unique(np.concatenate([np.linspace(run.s0, run.s1, GRID), run.breaks])) for run in path.runs]
-    if path.runs[0].evaluate(grids[0][:1]).axis is None:
+    if path.runs[0].evaluate(path.runs[0].breaks[:1]).axis is None:
         return [None] * len(path.runs)
+    grids = [resolved_grid(run, machine) for run in path.runs]
+    rotary = machine.choose_rotary(_points(path, grids), POLE)
     while True:
-        ends = np.cumsum([len(s) for s in grids])[:-1]
+        ends = np.cumsum([len(s) for s in grids])
         points = _points(path, grids)
-        rotary = machine.choose_rotary(points, POLE)
-        parts = list(zip(np.split(rotary, ends), np.split(_sides(machine, points.axis, rotary), ends)))
-        done = True
-        for k, (turns, side) in enumerate(parts):
-            s = grids[k]
+        parts = list(zip(np.split(rotary, ends[:-1]), np.split(_sides(machine, points.axis, rotary), ends[:-1])))
+        finer, known = [], []
+        for k, (s, (turns, side)) in enumerate(zip(grids, parts)):
             turn = np.diff(turns, axis=0)
             wide = np.abs(turn).max(axis=1) > TURN_A_CELL
-            short = np.diff(s) < max(SHORTEST_CELL * (s[-1] - s[0]), 8.0 * float(np.spacing(np.abs(s).max())))
+            short = _short(s)
             if (wide & short).any():
                 at = int(np.argmax(wide & short))
                 raise _jump(path, machine, k, float(s[at]), turn[at])
             # a change of solution on the shortest way is the pole itself
-            look = np.flatnonzero((wide | (side[1:] * side[:-1] < 0)) & ~short)
-            if len(look):
-                done = False
-                grids[k] = np.union1d(s, s[look, None] + np.diff(s)[look, None] * np.array([0.25, 0.5, 0.75]))
-        if done:
+            finer.append(_quartered(s, (wide | (side[1:] * side[:-1] < 0)) & ~short))
+            known.append(np.searchsorted(finer[k], s) + sum(len(earlier) for earlier in finer[:k]))
+        if all(len(new) == len(old) for new, old in zip(finer, grids)):
             return [Branch(s, turns) for s, (turns, _) in zip(grids, parts)]
+        grids = finer
+        rotary = machine.rotary_between(_points(path, grids), np.concatenate(known), rotary, POLE)
+
+
+def resolved_grid(run: PathRun, machine: Machine) -> Floats:
+    """Parameters of a run so close that the choice between the solutions is sound: see machine/continuation.py."""
+    s = np.unique(np.concatenate([np.linspace(run.s0, run.s1, GRID), run.breaks]))
+    while True:
+        axis = run.evaluate(s).axis
+        assert axis is not None
+        finer = _quartered(s, (machine.turn_between(axis[0], POLE) > TURN_A_CELL) & ~_short(s))
+        if len(finer) == len(s):
+            return s
+        s = finer
+
+
+def _short(s: Floats) -> Bools:
+    """(n - 1,) which cells of a grid are too short to be cut."""
+    return np.asarray(np.diff(s) < max(SHORTEST_CELL * (s[-1] - s[0]), 8.0 * float(np.spacing(np.abs(s).max()))))
+
+
+def _quartered(s: Floats, which: Bools) -> Floats:
+    """The grid with some of its cells (n - 1,) cut in four."""
+    cells = np.flatnonzero(which)
+    return np.union1d(s, s[cells, None] + np.diff(s)[cells, None] * np.array([0.25, 0.5, 0.75]))
 
 
 def _sides(machine: Machine, axis: Floats, rotary: Floats) -> Ints:
     """(n,) 1 or -1: which of both solutions for the axes (n, 3) is taken; 0 at the pole."""
     solutions, pole = machine.rotary_solutions(axis, POLE)
-    off = np.abs(np.remainder(rotary[:, None] - solutions + np.pi, 2.0 * np.pi) - np.pi).sum(axis=2)
-    return np.where(pole, 0, np.where(off[:, 0] <= off[:, 1], 1, -1))
+    return np.where(pole, 0, 1 - 2 * nearest_solution(solutions, rotary))
 
 
 def _points(path: Path, grids: list[Floats]) -> ToolPath:

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.cli.steps import Steps
-from toolpace.machine.refusals import check_travel
 from toolpace.planning.guarantee import PROMISED
 
 if TYPE_CHECKING:
@@ -70,7 +69,6 @@ def read_program(job: Job, steps: Steps) -> ToolPath:
 
     with steps.step("reading") as step:
         toolpath = read(job.program, job.machine, job.dialect, feed=job.feed)
-        check_program(toolpath, job.machine)
         skipped = sum(toolpath.skipped.values())
         step.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
     return toolpath
@@ -106,7 +104,7 @@ def sample_motion(job: Job, steps: Steps, trajectory: Trajectory, toolpath: Tool
     """Set-points at equal times, within travel; the use of the limits between them is looked at on the way."""
     with steps.step("sampling") as step:
         setpoints = trajectory.sample(job.dt)
-        check_travel(job.machine, setpoints.q, setpoints.block, toolpath.source)
+        job.machine.check_travel(setpoints.q, setpoints.block, toolpath.source)
         trajectory.usage()
         step.note = f"{len(setpoints)} set-points"
     return setpoints
@@ -148,12 +146,6 @@ def write_results(
             step_s=dict(steps.seconds),
         )
         return write.write_folder(job.out, result, csv=job.csv, report=job.report, progress=step)
-
-
-def check_program(toolpath: ToolPath, machine: Machine) -> None:
-    """Raise ReachError where a point of the program itself is out of travel, before any long work."""
-    rotary = machine.choose_rotary(toolpath) if toolpath.rotary is None else toolpath.rotary
-    check_travel(machine, machine.joints_at(toolpath.tip, rotary), toolpath.block, toolpath.source)
 
 
 def warm_up(steps: Steps) -> None:

@@ -162,7 +162,7 @@ def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
     from toolpace.machine.table import title
 
-    name, _, rest = title(machine).partition(": ")
+    name, _, rest = title(machine.file, machine.kind).partition(": ")
     note = machine.file.note
     console.print(Text.assemble((name, "bold"), f"  {note + '; ' if note else ''}{rest}"), soft_wrap=True)
     table = Table(box=SIMPLE, pad_edge=False)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Bools, Floats, Ints
 from toolpace.laws.law import CELLS_AT_A_TIME, Probe, TimeLaw, probes_a_cell
+
+if TYPE_CHECKING:
+    from toolpace.kernels.motion.spline_law import Law
 
 
 class SplineLaw(TimeLaw):
@@ -26,11 +29,17 @@ class SplineLaw(TimeLaw):
         """(k,) shares of a cell at which it is probed: closer together next to the nodes, where peaks hide."""
         self.cells = spline_law.polynomials(nodes, c)
         """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""
-        self.times = spline_law.node_times(nodes, self.cells, rest[0], rest[1])
+        self.times = spline_law.node_times(nodes, self.cells, float(rest[0]))
         """(n,) when the nodes are passed [s]."""
         self.s0, self.s1 = nodes[0] - rest[0], nodes[-1] + rest[1]
         end = spline_law.end_speed(nodes, self.cells)
         self.duration = float(self.times[-1] + (3.0 * rest[1] / end if rest[1] > 0.0 else 0.0))
+
+    def law(self) -> Law:
+        """The law as the kernels take it."""
+        from toolpace.kernels.motion.spline_law import Law
+
+        return Law(self.nodes, self.cells, self.times, float(self.rest[0]), float(self.rest[1]), self.duration)
 
     def slowed(self, by: float) -> SplineLaw:
         """The same motion with z divided by a factor everywhere; only between two rests."""
@@ -41,36 +50,28 @@ class SplineLaw(TimeLaw):
         last = self.cells[-1] @ np.power(self.nodes[-1] - self.nodes[-2], np.arange(4.0))
         return np.append(self.cells[:, 0], last)
 
-    def dips(self) -> npt.NDArray[np.bool_]:
+    def dips(self) -> Bools:
         """(n - 1,) cells in which z falls far below its values at both nodes: too long for the motion in them."""
         from toolpace.kernels.motion import spline_law
 
-        marks: npt.NDArray[np.bool_] = spline_law.dips(self.nodes, self.cells, self.inside)
-        return marks
+        return spline_law.dips(self.nodes, self.cells, self.inside)
 
     def at(self, t: Floats) -> Floats:
         from toolpace.kernels.motion import spline_law
 
         t = np.ascontiguousarray(t, dtype=float)
-        state: Floats = spline_law.states(
-            t, self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration
-        )
-        return state
+        return spline_law.states(t, self.law())
 
     def probes(self) -> Iterator[Probe]:
         from toolpace.kernels.motion import spline_law
 
-        last = len(self.nodes) - 1
+        law, last = self.law(), len(self.nodes) - 1
         for first in range(0, last, CELLS_AT_A_TIME):
-            state, right, share = spline_law.probe(
-                self.nodes, self.cells, self.times, self.rest[0], self.rest[1], self.duration, self.inside, first,
-                min(first + CELLS_AT_A_TIME, last),
-            )  # fmt: skip
+            state, right, share = spline_law.probe(law, self.inside, first, min(first + CELLS_AT_A_TIME, last))
             yield Probe(state, right, share)
 
     def states_within(self, cells: Ints) -> tuple[Floats, Floats]:
         """(4, m k) states at the k places `inside` each of m cells, and 0 for those on the left side of a break."""
         from toolpace.kernels.motion import spline_law
 
-        state, right = spline_law.within(self.nodes, self.cells, cells, self.inside)
-        return state, right
+        return spline_law.within(self.nodes, self.cells, cells, self.inside)

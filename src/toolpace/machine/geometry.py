@@ -1,4 +1,4 @@
-"""The chain of a machine file as the plain arrays of the compiled functions, with all checks of its shape."""
+"""What a machine file says of shape and motion, as plain arrays, with all checks of the chain."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import MachineError, did_you_mean
+from toolpace.kernels.kinematics.geometry import Chain
 from toolpace.machine.file import MachineFile
 
 PARALLEL = 1e-6
@@ -17,8 +18,23 @@ PARALLEL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """See kernels/kinematics/chain.py for the meaning of the arrays."""
+    """Joints, travel and chain of a machine: all that its kinematics need. The arrays are read-only.
 
+    The chain is seen from the workpiece, see kernels/kinematics/chain.py.
+    """
+
+    name: str
+    """Of the machine, for messages."""
+    joints: tuple[str, ...]
+    """(m,) names, in the order of the file; columns of joint arrays."""
+    kind: str
+    """"table-table", "head-table" or "head-head"."""
+    is_rotary: Bools
+    """(m,)"""
+    travel: Floats
+    """(m, 2) lowest and highest position [m or rad]; infinite where the joint wraps."""
+    wrap: Bools
+    """(m,) whether the joint turns without end."""
     frame: Floats
     """(9, 3) u1, u2, a0, c0, c1, c2 and the linear directions."""
     group: Ints
@@ -26,9 +42,28 @@ class Geometry:
     place: Ints
     """(5,) columns of the two rotary joints, then of the linear ones."""
 
+    def __post_init__(self) -> None:
+        for array in (self.is_rotary, self.travel, self.wrap, self.frame, self.group, self.place):
+            array.flags.writeable = False
 
-def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
-    """Arrays and class ("table-table", "head-table", "head-head") of a machine. Raises MachineError."""
+    @property
+    def chain(self) -> Chain:
+        """The chain as the compiled functions take it."""
+        return Chain(self.frame, self.group, self.place)
+
+    @property
+    def rotary(self) -> Ints:
+        """(2,) columns of the rotary joints, nearest the workpiece first; rotary arrays are in this order."""
+        return self.place[:2]
+
+    @property
+    def linear(self) -> Ints:
+        """(3,) columns of the linear joints."""
+        return self.place[2:]
+
+
+def chain_geometry(file: MachineFile, source: str) -> Geometry:
+    """The geometry of a machine; `source` names its file in messages. Raises MachineError."""
     chain, joints, names = file.chain, file.joints, list(file.joints)
     _check_names(file, source)
     order = [(name, -1) for name in reversed(chain.workpiece)] + [(name, 1) for name in chain.tool]
@@ -60,11 +95,19 @@ def chain_geometry(file: MachineFile, source: str) -> tuple[Geometry, str]:
     group = np.array([sum(position[name] > position[turn] for turn, _ in rotary) for name in linear], dtype=np.int64)
     place = np.array([names.index(name) for name in (first, second, *linear)], dtype=np.int64)
     _check_space(frame, group, linear, source)
-    for array in (frame, group, place):
-        array.flags.writeable = False
     on_table = sum(sign < 0 for _, sign in rotary)
-    kind = {2: "table-table", 1: "head-table", 0: "head-head"}[on_table]
-    return Geometry(frame, group, place), kind
+    values = joints.values()
+    return Geometry(
+        name=file.name,
+        joints=tuple(names),
+        kind={2: "table-table", 1: "head-table", 0: "head-head"}[on_table],
+        is_rotary=np.array([joint.kind == "rotary" for joint in values]),
+        travel=np.array([joint.travel or (-math.inf, math.inf) for joint in values]),
+        wrap=np.array([joint.wrap for joint in values]),
+        frame=frame,
+        group=group,
+        place=place,
+    )
 
 
 def _check_names(file: MachineFile, source: str) -> None:

@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-
-import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import MachineError, UsageError, did_you_mean
+from toolpace.machine import kinematics
+from toolpace.machine.continuation import rotary_between, turn_between
 from toolpace.machine.file import MachineFile, read_machine, write_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
+from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
 from toolpace.machine.limits import Limits
+from toolpace.machine.refusals import check_travel
+from toolpace.machine.table import rows, title
 from toolpace.toolpath import ToolPath
 
 __all__ = ["Limits", "Machine"]
 
 FOLDER = Path(__file__).parent / "builtin"
-POLE = 1e-9
-"""Sine of the angle between tool axis and pole below which the first rotary joint counts as free."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,34 +57,30 @@ class Machine(ByValue):
     tool_length: float = field(init=False)
     """From the spindle nose to the tip [m]."""
     geometry: Geometry = field(init=False, compare=False)
-    """The chain as plain arrays, for the compiled functions."""
+    """Joints, travel and chain as plain arrays: what the kinematics need."""
 
     def __post_init__(self) -> None:
-        file = self.file
-        values = list(file.joints.values())
-        geometry, kind = chain_geometry(file, self.source or file.name)
-        travel = np.array([joint.travel or (-math.inf, math.inf) for joint in values])
+        geometry = chain_geometry(self.file, self.source or self.file.name)
+        values = list(self.file.joints.values())
         derived = {
-            "name": file.name,
-            "joints": tuple(file.joints),
-            "kind": kind,
-            "is_rotary": np.array([joint.kind == "rotary" for joint in values]),
-            "rotary": geometry.place[:2].copy(),
-            "linear": geometry.place[2:].copy(),
+            "name": geometry.name,
+            "joints": geometry.joints,
+            "kind": geometry.kind,
+            "is_rotary": geometry.is_rotary,
+            "rotary": geometry.rotary,
+            "linear": geometry.linear,
             "limits": Limits(
                 [joint.velocity for joint in values],
                 [joint.acceleration for joint in values],
                 [joint.jerk for joint in values],
-                tuple(file.joints),
+                geometry.joints,
             ),
-            "travel": travel,
-            "wrap": np.array([joint.wrap for joint in values]),
-            "tool_length": file.chain.tool_length,
+            "travel": geometry.travel,
+            "wrap": geometry.wrap,
+            "tool_length": self.file.chain.tool_length,
             "geometry": geometry,
         }
         for key, value in derived.items():
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
             object.__setattr__(self, key, value)
 
     @staticmethod
@@ -156,55 +152,27 @@ class Machine(ByValue):
 
     def forward(self, q: Floats) -> tuple[Floats, Floats]:
         """Joint positions (n, m) to tips (n, 3) [m] and unit tool axes (n, 3)."""
-        from toolpace.kernels.kinematics import chain
-
-        q = np.ascontiguousarray(q, dtype=float)
-        tip, axis = np.empty((len(q), 3)), np.empty((len(q), 3))
-        chain.forward(self.geometry.frame, self.geometry.group, self.geometry.place, q, tip, axis)
-        return tip, axis
+        return kinematics.forward(self.geometry, q)
 
     def axis_at(self, rotary: Floats) -> Floats:
         """Rotary positions (n, 2) [rad] to unit tool axes (n, 3)."""
-        from toolpace.kernels.kinematics import chain
+        return kinematics.axis_at(self.geometry, rotary)
 
-        rotary = np.ascontiguousarray(rotary, dtype=float)
-        axis = np.empty((len(rotary), 3))
-        chain.axes(self.geometry.frame, rotary, axis)
-        return axis
-
-    def rotary_solutions(self, axis: Floats, pole_tolerance: float = POLE) -> tuple[Floats, Bools]:
+    def rotary_solutions(self, axis: Floats, pole_tolerance: float = kinematics.POLE) -> tuple[Floats, Bools]:
         """Tool axes (n, 3) to both rotary solutions (n, 2, 2) [point, solution, joint] and pole (n,).
 
         Angles lie in [-pi, pi]; nan where no angles, whatever the travel, give the axis. At the pole the
         first rotary joint is free; it is returned as zero there.
         """
-        from toolpace.kernels.kinematics import chain
-
-        axis = np.ascontiguousarray(axis, dtype=float)
-        solutions, pole = np.empty((len(axis), 2, 2)), np.empty(len(axis), dtype=np.bool_)
-        chain.rotary_solutions(self.geometry.frame, pole_tolerance, axis, solutions, pole)
-        return solutions, pole
+        return kinematics.rotary_solutions(self.geometry, axis, pole_tolerance)
 
     def joints_at(self, tip: Floats, rotary: Floats) -> Floats:
         """Tips (n, 3) and rotary positions (n, 2) to joint positions (n, m), whatever their travel."""
-        from toolpace.kernels.kinematics import chain
-
-        tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
-        q = np.empty((len(tip), len(self.joints)))
-        geometry = self.geometry
-        self._check_singular(chain.joints_at(geometry.frame, geometry.group, geometry.place, tip, rotary, q), rotary)
-        return q
+        return kinematics.joints_at(self.geometry, tip, rotary)
 
     def linear_jets(self, tip: Floats, rotary: Floats) -> Floats:
         """Derivatives 0..3 of tip (4, n, 3) and rotary joints (4, n, 2) to those of all joints (4, n, m)."""
-        from toolpace.kernels.kinematics import jets
-
-        tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
-        q = np.empty((4, tip.shape[1], len(self.joints)))
-        geometry = self.geometry
-        bad = jets.linear_jets(geometry.frame, geometry.group, geometry.place, tip, rotary, q)
-        self._check_singular(bad, rotary[0])
-        return q
+        return kinematics.linear_jets(self.geometry, tip, rotary)
 
     def rotary_jets(self, axis: Floats, rotary: Floats) -> Floats:
         """Derivatives 0..3 of the tool axis (4, n, 3) to those of the rotary joints (4, n, 2) near `rotary`.
@@ -212,58 +180,43 @@ class Machine(ByValue):
         At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be
         reached, and in the derivatives where it lies on the edge of reach.
         """
-        from toolpace.kernels.kinematics import jets
-
-        axis, rotary = np.ascontiguousarray(axis, dtype=float), np.ascontiguousarray(rotary, dtype=float)
-        out = np.empty((4, axis.shape[1], 2))
-        jets.rotary_jets(self.geometry.frame, POLE, axis, rotary, out)
-        return out
+        return kinematics.rotary_jets(self.geometry, axis, rotary)
 
     def axis_jets(self, rotary: Floats) -> Floats:
         """Derivatives 0..3 of the rotary joints (4, n, 2) to those of the tool axis (4, n, 3)."""
-        from toolpace.kernels.kinematics import jets
-
-        rotary = np.ascontiguousarray(rotary, dtype=float)
-        out = np.empty((4, rotary.shape[1], 3))
-        jets.axis_jets(self.geometry.frame, rotary, out)
-        return out
+        return kinematics.axis_jets(self.geometry, rotary)
 
     def tip_lever(self, tip: Floats, rotary: Floats) -> Floats:
         """(n, 2) most motion of a linear joint per unit of each rotary joint while the tip stands [m/rad]."""
-        still, turning = np.zeros((4, len(tip), 3)), np.zeros((4, len(tip), 2))
-        still[0], turning[0] = tip, rotary
-        lever = np.empty((len(tip), 2))
-        for joint in range(2):
-            turning[1] = 0.0
-            turning[1, :, joint] = 1.0
-            lever[:, joint] = np.abs(self.linear_jets(still, turning)[1][:, self.linear]).max(axis=1)
-        return lever
+        return kinematics.tip_lever(self.geometry, tip, rotary)
 
-    def choose_rotary(self, toolpath: ToolPath, pole_tolerance: float = 1e-4) -> Floats:
+    def choose_rotary(self, toolpath: ToolPath, pole_tolerance: float = POLE_TOLERANCE) -> Floats:
         """Rotary positions (n, 2) [rad] along a tool path, unwound; see machine/inverse.py. Raises ReachError."""
-        from toolpace.machine.inverse import choose_rotary
+        return choose_rotary(self.geometry, toolpath, pole_tolerance)
 
-        return choose_rotary(self, toolpath, pole_tolerance)
+    def turn_between(self, axis: Floats, pole_tolerance: float = POLE_TOLERANCE) -> Floats:
+        """(n - 1,) most turn of a rotary joint from one tool axis (n, 3) to the next on either solution [rad]."""
+        return turn_between(self.geometry, axis, pole_tolerance)
 
-    def check_travel(self, q: Floats, block: Ints) -> None:
-        """Raise ReachError where joint positions (n, m) leave the travel; `block` (n,) are line numbers."""
-        from toolpace.machine.refusals import check_travel
+    def rotary_between(
+        self, toolpath: ToolPath, known: Ints, rotary: Floats, pole_tolerance: float = POLE_TOLERANCE
+    ) -> Floats:
+        """Rotary positions (n, 2) [rad] along a tool path with points put in, on the branch chosen without them.
 
-        check_travel(self, q, block)
+        Those at its points `known` (k,) are `rotary` (k, 2); see machine/continuation.py. Raises ReachError.
+        """
+        return rotary_between(self.geometry, toolpath, known, rotary, pole_tolerance)
 
-    def _check_singular(self, point: int, rotary: Floats) -> None:
-        if point >= 0:
-            from toolpace.machine.refusals import singular_pose
+    def check_travel(self, q: Floats, block: Ints, source: str = "") -> None:
+        """Raise ReachError where joint positions (n, m) leave the travel.
 
-            raise singular_pose(self, rotary[point])
+        `block` (n,) are line numbers, and `source` the program that they are of, for the message.
+        """
+        check_travel(self.geometry, q, block, source)
 
     def summary(self) -> list[dict[str, str]]:
         """One row a joint, in mm and deg: machine, class, joint, kind, carries, travel, limits."""
-        from toolpace.machine.table import rows
-
-        return rows(self)
+        return rows(self.file, self.kind)
 
     def __repr__(self) -> str:
-        from toolpace.machine.table import title
-
-        return one_line(self, title(self))
+        return one_line(self, title(self.file, self.kind))

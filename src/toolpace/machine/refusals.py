@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import ReachError
-
-if TYPE_CHECKING:
-    from toolpace.machine.machine import Machine
-
+from toolpace.machine.geometry import Geometry
 
 SLACK = 1e-9
 """How far a position may pass the end of travel, rounding aside [m or rad]."""
 
 
-def check_travel(machine: Machine, q: Floats, block: Ints, source: str = "") -> None:
+def check_travel(geometry: Geometry, q: Floats, block: Ints, source: str = "") -> None:
     """Raise ReachError where joint positions (n, m) leave the travel, naming the worst joint and line."""
-    below = machine.travel[:, 0] - SLACK - q
-    above = q - machine.travel[:, 1] - SLACK
+    below = geometry.travel[:, 0] - SLACK - q
+    above = q - geometry.travel[:, 1] - SLACK
     excess = np.maximum(below, above)
     if not np.isfinite(q).all():
         point = int(np.argmax(~np.isfinite(q).all(axis=1)))
@@ -30,50 +26,50 @@ def check_travel(machine: Machine, q: Floats, block: Ints, source: str = "") -> 
         return
     out = excess > 0.0
     lines = np.unique(block[out.any(axis=1)])
-    joint = int(np.argmax(np.max(excess / np.where(machine.is_rotary, 1.0, 0.1), axis=0)))
+    joint = int(np.argmax(np.max(excess / np.where(geometry.is_rotary, 1.0, 0.1), axis=0)))
     point = int(np.argmax(excess[:, joint]))
     high = bool(above[point, joint] > 0.0)
-    limit = machine.travel[joint, 1 if high else 0]
-    unit, scale = _unit(machine, joint)
+    limit = geometry.travel[joint, 1 if high else 0]
+    unit, scale = _unit(geometry, joint)
     raise ReachError(
-        f"{place(source, block[point])}joint {machine.joints[joint]} would have to go to "
+        f"{place(source, block[point])}joint {geometry.joints[joint]} would have to go to "
         f"{q[point, joint] * scale:.3f} {unit}, {'above' if high else 'below'} its limit of "
-        f"{limit * scale:g} {unit}{_others(lines)}; {_cure(machine, joint)}"
+        f"{limit * scale:g} {unit}{_others(lines)}; {_cure(geometry, joint)}"
     )
 
 
-def unreachable_tilt(machine: Machine, axis: Floats, block: int, source: str = "") -> ReachError:
+def unreachable_tilt(geometry: Geometry, axis: Floats, block: int, source: str = "") -> ReachError:
     """The error for a tool axis (3,) that no angles of the rotary joints give."""
-    asked = math.degrees(math.acos(max(-1.0, min(1.0, float(_pole(machine) @ axis)))))
-    low, high = tilt_range(machine)
-    first = machine.joints[machine.rotary[0]]
+    asked = math.degrees(math.acos(max(-1.0, min(1.0, float(_pole(geometry) @ axis)))))
+    low, high = tilt_range(geometry)
+    first = geometry.joints[geometry.rotary[0]]
     return ReachError(
         f"{place(source, block)}unreachable tilt: the tool axis ({axis[0]:.5f}, {axis[1]:.5f}, "
-        f"{axis[2]:.5f}) stands at {asked:.3f} deg to the axis of joint {first}; {machine.name} reaches "
+        f"{axis[2]:.5f}) stands at {asked:.3f} deg to the axis of joint {first}; {geometry.name} reaches "
         f"{low:.3f} to {high:.3f} deg; mount the part otherwise or take another machine"
     )
 
 
-def tilt_range(machine: Machine) -> tuple[float, float]:
+def tilt_range(geometry: Geometry) -> tuple[float, float]:
     """Least and most angle of the tool axis to the axis of the first rotary joint, by geometry [deg]."""
-    frame = machine.geometry.frame
-    slant = math.acos(max(-1.0, min(1.0, float(_pole(machine) @ frame[1]))))
+    frame = geometry.frame
+    slant = math.acos(max(-1.0, min(1.0, float(_pole(geometry) @ frame[1]))))
     lean = math.acos(max(-1.0, min(1.0, float(frame[1] @ frame[2]))))
     most = slant + lean
     return math.degrees(abs(slant - lean)), math.degrees(most if most <= math.pi else 2.0 * math.pi - most)
 
 
-def _pole(machine: Machine) -> Floats:
+def _pole(geometry: Geometry) -> Floats:
     """(3,) the axis of the first rotary joint, on the side where the tool is at joints zero."""
-    frame = machine.geometry.frame
+    frame = geometry.frame
     pole: Floats = frame[0] if frame[0] @ frame[2] >= 0.0 else -frame[0]
     return pole
 
 
-def tilt_out_of_travel(machine: Machine, solutions: Floats, block: int, source: str = "") -> ReachError:
+def tilt_out_of_travel(geometry: Geometry, solutions: Floats, block: int, source: str = "") -> ReachError:
     """The error for a tool axis whose two rotary solutions (2, 2) both lie outside travel."""
-    names = [machine.joints[joint] for joint in machine.rotary]
-    bounds = machine.travel[machine.rotary]
+    names = [geometry.joints[joint] for joint in geometry.rotary]
+    bounds = geometry.travel[geometry.rotary]
     ways = []
     for angles in np.degrees(solutions):
         way = " ".join(f"{name} {angle:.3f}" for name, angle in zip(names, angles))
@@ -86,17 +82,37 @@ def tilt_out_of_travel(machine: Machine, solutions: Floats, block: int, source: 
     )
     return ReachError(
         f"{place(source, block)}the tool axis needs {' or '.join(ways)} deg, outside the travel of machine "
-        f"{machine.name} ({travel}); mount the part otherwise or take another machine"
+        f"{geometry.name} ({travel}); mount the part otherwise or take another machine"
     )
 
 
-def singular_pose(machine: Machine, rotary: Floats) -> ReachError:
+def rotary_jump(
+    geometry: Geometry, before: Floats, after: Floats, blocks: tuple[int, int], source: str = ""
+) -> ReachError:
+    """The error for rotary positions (2,) `before` and `after` that no motion within travel joins while cutting."""
+    names = [geometry.joints[joint] for joint in geometry.rotary]
+    travel = ", ".join(
+        f"{name} {math.degrees(low):g} .. {math.degrees(high):g} deg"
+        for name, (low, high) in zip(names, geometry.travel[geometry.rotary])
+        if math.isfinite(low)
+    )
+    here, there = np.degrees(before), np.degrees(after)
+    return ReachError(
+        f"{place(source, blocks[1])}the rotary joints run out of travel ({travel}): between lines "
+        f"{blocks[0]} and {blocks[1]} they would have to jump from "
+        f"{names[0]} {here[0]:.3f} {names[1]} {here[1]:.3f} to {names[0]} {there[0]:.3f} {names[1]} "
+        f"{there[1]:.3f} deg while cutting; split the program there with a retract (rapid), or give the "
+        "joint more travel, or wrap = true"
+    )
+
+
+def singular_pose(geometry: Geometry, rotary: Floats) -> ReachError:
     """The error for rotary positions (2,) at which the linear joints act in one plane."""
     where = ", ".join(
-        f"{machine.joints[joint]} = {math.degrees(angle):.3f} deg" for joint, angle in zip(machine.rotary, rotary)
+        f"{geometry.joints[joint]} = {math.degrees(angle):.3f} deg" for joint, angle in zip(geometry.rotary, rotary)
     )
     return ReachError(
-        f"machine {machine.name}: at {where} the linear joints cannot move the tip in all directions; "
+        f"machine {geometry.name}: at {where} the linear joints cannot move the tip in all directions; "
         "keep away from this tilt or limit the travel of the rotary joints"
     )
 
@@ -106,8 +122,8 @@ def place(source: str, block: int | np.int64) -> str:
     return f"{source}:{block}: " if source else f"line {block}: "
 
 
-def _unit(machine: Machine, joint: int) -> tuple[str, float]:
-    return ("deg", 180.0 / math.pi) if machine.is_rotary[joint] else ("mm", 1e3)
+def _unit(geometry: Geometry, joint: int) -> tuple[str, float]:
+    return ("deg", 180.0 / math.pi) if geometry.is_rotary[joint] else ("mm", 1e3)
 
 
 def _others(lines: Ints) -> str:
@@ -117,7 +133,7 @@ def _others(lines: Ints) -> str:
     return f" ({len(lines)} lines leave the travel: {shown}{', ...' if len(lines) > 3 else ''})"
 
 
-def _cure(machine: Machine, joint: int) -> str:
-    if machine.is_rotary[joint]:
+def _cure(geometry: Geometry, joint: int) -> str:
+    if geometry.is_rotary[joint]:
         return "mount the part otherwise, split the program there, or correct the travel in the machine file"
     return "move the part (workpiece_origin), change the tool length, or correct the travel in the machine file"

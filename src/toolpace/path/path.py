@@ -6,17 +6,14 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.description import counted, one_line
+from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
-
-if TYPE_CHECKING:
-    from toolpace.machine.machine import Machine
-    from toolpace.toolpath import ToolPath
+from toolpace.toolpath import ToolPath
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,6 +16,7 @@ from tests.support.straight_line import line
 from tests.support.usage import dense_usage
 from toolpace.axispath.axispath import AxisPath
 from toolpace.kernels.optimal import dual as kernel
+from toolpace.kernels.optimal.newton import Ends
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.planning.bound import pieces
@@ -144,20 +145,19 @@ def test_gathered_multipliers_keep_kappa_positive_when_mixed():
     """Two sets that use up the time's weight, to its last bit, are mixed: the least value is not minus infinity."""
     rng = np.random.default_rng(0)
     n, rows = 50, rng.normal(size=(50, 4, 3))
-    first, weight, none = np.arange(n + 1), rng.uniform(0.1, 1.0, n), np.zeros(n)
-    end = np.zeros(2, dtype=np.int64)
+    weight, none = rng.uniform(0.1, 1.0, n), np.zeros(n)
+    basis = np.tile(np.eye(3)[[1, 0, 2]], (n, 1, 1))
+    ends = Ends(np.zeros(2, dtype=np.int64), np.ones(2), np.zeros(4))
+    knots = kernel.KnotRows(basis, np.arange(n + 1), weight, np.zeros(n + 2), rows, ends)
     sets = []
     for _ in range(2):
         dual = np.zeros((n, 4, 2))
         dual[:, 2:] = rng.exponential(size=(n, 2, 2))
         dual[:, 2:] *= (weight * rng.choice([1.0, 1.0 - 1e-14, 2.0], n) / dual.sum(axis=(1, 2)))[:, None, None]
-        sets.append(kernel.gather(first, weight, none, rows, dual, end, 8))
+        sets.append(kernel.gather(knots, none, dual, 8))
     for share in rng.uniform(size=20):
         mixed = share * sets[0] + (1.0 - share) * sets[1]
-        basis = np.tile(np.eye(3)[[1, 0, 2]], (n, 1, 1))
-        _, kappa, _ = kernel.value_of(
-            basis, weight, np.zeros(n + 2), none, np.ones(n), mixed, 8, end, np.ones(2), np.zeros(4)
-        )
+        _, kappa, _ = kernel.value_of(knots, none, np.ones(n), mixed, 8)
         assert (kappa >= 0.0).all()
 
 

@@ -46,9 +46,7 @@ def linear_program(cells, ends, cost, given_start):
 
 
 def passes(cells, ends):
-    top = cells.top(*ends)
-    arrays = cells.at, cells.place, cells.tight, cells.q1, cells.q2, cells.cap
-    return reachability.backward(np.diff(cells.nodes), *arrays, top, ends[1])
+    return reachability.backward(cells.arrays(cells.top(*ends)), ends[1])
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -5,20 +5,27 @@ without end has one slot, and its turns follow from the way there. Cost is rotar
 state the path goes on by the nearest angles of either solution, if the joints moving in proportion keep
 near the great circle between the two tool axes; anything else is a jump, which costs more than all motion
 together.
+
+    point by point: which states there are             lay_out
+      at the first: what each costs                    start
+      at others:    the ways from the point before     ways_between
+                    each state on by them              go_on
+                    the cheapest state by a jump       jump
+    back from the cheapest state at the last point     trace_back
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from toolpace.kernels.arrays import Bools, Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.chain import turn
+from toolpace.kernels.kinematics.geometry import A0, U1, U2
+from toolpace.kernels.kinematics.states import TURN, Points, States, Trace, Turns, Ways, lay_out, new_states, slot_of
 
-TURN = 2.0 * math.pi
-SLACK = 1e-9
 JUMP = 1e7
 """Cost of a jump while cutting; it always ends in an error."""
 JUMP_RAPID = 1e2
@@ -35,12 +42,14 @@ def wrapped(angle: float) -> float:
 
 
 @jit()
-def strays(frame: Any, from_angles: Any, change: Any, axis: Any, next_axis: Any, scratch: Any) -> bool:
+def strays(
+    frame: Floats, from_angles: Floats, change: Floats, axis: Floats, next_axis: Floats, scratch: Floats
+) -> bool:
     """Whether joints moving by `change` (2,) leave the great circle between two axes by its length."""
     t1 = from_angles[0] + 0.5 * change[0]
     t2 = from_angles[1] + 0.5 * change[1]
-    turn(frame[1], math.sin(t2), math.cos(t2), frame[2], scratch)
-    turn(frame[0], math.sin(t1), math.cos(t1), scratch, scratch)
+    turn(frame[U2], math.sin(t2), math.cos(t2), frame[A0], scratch)
+    turn(frame[U1], math.sin(t1), math.cos(t1), scratch, scratch)
     chord = 0.0
     middle = 0.0
     for d in range(3):
@@ -56,157 +65,159 @@ def strays(frame: Any, from_angles: Any, change: Any, axis: Any, next_axis: Any,
 
 
 @jit()
-def slot_of(value: float, base: float, travel: Any, first_turn: int, slots: int) -> int:
-    """Slot of a joint position whose angle is `base`; -1 where travel or the slots end."""
-    if value < travel[0] - SLACK or value > travel[1] + SLACK:
-        return -1
-    slot = int(np.round((value - base) / TURN)) - first_turn
-    return slot if 0 <= slot < slots else -1
+def cheapest(cost: Floats) -> int:
+    """The first of the states of least cost."""
+    best = 0
+    for state in range(len(cost)):
+        if cost[state] < cost[best]:
+            best = state
+    return best
 
 
 @jit()
-def choose(
-    frame: Any,
-    axis: Any,
-    angles: Any,
-    penalty: Any,
-    bridged: Any,
-    rapid: Any,
-    travel: Any,
-    endless: Any,
-    first_turn: Any,
-    slots: Any,
-    chosen: Any,
-    jumps: Any,
-) -> bool:
-    """Choose among `angles` (n, 2, 2) with `penalty` (n, 2), inf where a solution is out of the question.
+def start(penalty: Floats, states: States) -> None:
+    """The states at the first point: the nearer the joints are to zero, the better; penalty (2,) of the solutions."""
+    count = len(states.cost)
+    for state in range(count):
+        if states.possible[state]:
+            v1, v2 = states.base[state, 0], states.base[state, 1]
+            states.value[state, 0] = v1
+            states.value[state, 1] = v2
+            states.cost[state] = penalty[2 * state // count] + HOME * (abs(v1) + abs(v2))
 
-    `bridged` (n,): a pole lies before the point, where the first joint may turn freely; `rapid` (n,): the
-    point is reached without cutting; `travel` (2, 2), `endless` (2,), `first_turn` (2,), `slots` (2,) of
-    the joints. Writes `chosen` (n, 2) and `jumps` (n,); returns False where no state exists at some point.
-    """
-    n = len(angles)
-    k1, k2 = slots[0], slots[1]
-    states = 2 * k1 * k2
-    cost = np.full(states, np.inf)
-    value = np.zeros((states, 2))
-    new_cost = np.empty(states)
-    new_value = np.zeros((states, 2))
-    came = np.full((n, states), -1, np.int32)
-    jumped = np.zeros((n, states), np.bool_)
-    change = np.empty((2, 2, 2, 2))
-    bad = np.empty((2, 2, 2), np.bool_)
-    scratch = np.empty(3)
-    for i in range(n):
-        new_cost[:] = np.inf
-        if i > 0:
-            for s in range(2):
-                for r in range(2):
-                    for way in range(2):
-                        change[s, r, way, 0] = wrapped(angles[i, r, 0] - angles[i - 1, s, 0])
-                        change[s, r, way, 1] = wrapped(angles[i, r, 1] - angles[i - 1, s, 1])
-                    near = change[s, r, 0, 0]
-                    # The other way round can be right where the first joint swings far, close to the pole.
-                    change[s, r, 1, 0] = near - TURN if near > 0.0 else near + TURN
-                    possible = penalty[i, r] < np.inf and penalty[i - 1, s] < np.inf
-                    for way in range(2):
-                        worth = possible and (way == 0 or (not endless[0] and abs(near) > 0.5 * math.pi))
-                        bad[s, r, way] = not worth or (
-                            not bridged[i]
-                            and strays(frame, angles[i - 1, s], change[s, r, way], axis[i - 1], axis[i], scratch)
-                        )
-            best = 0
-            for state in range(states):
-                if cost[state] < cost[best]:
-                    best = state
-                if not cost[state] < np.inf:
-                    continue
-                s = state // (k1 * k2)
-                for r in range(2):
-                    for way in range(2):
-                        if bad[s, r, way]:
-                            continue
-                        v1 = value[state, 0] + change[s, r, way, 0]
-                        v2 = value[state, 1] + change[s, r, way, 1]
-                        j2 = 0 if endless[1] else slot_of(v2, angles[i, r, 1], travel[1], first_turn[1], k2)
-                        if j2 < 0:
-                            continue
-                        low = 0
-                        high = k1
-                        free = bridged[i] and not endless[0]
-                        if not free and not endless[0]:
-                            low = slot_of(v1, angles[i, r, 0], travel[0], first_turn[0], k1)
-                            high = low + 1
-                            if low < 0:
-                                continue
-                        for j1 in range(low, high):
-                            w1 = angles[i, r, 0] + TURN * (first_turn[0] + j1) if free else v1
-                            if free and slot_of(w1, angles[i, r, 0], travel[0], first_turn[0], k1) < 0:
-                                continue
-                            total = cost[state] + penalty[i, r] + abs(w1 - value[state, 0]) + abs(v2 - value[state, 1])
-                            target = (r * k1 + j1) * k2 + j2
-                            if total < new_cost[target]:
-                                new_cost[target] = total
-                                new_value[target, 0] = w1
-                                new_value[target, 1] = v2
-                                came[i, target] = state
-                                jumped[i, target] = False
+
+@jit()
+def ways_between(frame: Floats, points: Points, turns: Turns, i: int, ways: Ways, scratch: Floats) -> None:
+    """The ways from point i - 1 to point i."""
+    angles, penalty = points.angles, points.penalty
+    for s in range(2):
         for r in range(2):
-            if not penalty[i, r] < np.inf:
+            near = wrapped(angles[i, r, 0] - angles[i - 1, s, 0])
+            second = wrapped(angles[i, r, 1] - angles[i - 1, s, 1])
+            possible = penalty[i, r] < np.inf and penalty[i - 1, s] < np.inf
+            for way in range(2):
+                ways.change[s, r, way, 0] = near
+                ways.change[s, r, way, 1] = second
+                fine = possible
+                if way == 1:
+                    # The other way round can be right where the first joint swings far, close to the pole.
+                    ways.change[s, r, way, 0] = near - TURN if near > 0.0 else near + TURN
+                    fine = possible and not turns.endless[0] and abs(near) > 0.5 * math.pi
+                if fine and not points.bridged[i]:
+                    change = ways.change[s, r, way]
+                    fine = not strays(frame, angles[i - 1, s], change, points.axis[i - 1], points.axis[i], scratch)
+                ways.fine[s, r, way] = fine
+
+
+@jit()
+def go_on(points: Points, turns: Turns, i: int, ways: Ways, now: States, after: States, trace: Trace) -> None:
+    """Reach the states at point i from those before, by the ways between; after a pole, any turn of the first joint."""
+    endless, travel, first, slots = turns.endless, turns.travel, turns.first, turns.slots
+    angles, penalty = points.angles, points.penalty
+    change, fine = ways
+    now_cost, now_value, cost, value, link = now.cost, now.value, after.cost, after.value, trace.before
+    k1, k2 = slots[0], slots[1]
+    free = points.bridged[i] and not endless[0]
+    for state in range(len(now_cost)):
+        if not now_cost[state] < np.inf:
+            continue
+        before = state // (k1 * k2)
+        for way in range(4):
+            side = way // 2
+            if not fine[before, side, way % 2]:
                 continue
-            for j1 in range(k1):
-                for j2 in range(k2):
-                    v1 = angles[i, r, 0] + (0.0 if endless[0] else TURN * (first_turn[0] + j1))
-                    v2 = angles[i, r, 1] + (0.0 if endless[1] else TURN * (first_turn[1] + j2))
-                    if not endless[0] and slot_of(v1, angles[i, r, 0], travel[0], first_turn[0], k1) < 0:
+            a1, a2 = angles[i, side, 0], angles[i, side, 1]
+            v1 = now_value[state, 0] + change[before, side, way % 2, 0]
+            v2 = now_value[state, 1] + change[before, side, way % 2, 1]
+            j2 = 0 if endless[1] else slot_of(v2, a2, travel[1], first[1], k2)
+            low = 0 if free or endless[0] else slot_of(v1, a1, travel[0], first[0], k1)
+            if low < 0 or j2 < 0:
+                continue
+            for j1 in range(low, k1 if free else low + 1):
+                if free:
+                    v1 = a1 + TURN * (first[0] + j1)
+                    if slot_of(v1, a1, travel[0], first[0], k1) < 0:
                         continue
-                    if not endless[1] and slot_of(v2, angles[i, r, 1], travel[1], first_turn[1], k2) < 0:
-                        continue
-                    target = (r * k1 + j1) * k2 + j2
-                    if i == 0:
-                        total = penalty[i, r] + HOME * (abs(v1) + abs(v2))
-                        back = -1
-                    else:
-                        back = best
-                        if endless[0]:
-                            v1 = value[best, 0] + wrapped(v1 - value[best, 0])
-                        if endless[1]:
-                            v2 = value[best, 1] + wrapped(v2 - value[best, 1])
-                        total = cost[best] + penalty[i, r] + (JUMP_RAPID if rapid[i] else JUMP)
-                        total += abs(v1 - value[best, 0]) + abs(v2 - value[best, 1])
-                    if total < new_cost[target]:
-                        new_cost[target] = total
-                        new_value[target, 0] = v1
-                        new_value[target, 1] = v2
-                        came[i, target] = back
-                        jumped[i, target] = i > 0
-        least = np.inf
-        for state in range(states):
-            cost[state] = new_cost[state]
-            value[state, 0] = new_value[state, 0]
-            value[state, 1] = new_value[state, 1]
-            least = min(least, cost[state])
-        if not least < np.inf:
-            return False
-    state = 0
-    for other in range(states):
-        if cost[other] < cost[state]:
-            state = other
+                total = now_cost[state] + penalty[i, side]
+                total = total + abs(v1 - now_value[state, 0]) + abs(v2 - now_value[state, 1])
+                target = (side * k1 + j1) * k2 + j2
+                if total < cost[target]:
+                    cost[target] = total
+                    value[target, 0] = v1
+                    value[target, 1] = v2
+                    link[i, target] = state
+
+
+@jit()
+def jump(penalty: Floats, rapid: bool, turns: Turns, i: int, now: States, after: States, trace: Trace) -> None:
+    """Reach the states at point i from the cheapest one before, whatever lies between; penalty (2,) of solutions."""
+    endless = turns.endless
+    cost, value, base, possible = after
+    before, jumped = trace
+    best = cheapest(now.cost)
+    at1, at2 = now.value[best, 0], now.value[best, 1]
+    least = now.cost[best]
+    count = len(cost)
+    for state in range(count):
+        if not possible[state]:
+            continue
+        v1, v2 = base[state, 0], base[state, 1]
+        if endless[0]:
+            v1 = at1 + wrapped(v1 - at1)
+        if endless[1]:
+            v2 = at2 + wrapped(v2 - at2)
+        total = least + penalty[2 * state // count] + (JUMP_RAPID if rapid else JUMP)
+        total += abs(v1 - at1) + abs(v2 - at2)
+        if total < cost[state]:
+            cost[state] = total
+            value[state, 0] = v1
+            value[state, 1] = v2
+            before[i, state] = best
+            jumped[i, state] = True
+
+
+@jit()
+def trace_back(points: Points, turns: Turns, state: int, trace: Trace, chosen: Floats, jumps: Bools) -> None:
+    """The joint positions `chosen` (n, 2) on the way to a state at the last point, and where it jumps."""
+    n = len(points.angles)
+    k1, k2 = turns.slots[0], turns.slots[1]
     order = np.empty(n, np.int64)
     for i in range(n - 1, -1, -1):
         order[i] = state
-        jumps[i] = jumped[i, state]
-        state = came[i, state]
+        jumps[i] = trace.jumped[i, state]
+        state = trace.before[i, state]
     for i in range(n):
-        state = order[i]
-        r = state // (k1 * k2)
+        side = order[i] // (k1 * k2)
         for joint in range(2):
-            base = angles[i, r, joint]
-            slot = (state // k2) % k1 if joint == 0 else state % k2
-            if not endless[joint]:
-                chosen[i, joint] = base + TURN * (first_turn[joint] + slot)
+            slot = (order[i] // k2) % k1 if joint == 0 else order[i] % k2
+            angle = points.angles[i, side, joint]
+            if not turns.endless[joint]:
+                chosen[i, joint] = angle + TURN * (turns.first[joint] + slot)
             elif i == 0:
-                chosen[i, joint] = base
+                chosen[i, joint] = angle
             else:
-                chosen[i, joint] = chosen[i - 1, joint] + wrapped(base - chosen[i - 1, joint])
+                chosen[i, joint] = chosen[i - 1, joint] + wrapped(angle - chosen[i - 1, joint])
+
+
+@jit()
+def choose(frame: Floats, points: Points, turns: Turns, chosen: Floats, jumps: Bools) -> bool:
+    """Joint positions `chosen` (n, 2) along the path, and where (n,) it jumps; False where some point has no state."""
+    n = len(points.angles)
+    count = 2 * turns.slots[0] * turns.slots[1]
+    now, after = new_states(count), new_states(count)
+    ways = Ways(np.empty((2, 2, 2, 2)), np.empty((2, 2, 2), np.bool_))
+    trace = Trace(np.full((n, count), -1, np.int32), np.zeros((n, count), np.bool_))
+    scratch = np.empty(3)
+    for i in range(n):
+        lay_out(points, turns, i, after)
+        if i == 0:
+            start(points.penalty[0], after)
+        else:
+            ways_between(frame, points, turns, i, ways, scratch)
+            go_on(points, turns, i, ways, now, after, trace)
+            jump(points.penalty[i], points.rapid[i], turns, i, now, after, trace)
+        now, after = after, now
+        if not now.cost[cheapest(now.cost)] < np.inf:
+            return False
+    trace_back(points, turns, cheapest(now.cost), trace, chosen, jumps)
     return True

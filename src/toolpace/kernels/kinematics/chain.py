@@ -9,19 +9,22 @@ rotation,
     tip + c0  =  L0 + R1 (c1 + L1 + R2 (c2 + L2)),    Lg = sum over the joints of group g of direction * q
 
 `frame` (9, 3) holds u1, u2, a0, c0, c1, c2 and the three linear directions, all in the orientation of the
-workpiece frame at joints zero, signed so that a joint of the workpiece side counts backwards. `group` (3,)
-says where the linear joints lie, `place` (5,) which columns of the joint array are R1, R2 and the three
-linear ones.
+workpiece frame at joints zero, signed so that a joint of the workpiece side counts backwards; see geometry.py
+for what else a chain has.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from toolpace.kernels.arrays import Bools, Floats
 from toolpace.kernels.jit import jit
+from toolpace.kernels.kinematics.geometry import A0, C0, C1, C2, LINEAR, U1, U2, Chain
+
+Vector = Floats | tuple[float, float, float]
+"""(3,)"""
 
 REACH_SLACK = 1e-9
 """How far the squared half-chord of the cones may be negative (1e-9 rad of tilt) and count as touching."""
@@ -30,14 +33,14 @@ SINGULAR = 1e-9
 
 
 @jit()
-def dot(a: Any, b: Any) -> float:
+def dot(a: Vector, b: Vector) -> float:
     """Inner product of two vectors (3,)."""
     product: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return product
 
 
 @jit()
-def triple(a: Any, b: Any, c: Any) -> float:
+def triple(a: Vector, b: Vector, c: Vector) -> float:
     """a . (b x c)."""
     volume: float = (
         a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
@@ -46,7 +49,7 @@ def triple(a: Any, b: Any, c: Any) -> float:
 
 
 @jit()
-def turn(u: Any, sine: float, cosine: float, v: Any, out: Any) -> None:
+def turn(u: Floats, sine: float, cosine: float, v: Floats, out: Floats) -> None:
     """Rodrigues: turn v about the unit vector u; `out` may be `v`."""
     along = dot(u, v) * (1.0 - cosine)
     x = cosine * v[0] + sine * (u[1] * v[2] - u[2] * v[1]) + along * u[0]
@@ -58,47 +61,48 @@ def turn(u: Any, sine: float, cosine: float, v: Any, out: Any) -> None:
 
 
 @jit()
-def forward(frame: Any, group: Any, place: Any, q: Any, tip: Any, axis: Any) -> None:
+def forward(geometry: Chain, q: Floats, tip: Floats, axis: Floats) -> None:
     """Joint positions (n, 5) to tips (n, 3) and unit tool axes (n, 3) in the workpiece frame."""
+    frame, group, place = geometry
     for i in range(len(q)):
         t1 = q[i, place[0]]
         t2 = q[i, place[1]]
         s1, k1, s2, k2 = math.sin(t1), math.cos(t1), math.sin(t2), math.cos(t2)
-        turn(frame[1], s2, k2, frame[2], axis[i])
-        turn(frame[0], s1, k1, axis[i], axis[i])
-        tip[i] = frame[5]
+        turn(frame[U2], s2, k2, frame[A0], axis[i])
+        turn(frame[U1], s1, k1, axis[i], axis[i])
+        tip[i] = frame[C2]
         for g in range(2, -1, -1):
             for j in range(3):
                 if group[j] == g:
                     for d in range(3):
-                        tip[i, d] += frame[6 + j, d] * q[i, place[2 + j]]
+                        tip[i, d] += frame[LINEAR + j, d] * q[i, place[2 + j]]
             if g > 0:
-                turn(frame[g - 1], s2 if g == 2 else s1, k2 if g == 2 else k1, tip[i], tip[i])
+                turn(frame[U1 if g == 1 else U2], s2 if g == 2 else s1, k2 if g == 2 else k1, tip[i], tip[i])
                 if g == 2:
                     for d in range(3):
-                        tip[i, d] += frame[4, d]
+                        tip[i, d] += frame[C1, d]
         for d in range(3):
-            tip[i, d] -= frame[3, d]
+            tip[i, d] -= frame[C0, d]
 
 
 @jit()
-def axes(frame: Any, rotary: Any, axis: Any) -> None:
+def axes(frame: Floats, rotary: Floats, axis: Floats) -> None:
     """Rotary positions (n, 2) to unit tool axes (n, 3)."""
     for i in range(len(rotary)):
-        turn(frame[1], math.sin(rotary[i, 1]), math.cos(rotary[i, 1]), frame[2], axis[i])
-        turn(frame[0], math.sin(rotary[i, 0]), math.cos(rotary[i, 0]), axis[i], axis[i])
+        turn(frame[U2], math.sin(rotary[i, 1]), math.cos(rotary[i, 1]), frame[A0], axis[i])
+        turn(frame[U1], math.sin(rotary[i, 0]), math.cos(rotary[i, 0]), axis[i], axis[i])
 
 
 @jit()
-def second_angle(frame: Any, target: Any) -> float:
+def second_angle(frame: Floats, target: Vector) -> float:
     """Angle of R2 that brings R2 a0 nearest to the target (3,), itself given in the frame before R1."""
-    u2 = frame[1]
-    a0 = frame[2]
+    u2 = frame[U2]
+    a0 = frame[A0]
     return math.atan2(triple(u2, a0, target), dot(a0, target) - dot(u2, a0) * dot(u2, target))
 
 
 @jit()
-def solve_rotary(frame: Any, pole_tolerance: float, a: Any, solutions: Any) -> bool:
+def solve_rotary(frame: Floats, pole_tolerance: float, a: Floats, solutions: Floats) -> bool:
     """Both angles (2, 2) [solution, joint] with R1 R2 a0 = a, or nan; returns whether a lies at the pole.
 
     Two rotations that carry one direction into another (Paden and Kahan's second subproblem; Murray, Li and
@@ -107,9 +111,9 @@ def solve_rotary(frame: Any, pole_tolerance: float, a: Any, solutions: Any) -> b
     - p)(w + p). Written this way, no digits are lost near the pole (a along u1), where w and p are small
     together. At the pole the first angle is free and returned as zero.
     """
-    u1 = frame[0]
-    u2 = frame[1]
-    a0 = frame[2]
+    u1 = frame[U1]
+    u2 = frame[U2]
+    a0 = frame[A0]
     slant = dot(u1, u2)
     lean = dot(u2, a0)
     h = dot(u1, a)
@@ -144,25 +148,26 @@ def solve_rotary(frame: Any, pole_tolerance: float, a: Any, solutions: Any) -> b
 
 
 @jit()
-def rotary_solutions(frame: Any, pole_tolerance: float, axis: Any, solutions: Any, pole: Any) -> None:
+def rotary_solutions(frame: Floats, pole_tolerance: float, axis: Floats, solutions: Floats, pole: Bools) -> None:
     """`solve_rotary` for axes (n, 3): solutions (n, 2, 2), pole (n,)."""
     for i in range(len(axis)):
         pole[i] = solve_rotary(frame, pole_tolerance, axis[i], solutions[i])
 
 
 @jit()
-def linear_columns(frame: Any, group: Any, s1: float, k1: float, s2: float, k2: float, columns: Any) -> None:
-    """How each linear joint moves the tip in the workpiece frame, one row (3,) a joint."""
+def linear_columns(geometry: Chain, s1: float, k1: float, s2: float, k2: float, columns: Floats) -> None:
+    """How each linear joint moves the tip in the workpiece frame, one row (3,) a joint; sine, cosine of R1, R2."""
+    frame, group, _ = geometry
     for j in range(3):
-        columns[j] = frame[6 + j]
+        columns[j] = frame[LINEAR + j]
         if group[j] == 2:
-            turn(frame[1], s2, k2, columns[j], columns[j])
+            turn(frame[U2], s2, k2, columns[j], columns[j])
         if group[j] >= 1:
-            turn(frame[0], s1, k1, columns[j], columns[j])
+            turn(frame[U1], s1, k1, columns[j], columns[j])
 
 
 @jit()
-def reciprocal(columns: Any, inverse: Any) -> bool:
+def reciprocal(columns: Floats, inverse: Floats) -> bool:
     """Inverse of the matrix whose columns are the rows of `columns`; False where they span no space."""
     volume = triple(columns[0], columns[1], columns[2])
     if not abs(volume) > SINGULAR:
@@ -178,8 +183,9 @@ def reciprocal(columns: Any, inverse: Any) -> bool:
 
 
 @jit()
-def joints_at(frame: Any, group: Any, place: Any, tip: Any, rotary: Any, q: Any) -> int:
+def joints_at(geometry: Chain, tip: Floats, rotary: Floats, q: Floats) -> int:
     """Tips (n, 3) and rotary positions (n, 2) to joints (n, 5); returns the first singular point, or -1."""
+    frame, _, place = geometry
     columns = np.empty((3, 3))
     inverse = np.empty((3, 3))
     b = np.empty(3)
@@ -187,13 +193,13 @@ def joints_at(frame: Any, group: Any, place: Any, tip: Any, rotary: Any, q: Any)
     for i in range(len(tip)):
         s1, k1 = math.sin(rotary[i, 0]), math.cos(rotary[i, 0])
         s2, k2 = math.sin(rotary[i, 1]), math.cos(rotary[i, 1])
-        turn(frame[1], s2, k2, frame[5], b)
+        turn(frame[U2], s2, k2, frame[C2], b)
         for d in range(3):
-            b[d] += frame[4, d]
-        turn(frame[0], s1, k1, b, b)
+            b[d] += frame[C1, d]
+        turn(frame[U1], s1, k1, b, b)
         for d in range(3):
-            b[d] = tip[i, d] + frame[3, d] - b[d]
-        linear_columns(frame, group, s1, k1, s2, k2, columns)
+            b[d] = tip[i, d] + frame[C0, d] - b[d]
+        linear_columns(geometry, s1, k1, s2, k2, columns)
         if not reciprocal(columns, inverse) and singular < 0:
             singular = i
         q[i, place[0]] = rotary[i, 0]

@@ -6,15 +6,14 @@ knots            x_0   x_1   x_2  ...  x_n-1           knot k is touched by c_k,
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 
 
 @jit()
-def basis_at_knots(x: Any) -> Any:
+def basis_at_knots(x: Floats) -> Floats:
     """Values and two derivatives of the three basis functions at each knot.
 
     x (n,) increasing. Returns (n, 3, 3): row d gives the d-th derivative at knot k from c_k, c_k+1, c_k+2.
@@ -44,7 +43,7 @@ def basis_at_knots(x: Any) -> Any:
 
 
 @jit()
-def at_knots(basis: Any, c: Any) -> Any:
+def at_knots(basis: Floats, c: Floats) -> Floats:
     """Value and two derivatives (n, 3) at the knots of the spline with coefficients c (n + 2,)."""
     n = len(basis)
     out = np.empty((n, 3))
@@ -55,7 +54,7 @@ def at_knots(basis: Any, c: Any) -> Any:
 
 
 @jit()
-def control_points(x: Any) -> Any:
+def control_points(x: Floats) -> Floats:
     """Greville abscissae (n + 2,): where each coefficient of the spline over the knots x (n,) has its say."""
     n = len(x)
     out = np.empty(n + 2)
@@ -68,7 +67,7 @@ def control_points(x: Any) -> Any:
 
 
 @jit()
-def on_finer_knots(x: Any, cells: Any, finer: Any) -> Any:
+def on_finer_knots(x: Floats, cells: Floats, finer: Floats) -> Floats:
     """Coefficients (m + 2,) over the knots `finer` (m,), which hold all of x (n,), of the spline with these cells.
 
     `cells` (n - 1, 4) are its pieces as powers of s - x[k]. A coefficient is the blossom of a piece at three

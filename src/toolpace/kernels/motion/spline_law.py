@@ -6,10 +6,11 @@ its inner end.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
+from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
 from toolpace.kernels.motion.cubic_spline import at_knots, basis_at_knots
 
@@ -22,8 +23,24 @@ GAUSS_W = np.polynomial.legendre.leggauss(8)[1] / 2.0
 REST_INSIDE = np.linspace(0.0, 1.0, 65)
 
 
+class Law(NamedTuple):
+    """A spline of z over n nodes, and when it passes them."""
+
+    nodes: Floats
+    """(n,)"""
+    cells: Floats
+    """(n - 1, 4) z in each cell as powers of s - nodes[k]."""
+    times: Floats
+    """(n,) when the nodes are passed."""
+    rest0: float
+    """Length of the rest cell before the first node; 0 where the law starts in motion."""
+    rest1: float
+    """Length of the rest cell behind the last node."""
+    duration: float
+
+
 @jit()
-def polynomials(nodes: Any, c: Any) -> Any:
+def polynomials(nodes: Floats, c: Floats) -> Floats:
     """z in each cell as (n - 1, 4) coefficients of powers of s - nodes[k]."""
     u = at_knots(basis_at_knots(nodes), c)
     n = len(nodes)
@@ -38,13 +55,14 @@ def polynomials(nodes: Any, c: Any) -> Any:
 
 
 @jit()
-def _z(cell: Any, x: Any) -> Any:
+def _z(cell: Floats, x: float) -> float:
     """z at a distance x into the cell; held above a trifle, where a coarse mesh lets it dip below zero."""
-    return max(cell[0] + x * (cell[1] + x * (cell[2] + x * cell[3])), FLOOR * cell[0])
+    z: float = max(cell[0] + x * (cell[1] + x * (cell[2] + x * cell[3])), FLOOR * cell[0])
+    return z
 
 
 @jit()
-def _time(cell: Any, x: Any) -> Any:
+def _time(cell: Floats, x: float) -> float:
     """Time from the left node to a distance x into the cell."""
     total = 0.0
     for i in range(len(GAUSS_X)):
@@ -53,7 +71,7 @@ def _time(cell: Any, x: Any) -> Any:
 
 
 @jit()
-def _time_after(cell: Any, x: Any, h: Any) -> Any:
+def _time_after(cell: Floats, x: float, h: float) -> float:
     """Time from a distance x to a distance h into the cell."""
     total = 0.0
     for i in range(len(GAUSS_X)):
@@ -62,7 +80,7 @@ def _time_after(cell: Any, x: Any, h: Any) -> Any:
 
 
 @jit()
-def dips(nodes: Any, cells: Any, inside: Any) -> Any:
+def dips(nodes: Floats, cells: Floats, inside: Floats) -> Bools:
     """(n - 1,) whether a cell is too long: z falls, inside, below half of what it is at either node, or changes by so
     much that the rule which integrates time is not exact."""
     n = len(nodes)
@@ -80,14 +98,15 @@ def dips(nodes: Any, cells: Any, inside: Any) -> Any:
 
 
 @jit()
-def end_speed(nodes: Any, cells: Any) -> Any:
+def end_speed(nodes: Floats, cells: Floats) -> float:
     """ds/dt at the last node."""
     n = len(nodes)
-    return np.sqrt(_z(cells[n - 2], nodes[n - 1] - nodes[n - 2]))
+    speed: float = np.sqrt(_z(cells[n - 2], nodes[n - 1] - nodes[n - 2]))
+    return speed
 
 
 @jit()
-def node_times(nodes: Any, cells: Any, rest0: Any, rest1: Any) -> Any:
+def node_times(nodes: Floats, cells: Floats, rest0: float) -> Floats:
     """When each node is passed, counted from the start of the rest cell before the first node, if there is one."""
     n = len(nodes)
     times = np.empty(n)
@@ -98,7 +117,7 @@ def node_times(nodes: Any, cells: Any, rest0: Any, rest1: Any) -> Any:
 
 
 @jit()
-def _rest(start: Any, h: Any, v: Any, t: Any, forth: Any, out: Any, i: Any) -> Any:
+def _rest(start: float, h: float, v: float, t: float, forth: float, out: Floats, i: int) -> None:
     """State t seconds after (forth) or before the moment of rest at `start`, in a cell of length h left at speed v."""
     third = 2.0 * v**3 / (9.0 * h * h)
     out[0, i] = start + forth * third * t**3 / 6.0
@@ -108,7 +127,8 @@ def _rest(start: Any, h: Any, v: Any, t: Any, forth: Any, out: Any, i: Any) -> A
 
 
 @jit()
-def _inside(node: Any, cell: Any, x: Any, out: Any, i: Any) -> Any:
+def _inside(node: float, cell: Floats, x: float, out: Floats, i: int) -> None:
+    """State at a distance x into a cell."""
     z = _z(cell, x)
     v = np.sqrt(z)
     slope = cell[1] + x * (2.0 * cell[2] + x * 3.0 * cell[3])
@@ -120,8 +140,9 @@ def _inside(node: Any, cell: Any, x: Any, out: Any, i: Any) -> Any:
 
 
 @jit()
-def states(t: Any, nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: Any) -> Any:
+def states(t: Floats, law: Law) -> Floats:
     """(4, len(t)): s, ds/dt, d2s/dt2, d3s/dt3 at sorted times."""
+    nodes, cells, times, rest0, rest1, duration = law
     n = len(nodes)
     out = np.empty((4, len(t)))
     k = 0
@@ -150,7 +171,7 @@ def states(t: Any, nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, d
 
 
 @jit()
-def within(nodes: Any, cells: Any, which: Any, inside: Any) -> Any:
+def within(nodes: Floats, cells: Floats, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
     """States at `inside` (k,), shares of a cell, in the cells `which` (m,), their ends taken from inside.
 
     Returns the states (4, m k), and whether each belongs to the right side of a break.
@@ -170,14 +191,13 @@ def within(nodes: Any, cells: Any, which: Any, inside: Any) -> Any:
 
 
 @jit()
-def probe(
-    nodes: Any, cells: Any, times: Any, rest0: Any, rest1: Any, duration: Any, inside: Any, first: Any, beyond: Any
-) -> Any:
+def probe(law: Law, inside: Floats, first: int, beyond: int) -> tuple[Floats, Floats, Floats]:
     """States at `inside` (k,), shares of a cell, in the cells from `first` to before `beyond`, ends from inside.
 
     Rest cells belong to the outermost ones, with states at REST_INSIDE. Returns the states (4, n), whether each
     belongs to the right side of a break, and the time each stands for.
     """
+    nodes, cells, times, rest0, rest1, duration = law
     n = len(nodes)
     inner, outer = len(inside), len(REST_INSIDE)
     rest0 = rest0 if first == 0 else 0.0

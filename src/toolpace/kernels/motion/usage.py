@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 
 
 @jit()
-def ratios(q: Any, state: Any, cap: Any, velocity: Any, acceleration: Any, jerk: Any) -> Any:
+def ratios(q: Floats, state: Floats, cap: Floats, velocity: Floats, acceleration: Floats, jerk: Floats) -> Floats:
     """(n, 1 + 3 m) from path derivatives q (4, n, m), states (4, n) of s and caps (n,) on ds/dt: the chain rule."""
     n, m = q.shape[1], q.shape[2]
     out = np.empty((n, 1 + 3 * m))
@@ -26,7 +25,7 @@ def ratios(q: Any, state: Any, cap: Any, velocity: Any, acceleration: Any, jerk:
 
 
 @jit()
-def peaks(place: Any, ratio: Any) -> Any:
+def peaks(place: Floats, ratio: Floats) -> Floats:
     """(cells, columns) largest value in each cell of samples at `place` (k,) in it; ratio (cells * k, columns).
 
     Where a sample is larger than both neighbours, the parabola through the three tells how high it goes between them.

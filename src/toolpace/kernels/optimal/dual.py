@@ -7,20 +7,38 @@ in docs/design/bound.md.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.optimal.newton import REST
+from toolpace.kernels.optimal.newton import REST, Ends
 
 UNIT = 2.0**-53
 """Largest relative error of one rounding."""
 
 
+class KnotRows(NamedTuple):
+    """A problem by knots: minimise the sum of weight / sqrt(z) + price . c within the rows."""
+
+    basis: Floats
+    """(n, 3, 3) z, z', z'' at knot k from the coefficients k, k + 1, k + 2; row d gives the d-th derivative."""
+    first: Ints
+    """(n + 1,) first point of each knot; one has as many points as there are sides of it, or none."""
+    weight: Floats
+    """(n,) of the pace 1 / sqrt(z)."""
+    price: Floats
+    """(n + 2,) of the coefficients."""
+    rows: Floats
+    """(points, 2 m, 3) the first m of acceleration, the others of jerk, divided by their limits."""
+    ends: Ends
+
+
 @jit()
-def lowest(kappa: Any, theta: Any, low: Any, high: Any) -> Any:
+def lowest(kappa: float, theta: float, low: float, high: float) -> float:
     """The least of kappa / sqrt(z) + theta z over low <= z <= high, low < z where low is zero."""
+    best: float
     if low > 0.0:
         best = min(kappa / np.sqrt(low) + theta * low, kappa / np.sqrt(high) + theta * high)
     elif kappa < 0.0:
@@ -37,14 +55,14 @@ def lowest(kappa: Any, theta: Any, low: Any, high: Any) -> Any:
 
 
 @jit()
-def least_terms(kappa: Any, theta: Any, low: Any, high: Any, out: Any) -> Any:
+def least_terms(kappa: Floats, theta: Floats, low: Floats, high: Floats, out: Floats) -> None:
     """out (n,): `lowest` of every knot."""
     for k in range(len(out)):
         out[k] = lowest(kappa[k], theta[k], low[k], high[k])
 
 
 @jit()
-def range_beyond(kappa: Any, theta: Any, low: Any, high: Any, wanted: Any, upper: Any) -> Any:
+def range_beyond(kappa: float, theta: float, low: float, high: float, wanted: float, upper: bool) -> float:
     """The longest end of the range from low to high in which kappa / sqrt(z) + theta z is at least `wanted`.
 
     Its inner border: z from there to high (`upper`), or from low to there; nan where there is none. By bisection.
@@ -63,16 +81,15 @@ def range_beyond(kappa: Any, theta: Any, low: Any, high: Any, wanted: Any, upper
 
 
 @jit()
-def _transposed(basis: Any, end: Any, ratio: Any, b: Any, sign: Any) -> Any:
+def _transposed(basis: Floats, ends: Ends, b: Floats, sign: float) -> None:
     """Overwrite b (n,) by the solution of A' x = b, A the values at the knots of the free coefficients.
 
     Knot k owns coefficient k + 1; at an end in motion the outermost knot owns none, and its entry is left at zero.
     `sign` -1 solves with the signs of the neighbours turned: A is totally positive, so that its inverse has the
     signs of a chess board, and that solution for b >= 0 is |A^-1|' b.
     """
-    n = len(b)
-    low = 0 if end[0] == REST else 1
-    high = n - 1 if end[1] == REST else n - 2
+    n, ratio = len(b), ends.ratio
+    low, high = _owning(ends, n)
     diagonal = np.empty(n)
     for k in range(low, high + 1):
         diagonal[k] = basis[k, 0, 1]
@@ -94,14 +111,21 @@ def _transposed(basis: Any, end: Any, ratio: Any, b: Any, sign: Any) -> Any:
             b[k] = 0.0
 
 
+@jit(inline=True)
+def _owning(ends: Ends, n: int) -> tuple[int, int]:
+    """First and last of n knots that own a coefficient."""
+    return 0 if ends.end[0] == REST else 1, n - 1 if ends.end[1] == REST else n - 2
+
+
 @jit()
-def gather(first: Any, weight: Any, low: Any, rows: Any, dual: Any, end: Any, terms: Any) -> Any:
+def gather(knots: KnotRows, low: Floats, dual: Floats, terms: int) -> Floats:
     """What the multipliers of each knot's rows come to: all that `value_of` needs of them, linear in them.
 
     Parameters as of `dual_value`, and the number of terms that `value_of` will be told. The multipliers of jerk of a
     knot are lowered where they outweigh the time and z may come close to zero. Returns (n, 8): sums of multipliers
     times the rows' three columns, the same with all signs positive, and those of acceleration and of jerk alone.
     """
+    first, weight, rows, end = knots.first, knots.weight, knots.rows, knots.ends.end
     n, count = len(weight), rows.shape[1]
     half = count // 2
     out = np.zeros((n, 8))
@@ -131,97 +155,116 @@ def gather(first: Any, weight: Any, low: Any, rows: Any, dual: Any, end: Any, te
 
 
 @jit()
-def value_of(
-    basis: Any, weight: Any, price: Any, low: Any, high: Any, gathered: Any, terms: Any, end: Any, ratio: Any,
-    fixed: Any,
-) -> Any:  # fmt: skip
-    """The bound, kappa and theta (see `dual_value`) from what `gather` returns; at most so many terms are in a sum."""
-    n = len(weight)
-    force, size = price.copy(), np.abs(price)
-    kappa = np.empty(n)
-    total = 0.0
-    scale = 0.0
-    rounding = 8.0 * (terms + 4) * UNIT
+def value_of(knots: KnotRows, low: Floats, high: Floats, gathered: Floats, terms: int) -> tuple[float, Floats, Floats]:
+    """The bound, kappa and theta (see `dual_value`) from what `gather` returns; at most so many terms are in a sum.
+
+    Of the rows nothing else is asked for: they may be missing.
+    """
+    ends, n = knots.ends, len(knots.weight)
+    kappa, force, size = _forces(knots, gathered, terms)
+    entries = 2.0 * (terms + 8)
+    total = scale = 0.0
     for k in range(n):
-        reverse = gathered[k, 7]
-        kappa[k] = weight[k] - reverse - rounding * max(weight[k], reverse)
         total -= gathered[k, 6]
         scale += gathered[k, 6]
-        for j in range(3):
-            b0, b1, b2 = basis[k, 0, j], basis[k, 1, j], basis[k, 2, j]
-            force[k + j] += b0 * gathered[k, 0] + b1 * gathered[k, 1] + b2 * gathered[k, 2]
-            size[k + j] += abs(b0) * gathered[k, 3] + abs(b1) * gathered[k, 4] + abs(b2) * gathered[k, 5]
-    points = 2.0 * (terms + 8)
-    first_knot, last_knot = 0, n - 1
-    theta, error = np.empty(n), np.empty(n)
-    if end[0] == REST:
-        force[1] += force[0] / ratio[0]
-        size[1] += size[0] / ratio[0]
-    else:
-        first_knot = 1
-        total += force[0] * fixed[0] + force[1] * fixed[1]
-        scale += points * (size[0] * abs(fixed[0]) + size[1] * abs(fixed[1]))
-    if end[1] == REST:
-        force[n] += force[n + 1] / ratio[1]
-        size[n] += size[n + 1] / ratio[1]
-    else:
-        last_knot = n - 2
-        total += force[n] * fixed[2] + force[n + 1] * fixed[3]
-        scale += points * (size[n] * abs(fixed[2]) + size[n + 1] * abs(fixed[3]))
-    theta[:] = force[1 : n + 1]
-    _transposed(basis, end, ratio, theta, 1.0)
-    # rounding of the right-hand side and of the solution, which is backward stable entry by entry
-    for k in range(first_knot, last_knot + 1):
-        back = basis[k, 0, 1] * abs(theta[k])
-        if k == 0:
-            back += basis[k, 0, 0] / ratio[0] * abs(theta[k])
-        if k == n - 1:
-            back += basis[k, 0, 2] / ratio[1] * abs(theta[k])
-        if k > first_knot:
-            back += basis[k - 1, 0, 2] * abs(theta[k - 1])
-        if k < last_knot:
-            back += basis[k + 1, 0, 0] * abs(theta[k + 1])
-        error[k] = UNIT * (2.0 * points * size[k + 1] + 16.0 * back)
-    _transposed(basis, end, ratio, error, -1.0)
+    given, rounded = _tie(ends, force, size)
+    total, scale = total + given, scale + entries * rounded
+    theta = force[1 : n + 1].copy()
+    _transposed(knots.basis, ends, theta, 1.0)
+    error = _errors(knots, theta, size, entries)
+    first_knot, last_knot = _owning(ends, n)
     for k in range(first_knot, last_knot + 1):
         value = lowest(kappa[k], theta[k] - 2.0 * error[k], low[k], high[k])
         total += value
         scale += abs(value)
-    if end[0] != REST:
-        shift = theta[1] * basis[1, 0, 0] * fixed[1] if last_knot >= 1 else 0.0
-        value = kappa[0] / np.sqrt(fixed[0])
-        total += value - shift
-        scale += abs(value) + points * abs(shift)
-        if last_knot >= 1:
-            total -= 2.0 * error[1] * abs(basis[1, 0, 0] * fixed[1])
-    if end[1] != REST:
-        shift = theta[n - 2] * basis[n - 2, 0, 2] * fixed[2] if last_knot >= first_knot else 0.0
-        value = kappa[n - 1] / np.sqrt(fixed[3])
-        total += value - shift
-        scale += abs(value) + points * abs(shift)
+    for side in range(2):
+        if ends.end[side] == REST:
+            continue
+        # the outermost knot, whose z is given, and the coefficient given that its neighbour sees too
+        outer, inner, column = (0, 1, 0) if side == 0 else (n - 1, n - 2, 2)
+        value = kappa[outer] / np.sqrt(ends.fixed[3 * side])
         if last_knot >= first_knot:
-            total -= 2.0 * error[n - 2] * abs(basis[n - 2, 0, 2] * fixed[2])
+            seen, neighbour = knots.basis[inner, 0, column], ends.fixed[1 + side]
+            shift = theta[inner] * seen * neighbour
+            total -= 2.0 * error[inner] * abs(seen * neighbour)
+        else:
+            shift = 0.0
+        total += value - shift
+        scale += abs(value) + entries * abs(shift)
     return total - (n * (terms + 4)) * UNIT * scale, kappa, theta
 
 
+@jit(inline=True)
+def _forces(knots: KnotRows, gathered: Floats, terms: int) -> tuple[Floats, Floats, Floats]:
+    """kappa (n,) less what rounding may have added; price (n + 2,) of the coefficients, and the same of absolutes."""
+    basis, weight, n = knots.basis, knots.weight, len(knots.weight)
+    kappa, force, size = np.empty(n), knots.price.copy(), np.abs(knots.price)
+    rounding = 8.0 * (terms + 4) * UNIT
+    for k in range(n):
+        reverse = gathered[k, 7]
+        kappa[k] = weight[k] - reverse - rounding * max(weight[k], reverse)
+        for j in range(3):
+            b0, b1, b2 = basis[k, 0, j], basis[k, 1, j], basis[k, 2, j]
+            force[k + j] += b0 * gathered[k, 0] + b1 * gathered[k, 1] + b2 * gathered[k, 2]
+            size[k + j] += abs(b0) * gathered[k, 3] + abs(b1) * gathered[k, 4] + abs(b2) * gathered[k, 5]
+    return kappa, force, size
+
+
+@jit(inline=True)
+def _tie(ends: Ends, force: Floats, size: Floats) -> tuple[float, float]:
+    """Add the outermost coefficients' force and size to their neighbours' at ends at rest.
+
+    Returns what the coefficients add that ends in motion give, and the sum of its absolutes.
+    """
+    total = scale = 0.0
+    for side in range(2):
+        # the coefficient outside and the one inside
+        outer, inner = (0, 1) if side == 0 else (len(force) - 1, len(force) - 2)
+        if ends.end[side] == REST:
+            force[inner] += force[outer] / ends.ratio[side]
+            size[inner] += size[outer] / ends.ratio[side]
+        else:
+            one, two = ends.fixed[3 * side], ends.fixed[1 + side]
+            total += force[outer] * one + force[inner] * two
+            scale += size[outer] * abs(one) + size[inner] * abs(two)
+    return total, scale
+
+
+@jit(inline=True)
+def _errors(knots: KnotRows, theta: Floats, size: Floats, entries: float) -> Floats:
+    """(n,) how far off theta (n,) may be by rounding.
+
+    That of the right-hand side and of the solution, which is backward stable entry by entry.
+    """
+    basis, ends, n = knots.basis, knots.ends, len(theta)
+    first_knot, last_knot = _owning(ends, n)
+    error = np.empty(n)
+    for k in range(first_knot, last_knot + 1):
+        back = basis[k, 0, 1] * abs(theta[k])
+        if k == 0:
+            back += basis[k, 0, 0] / ends.ratio[0] * abs(theta[k])
+        if k == n - 1:
+            back += basis[k, 0, 2] / ends.ratio[1] * abs(theta[k])
+        if k > first_knot:
+            back += basis[k - 1, 0, 2] * abs(theta[k - 1])
+        if k < last_knot:
+            back += basis[k + 1, 0, 0] * abs(theta[k + 1])
+        error[k] = UNIT * (2.0 * entries * size[k + 1] + 16.0 * back)
+    _transposed(basis, ends, error, -1.0)
+    return error
+
+
 @jit()
-def dual_value(
-    basis: Any, first: Any, weight: Any, price: Any, low: Any, high: Any, rows: Any, dual: Any, end: Any, ratio: Any,
-    fixed: Any,
-) -> Any:  # fmt: skip
+def dual_value(knots: KnotRows, low: Floats, high: Floats, dual: Floats) -> tuple[float, Floats, Floats]:
     """A lower bound of sum weight / sqrt(z) + price . c over all feasible c with low <= z <= high at the knots.
 
-    Parameters: basis (n, 3, 3) of the knots; first (n + 1,) point of each knot; weight, low, high (n,); price
-    (n + 2,) of the coefficients; rows (points, 2 m, 3) as in `speed.maximise_speed`; dual (points, 2 m, 2) any
-    multipliers >= 0; end, ratio (2,) as there; fixed (4,) the two outermost coefficients on either side, where that
-    end is in motion.
+    Parameters: low, high (n,); dual (points, 2 m, 2) any multipliers >= 0.
     The multipliers of jerk of a knot are lowered where they outweigh the time and z may come close to zero. Rounding
     is charged: the result holds for the arrays as they are given. Returns the bound, kappa (n,) and theta (n,): what
     remains of the time's weight at a knot, and the price of z there.
     """
     most = 0
-    for k in range(len(weight)):
-        most = max(most, first[k + 1] - first[k])
-    terms = rows.shape[1] * most
-    gathered = gather(first, weight, low, rows, dual, end, terms)
-    return value_of(basis, weight, price, low, high, gathered, terms, end, ratio, fixed)
+    for k in range(len(knots.weight)):
+        most = max(most, knots.first[k + 1] - knots.first[k])
+    terms = knots.rows.shape[1] * most
+    return value_of(knots, low, high, gather(knots, low, dual, terms), terms)

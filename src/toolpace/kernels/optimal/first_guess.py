@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 
 RAMP = 1.0
@@ -13,7 +12,9 @@ RAMP = 1.0
 
 
 @jit()
-def pointwise(q: Any, velocity: Any, acceleration: Any, jerk: Any, speed_cap: Any) -> Any:
+def pointwise(
+    q: Floats, velocity: Floats, acceleration: Floats, jerk: Floats, speed_cap: Floats
+) -> tuple[Floats, Floats, Floats]:
     """For each point of q (4, n, m): cap on z = (ds/dt)^2 by velocity and feed, by all limits at steady speed, and
     the most d3s/dt3 that the jerk limits leave at rest."""
     n, m = q.shape[1], q.shape[2]
@@ -34,7 +35,9 @@ def pointwise(q: Any, velocity: Any, acceleration: Any, jerk: Any, speed_cap: An
 
 
 @jit()
-def unseen(low: Any, high: Any, length: Any, z: Any, velocity: Any, acceleration: Any, jerk: Any) -> Any:
+def unseen(
+    low: Floats, high: Floats, length: Floats, z: Floats, velocity: Floats, acceleration: Floats, jerk: Floats
+) -> Floats:
     """(n,) largest share of a limit that (ds/dt)^2 = z would ask for between two points, unseen at both.
 
     `low` and `high` (4, n, m) hold position and derivatives at the two, `length` (n,) their distance.
@@ -55,7 +58,7 @@ def unseen(low: Any, high: Any, length: Any, z: Any, velocity: Any, acceleration
 
 
 @jit()
-def ramped(s: Any, steady: Any, third: Any, z0: Any, z1: Any) -> Any:
+def ramped(s: Floats, steady: Floats, third: Floats, z0: float, z1: float) -> Floats:
     """(n,) z below `steady` whose ramps respect d3s/dt3 <= `third` as if from rest, starting at z0 and ending at z1."""
     n = len(s)
     w = np.empty(n)
@@ -67,11 +70,12 @@ def ramped(s: Any, steady: Any, third: Any, z0: Any, z1: Any) -> Any:
         w[i] = min(w[i], w[i - 1] + RAMP * np.sqrt(min(third[i], third[i - 1])) * (s[i] - s[i - 1]))
     for i in range(n - 2, -1, -1):
         w[i] = min(w[i], w[i + 1] + RAMP * np.sqrt(min(third[i], third[i + 1])) * (s[i + 1] - s[i]))
-    return w ** (4.0 / 3.0)
+    z: Floats = w ** (4.0 / 3.0)
+    return z
 
 
 @jit()
-def times(s: Any, z: Any) -> Any:
+def times(s: Floats, z: Floats) -> Floats:
     """(n,) time to reach each point at the speeds sqrt(z), z^(3/4) being linear between points (exact next to rest)."""
     n = len(s)
     out = np.zeros(n)

@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 
 
+class PointRows(NamedTuple):
+    """A problem by points: the nodes of its mesh, on both sides where the run has a break."""
+
+    basis: Floats
+    """(points, 3, 3) z, z', z'' of a point from its three coefficients; row d gives the d-th derivative."""
+    node: Ints
+    """(points,) the first of those coefficients, ascending."""
+    weight: Floats
+    """(points,) of the pace 1 / sqrt(z) in the time."""
+    cap: Floats
+    """(points,) on z: of velocity and feed."""
+    rows: Floats
+    """(points, 2 m, 3) the first m of acceleration, the others of jerk, divided by their limits."""
+
+
 @jit()
-def rows_of(q: Any, ahead: Any, acceleration: Any, jerk: Any) -> Any:
+def rows_of(q: Floats, ahead: Floats, acceleration: Floats, jerk: Floats) -> Floats:
     """(points, 2 m, 3) rows r of acceleration, then of jerk, as multiples of their limits: r . (z, z', z'').
 
     From the derivatives q (4, points, m) of the path. Acceleration is held at `ahead` (points,) beyond a point, by its
@@ -29,14 +45,15 @@ def rows_of(q: Any, ahead: Any, acceleration: Any, jerk: Any) -> Any:
 
 
 @jit()
-def usage(basis: Any, node: Any, cap: Any, rows: Any, c: Any) -> Any:
+def usage(points: PointRows, c: Floats) -> tuple[Floats, Floats]:
     """(points, 3) largest value over limit of cap, acceleration and jerk rows, and (points,) z, from coefficients c.
 
     Infinite where z is not positive.
     """
-    points, count = rows.shape[0], rows.shape[1]
-    used, z = np.zeros((points, 3)), np.empty(points)
-    for p in range(points):
+    basis, node, cap, rows = points.basis, points.node, points.cap, points.rows
+    n, count = rows.shape[0], rows.shape[1]
+    used, z = np.zeros((n, 3)), np.empty(n)
+    for p in range(n):
         k = node[p]
         u0 = basis[p, 0, 0] * c[k] + basis[p, 0, 1] * c[k + 1] + basis[p, 0, 2] * c[k + 2]
         u1 = basis[p, 1, 0] * c[k] + basis[p, 1, 1] * c[k + 1] + basis[p, 1, 2] * c[k + 2]

@@ -7,12 +7,13 @@ the multipliers above and below. Sums and peaks are kept lane by lane, and gathe
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
-from toolpace.kernels.optimal.tiles import TILE
+from toolpace.kernels.optimal.tiles import TILE, tiled
 
 Z, Z1, Z2, LIMIT, FALL, EXTRA, EXTRA_JERK = range(7)
 """State of a point or knot: z, z', z'', the limit of its jerk rows, the negative slope of 1 / sqrt(z), and by how much
@@ -24,8 +25,48 @@ and what a step and the predictor's do to both slacks alike."""
 BOUNDS = 10
 
 
+class RowTiles(NamedTuple):
+    """The rows of points in tiles, with the states of the points and the multipliers of the rows."""
+
+    points: int
+    """How many there are: the last tile is partly empty."""
+    rows: Floats
+    """(tiles, 2 m, 3, TILE) the first m of acceleration, the others of jerk, divided by their limits."""
+    at: Floats
+    """(tiles, STATES, TILE) states of the points."""
+    dual: Floats
+    """(tiles, 2 m, 2, TILE) multipliers above and below."""
+
+
+class RowSteps(NamedTuple):
+    """The steps of predictor and corrector, point by point and row by row."""
+
+    affine: Floats
+    """(tiles, 4, TILE) the predictor's, of z, z', z'' and wait."""
+    change: Floats
+    """(tiles, 4, TILE) the corrector's."""
+    dual: Floats
+    """(tiles, 2 m, 2, TILE) the corrector's, of the multipliers."""
+
+
+@jit(inline=True)
+def in_tiles(rows: Floats) -> RowTiles:
+    """The rows (points, 2 m, 3) in tiles, states and multipliers still zero."""
+    points, count = rows.shape[0], rows.shape[1]
+    of_tiles = tiled(rows.reshape(points, 3 * count)).reshape(-1, count, 3, TILE)
+    tiles = len(of_tiles)
+    return RowTiles(points, of_tiles, np.zeros((tiles, STATES, TILE)), np.zeros((tiles, count, 2, TILE)))
+
+
+@jit(inline=True)
+def steps_of(rows: RowTiles) -> RowSteps:
+    """Room for the steps."""
+    tiles = len(rows.rows)
+    return RowSteps(np.zeros((tiles, 4, TILE)), np.zeros((tiles, 4, TILE)), np.zeros_like(rows.dual))
+
+
 @jit(reorder=True)
-def set_bounds(at: Any, lanes: Any, out: Any) -> Any:
+def set_bounds(at: Floats, lanes: int, out: Floats) -> None:
     """Set limit, relief and slope of the rows of a tile from its states (7, TILE)."""
     for p in range(lanes):
         out[BOUND, p], out[BOUND + 1, p] = 1.0, at[LIMIT, p]
@@ -34,7 +75,7 @@ def set_bounds(at: Any, lanes: Any, out: Any) -> Any:
 
 
 @jit(reorder=True)
-def set_common(at: Any, change: Any, column: Any, lanes: Any, out: Any) -> Any:
+def set_common(at: Floats, change: Floats, column: int, lanes: int, out: Floats) -> None:
     """Set what a change (4, TILE) of z, z', z'' and wait does to both slacks of the rows of a tile alike."""
     for p in range(lanes):
         out[column, p] = -at[EXTRA, p]
@@ -42,8 +83,9 @@ def set_common(at: Any, change: Any, column: Any, lanes: Any, out: Any) -> Any:
 
 
 @jit(reorder=True)
-def start(points: Any, rows: Any, at: Any, centre: Any, dual: Any) -> Any:
+def start(tiles: RowTiles, centre: float) -> None:
     """Multipliers that make every product of slack and multiplier equal to `centre`."""
+    points, rows, at, dual = tiles
     half = rows.shape[1] // 2
     bounds = np.empty((BOUNDS, TILE))
     for t in range(len(rows)):
@@ -65,8 +107,8 @@ FALLS, GROWS, LINEAR, SQUARE = range(4)
 change or its square."""
 
 
-@jit()
-def share_left(gap: Any, falls: Any, grows: Any, linear: Any, square: Any) -> Any:
+@jit(inline=True)
+def share_left(gap: float, falls: float, grows: float, linear: float, square: float) -> float:
     """Share of the gap that is left after the longest predictor's step, primal and dual apart.
 
     From what the predictor does to the slacks. Without centring the relative changes of a slack and of its multiplier
@@ -76,16 +118,27 @@ def share_left(gap: Any, falls: Any, grows: Any, linear: Any, square: Any) -> An
     return 1.0 + (go * linear - go_dual * (gap + linear) - go * go_dual * (square + linear)) / gap
 
 
+@jit(inline=True)
+def product_aimed_at(gap: float, products: int, left: float) -> float:
+    """What the corrector aims at for every product of slack and multiplier: the smaller, the less of the gap is left.
+
+    Mehrotra's third power of that share, of the mean product.
+    """
+    return gap / products * max(min(left, 1.0) ** 3, 1e-8)
+
+
 LOSS, LOSS_DUAL, STEP_UP, STEP_DOWN = range(4)
 """Of a lane, in a corrector: largest relative losses of slack and of multiplier; steps of the multipliers of a row."""
 
 
 @jit(reorder=True)
-def correct(points: Any, rows: Any, at: Any, affine: Any, change: Any, dual: Any, centre: Any, step: Any) -> Any:
-    """Steps of the multipliers for the corrector's `change` (tiles, 4, TILE) of z, z', z'' and wait.
+def correct(tiles: RowTiles, steps: RowSteps, centre: float) -> tuple[float, float]:
+    """Set the steps of the multipliers that go with the corrector's change of z, z', z'' and wait.
 
-    `affine` is the predictor's. Returns the largest relative losses of slack and of multiplier.
+    Returns the largest relative losses of slack and of multiplier.
     """
+    points, rows, at, dual = tiles
+    affine, change, step = steps
     half = rows.shape[1] // 2
     bounds, lane = np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
     for t in range(len(rows)):
@@ -114,4 +167,4 @@ def correct(points: Any, rows: Any, at: Any, affine: Any, change: Any, dual: Any
                 lane[LOSS_DUAL, p] = max(lane[LOSS_DUAL, p], max(-grow_up, -grow_down))
             for p in range(lanes):
                 step[t, i, 0, p], step[t, i, 1, p] = lane[STEP_UP, p], lane[STEP_DOWN, p]
-    return lane[LOSS].max(), lane[LOSS_DUAL].max()
+    return float(lane[LOSS].max()), float(lane[LOSS_DUAL].max())

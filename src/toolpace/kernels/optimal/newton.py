@@ -7,19 +7,58 @@ the two outermost coefficients are tied to each other, at an end in motion both 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
+import numpy as np
+
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.pentadiagonal import factor, solve
 
 REST, MOVING = 0, 1
 
 
+class Ends(NamedTuple):
+    """How a run starts and ends: what ties or gives the two outermost coefficients on either side."""
+
+    end: Ints
+    """(2,) REST or MOVING."""
+    ratio: Floats
+    """(2,) c_1 / c_0 and c_n-2 / c_n-1, where that end is at rest."""
+    fixed: Floats
+    """(4,) c_0, c_1, c_n-2 and c_n-1, where that end is in motion."""
+
+
+class System(NamedTuple):
+    """A Newton system over n coefficients, and what a predictor and a corrector make of its right-hand side."""
+
+    matrix: Floats
+    """(3, n) its diagonals; after `factor_tied` its factors."""
+    spare: Floats
+    """(3, n) the matrix as it was before it was factored."""
+    rhs: Floats
+    """(n,) the predictor's right-hand side: for a centring of zero."""
+    centring: Floats
+    """(n,) what the corrector's is less, times the product of slack and multiplier that is aimed at."""
+    second: Floats
+    """(n,) what it is less by the second-order terms that the predictor revealed."""
+    direction: Floats
+    """(n,) a right-hand side; solved, the step of the coefficients."""
+
+
+@jit(inline=True)
+def system_of(n: int) -> System:
+    """Room for the system of n coefficients."""
+    matrix, spare, rhs, centring = np.empty((3, n)), np.empty((3, n)), np.empty(n), np.empty(n)
+    return System(matrix, spare, rhs, centring, np.empty(n), np.empty(n))
+
+
 @jit()
 def add_curvature(
-    basis: Any, p: Any, k: Any, m00: Any, m01: Any, m02: Any, m11: Any, m12: Any, m22: Any, matrix: Any
-) -> Any:
-    """Add to the matrix the second derivatives by (z, z', z'') of the point p at knot k."""
+    basis: Floats, p: int, k: int, curvature: tuple[float, float, float, float, float, float], matrix: Floats
+) -> None:
+    """Add to the matrix the second derivatives by (z, z', z'') of the point p at knot k: 00, 01, 02, 11, 12, 22."""
+    m00, m01, m02, m11, m12, m22 = curvature
     for i in range(3):
         e0, e1, e2 = basis[p, 0, i], basis[p, 1, i], basis[p, 2, i]
         t0 = e0 * m00 + e1 * m01 + e2 * m02
@@ -30,29 +69,30 @@ def add_curvature(
 
 
 @jit()
-def add_slope(basis: Any, p: Any, k: Any, g0: Any, g1: Any, g2: Any, vector: Any) -> Any:
+def add_slope(basis: Floats, p: int, k: int, slope: tuple[float, float, float], vector: Floats) -> None:
     """Add to the vector the first derivatives by (z, z', z'') of the point p at knot k."""
+    g0, g1, g2 = slope
     for i in range(3):
         vector[k + i] += basis[p, 0, i] * g0 + basis[p, 1, i] * g1 + basis[p, 2, i] * g2
 
 
-@jit()
-def tie_matrix(matrix: Any, end: Any, ratio: Any) -> Any:
+@jit(inline=True)
+def tie_matrix(matrix: Floats, ends: Ends) -> None:
     """Take the coefficients that an end fixes out of the Newton matrix.
 
     At rest c_1 = ratio[0] c_0, so c_0 is eliminated; in motion c_0 and c_1 are given. The last two likewise.
     """
     diagonal, first, second = matrix[0], matrix[1], matrix[2]
     n = len(diagonal)
-    if end[0] == REST:
-        a = 1.0 / ratio[0]
+    if ends.end[0] == REST:
+        a = 1.0 / ends.ratio[0]
         diagonal[1] += 2.0 * a * first[0] + a * a * diagonal[0]
         first[1] += a * second[0]
     else:
         diagonal[1], first[1], second[1] = 1.0, 0.0, 0.0
     diagonal[0], first[0], second[0] = 1.0, 0.0, 0.0
-    if end[1] == REST:
-        a = 1.0 / ratio[1]
+    if ends.end[1] == REST:
+        a = 1.0 / ends.ratio[1]
         diagonal[n - 2] += 2.0 * a * first[n - 2] + a * a * diagonal[n - 1]
         first[n - 3] += a * second[n - 3]
     else:
@@ -61,18 +101,22 @@ def tie_matrix(matrix: Any, end: Any, ratio: Any) -> Any:
 
 
 @jit()
-def tie_vector(b: Any, end: Any, ratio: Any) -> Any:
-    """The same elimination for a right-hand side or a gradient."""
+def tie_vector(b: Floats, ends: Ends) -> None:
+    """The same elimination for a right-hand side or a gradient (n,)."""
     n = len(b)
-    b[1] = b[1] + b[0] / ratio[0] if end[0] == REST else 0.0
-    b[n - 2] = b[n - 2] + b[n - 1] / ratio[1] if end[1] == REST else 0.0
+    b[1] = b[1] + b[0] / ends.ratio[0] if ends.end[0] == REST else 0.0
+    b[n - 2] = b[n - 2] + b[n - 1] / ends.ratio[1] if ends.end[1] == REST else 0.0
     b[0] = b[n - 1] = 0.0
 
 
 @jit()
-def factor_tied(matrix: Any, end: Any, ratio: Any, spare: Any) -> Any:
-    """Tie the matrix and factor it in place; where rounding spoils a pivot, with a diagonal raised by just enough."""
-    tie_matrix(matrix, end, ratio)
+def factor_tied(system: System, ends: Ends) -> bool:
+    """Tie the matrix and factor it in place; where rounding spoils a pivot, with a diagonal raised by just enough.
+
+    Returns whether it could be factored.
+    """
+    matrix, spare = system.matrix, system.spare
+    tie_matrix(matrix, ends)
     spare[:] = matrix
     raised = 1e-13
     while factor(matrix) != 0:
@@ -84,13 +128,28 @@ def factor_tied(matrix: Any, end: Any, ratio: Any, spare: Any) -> Any:
     return True
 
 
-@jit()
-def solve_tied(factors: Any, end: Any, ratio: Any, direction: Any) -> Any:
-    """Overwrite a right-hand side by the Newton direction, with the coefficients that the ends tie."""
+@jit(inline=True)
+def _solve_tied(system: System, ends: Ends) -> None:
+    """Overwrite the right-hand side in `direction` by the Newton step, with the coefficients that the ends tie."""
+    direction = system.direction
     n = len(direction)
-    tie_vector(direction, end, ratio)
-    solve(factors, direction)
-    if end[0] == REST:
-        direction[0] = direction[1] / ratio[0]
-    if end[1] == REST:
-        direction[n - 1] = direction[n - 2] / ratio[1]
+    tie_vector(direction, ends)
+    solve(system.matrix, direction)
+    if ends.end[0] == REST:
+        direction[0] = direction[1] / ends.ratio[0]
+    if ends.end[1] == REST:
+        direction[n - 1] = direction[n - 2] / ends.ratio[1]
+
+
+@jit(inline=True)
+def aim_at_optimum(system: System, ends: Ends) -> None:
+    """Set the predictor's direction: straight at the optimum."""
+    system.direction[:] = system.rhs
+    _solve_tied(system, ends)
+
+
+@jit(inline=True)
+def aim_at_centre(system: System, ends: Ends, centre: float) -> None:
+    """Set the corrector's direction: at products of slack and multiplier of `centre`, with the second-order terms."""
+    system.direction[:] = system.rhs - centre * system.centring - system.second
+    _solve_tied(system, ends)

@@ -5,13 +5,12 @@ Stored as three rows (3, n): the diagonal, the entries (i, i + 1) and the entrie
 
 from __future__ import annotations
 
-from typing import Any
-
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 
 
 @jit()
-def factor(matrix: Any) -> Any:
+def factor(matrix: Floats) -> int:
     """Factor in place. Returns 0, or the 1-based index of the first pivot that is not positive."""
     n = matrix.shape[1]
     diagonal, first, second = matrix[0], matrix[1], matrix[2]
@@ -31,7 +30,7 @@ def factor(matrix: Any) -> Any:
 
 
 @jit()
-def solve(factors: Any, b: Any) -> Any:
+def solve(factors: Floats, b: Floats) -> None:
     """Overwrite b (n,) by the solution, given the factors of `factor`."""
     n = factors.shape[1]
     inverse, low1, low2 = factors[0], factors[1], factors[2]

@@ -18,16 +18,18 @@ The derivation is in docs/design/bound.md.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import multipliers, relaxation_knots, relaxation_rows
-from toolpace.kernels.optimal.dual import dual_value
-from toolpace.kernels.optimal.multipliers import STATES, share_left
-from toolpace.kernels.optimal.newton import factor_tied, solve_tied
-from toolpace.kernels.optimal.tiles import TILE, advance, tiled
+from toolpace.kernels.optimal.dual import KnotRows, dual_value
+from toolpace.kernels.optimal.multipliers import product_aimed_at, share_left
+from toolpace.kernels.optimal.newton import aim_at_centre, aim_at_optimum, factor_tied
+from toolpace.kernels.optimal.relaxation_knots import at_knots
+from toolpace.kernels.optimal.relaxation_rows import at_points
+from toolpace.kernels.optimal.relaxation_work import Work, count_of, work_of
+from toolpace.kernels.optimal.tiles import advance
 
 CONVERGED, STALLED, BROKEN = 0, 1, 2
 BACK_OFF = 0.99
@@ -41,69 +43,32 @@ ROUNDING = 1e-4
 
 @jit()
 def relax(
-    basis: Any, first: Any, weight: Any, price: Any, low: Any, cap: Any, rows: Any, c: Any, relief: Any, end: Any,
-    ratio: Any, fixed: Any, spread: Any, tolerance: Any, enough: Any, most_steps: Any,
-) -> Any:  # fmt: skip
+    knots: KnotRows, low: Floats, cap: Floats, c: Floats, relief: Floats, tolerance: float, enough: float,
+    most_steps: int,
+) -> tuple[float, Floats, Floats, float, int, int]:  # fmt: skip
     """Multipliers near the optimum of the relaxation, and their bound.
 
-    Parameters as of `dual_value` and `speed.maximise_speed`, low (0 where unknown), cap and weight (n,) by knot, relief
-    (n, 4) of cap, acceleration, floor and chord (the last is found here); c (n + 2,) start with z > 0 at the knots;
-    tolerance of what is lost between what is minimised and the bound, relative to the time at the start; a bound of
-    `enough` ends it early.
+    Parameters: low (n,) 0 where unknown, and cap (n,) of z; c (n + 2,) start with z > 0 at the knots, overwritten by
+    the result; relief (n, 4) of cap, acceleration, floor and chord (the last is found here); tolerance of what is lost
+    between what is minimised and the bound, relative to the time at the start; a bound of `enough` ends it early.
     Returns the bound, its multipliers (points, 2 m, 2), the waits (n,), the least value, status and steps.
     """
-    points, count, knots, n = rows.shape[0], rows.shape[1], len(weight), len(c)
-    knot = np.empty(points, dtype=np.int64)
-    for k in range(knots):
-        knot[first[k] : first[k + 1]] = k
-    active = np.empty((knots, 4), dtype=np.bool_)
-    products = 2 * points * count + relaxation_knots.own_rows(first, low, active)
-    tiles = tiled(rows.reshape(points, 3 * count)).reshape(-1, count, 3, TILE)
-    dual, step = np.zeros((len(tiles), count, 2, TILE)), np.zeros((len(tiles), count, 2, TILE))
-    at, mean_at = np.zeros((len(tiles), STATES, TILE)), np.zeros((len(tiles), 3, TILE))
-    affine_at, change_at = np.zeros((len(tiles), 4, TILE)), np.zeros((len(tiles), 4, TILE))
-    of_point, best = np.empty((points, 4)), np.zeros((points, count, 2))
-    by_point = np.zeros((points, count, 2))
-    state, affine, change = np.empty((knots, STATES)), np.empty((knots, 4)), np.empty((knots, 4))
-    slack, slope, relaxed = np.empty((knots, 4)), np.empty((knots, 4)), np.empty((knots, 4))
-    wait, single, step_single = np.empty(knots), np.zeros((knots, 4)), np.zeros((knots, 4))
-    chord, mean, stiff, pull = np.zeros((knots, 2)), np.empty((knots, 3)), np.empty(knots), np.empty(knots)
-    pull_centring, pull_second = np.empty(knots), np.empty(knots)
-    matrix, spare = np.empty((3, n)), np.empty((3, n))
-    rhs, direction, centring, second = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    relaxation_knots.chords(first, low, cap, chord)
-    bound, _, _ = dual_value(basis, first, weight, price, low, cap, rows, best, end, ratio, fixed)
-    relaxation_knots.at_knots(basis, c, state)
-    scale = 0.0
-    for k in range(knots):
-        scale += weight[k] / np.sqrt(state[k, 0])
-    centre = spread * scale / products
-    relaxation_knots.first_waits(first, weight, low, chord, rows, relief, state, centre, wait)
-    tau = 1.0 if np.max(relief) > 0.0 else 0.0
-    least = np.inf
+    work = work_of(knots, low, cap, relief)
+    points, count = knots.rows.shape[0], knots.rows.shape[1]
+    products = 2 * points * count + count_of(work.own)
+    best, dual = np.zeros((points, count, 2)), np.zeros((points, count, 2))
+    bound, _, _ = dual_value(knots, low, cap, best)
+    scale, tau = _start(work, c, products)
     near = NEAR if enough == np.inf else NEAR_ENOUGH
-    status, steps = STALLED, most_steps
+    least, status, steps = np.inf, STALLED, most_steps
     for number in range(most_steps + 1):
-        relaxation_knots.states(low, cap, chord, relief, tau, wait, state, slack, slope, relaxed)
-        relaxation_rows.at_points(first, state, at)
-        if number == 0:
-            relaxation_knots.start(first, weight, active, slack, centre, single)
-            multipliers.start(points, tiles, at, centre, dual)
-        matrix[:] = 0.0
-        rhs[:] = -price
-        relaxation_rows.wait_system(points, tiles, at, dual, of_point)
-        own, least = relaxation_knots.eliminate_waits(
-            basis, first, weight, active, state, slack, slope, relaxed, single, of_point, matrix, rhs, mean, stiff, pull
-        )
-        relaxation_rows.at_points(first, mean, mean_at)
-        gap = own + relaxation_rows.newton_system(basis, knot, tiles, at, mean_at, dual, matrix, rhs)
-        least += c @ price
+        gap, least = _newton_system(work, c)
         if gap < near * scale or number == most_steps:
-            relaxation_rows.by_point(dual, by_point)
-            value, _, _ = dual_value(basis, first, weight, price, low, cap, rows, by_point, end, ratio, fixed)
+            relaxation_rows.by_point(work.tiles.dual, dual)
+            value, _, _ = dual_value(knots, low, cap, dual)
             if value > bound:
                 bound = value
-                best[:] = by_point
+                best[:] = dual
             if bound >= enough or (least - bound < tolerance * scale and tau < 1e-9):
                 status, steps = CONVERGED, number
                 break
@@ -112,49 +77,100 @@ def relax(
                 break
         if number == most_steps:
             break
-        if not factor_tied(matrix, end, ratio, spare):
+        if not factor_tied(work.system, knots.ends):
             status, steps = BROKEN, number
             break
-        # predictor: straight at the optimum, to learn how far one can go
-        direction[:] = rhs
-        solve_tied(matrix, end, ratio, direction)
-        relaxation_knots.at_knots(basis, direction, affine)
-        relaxation_knots.waits(mean, stiff, pull, affine)
-        relaxation_rows.at_points(first, affine, affine_at)
-        centring[:], second[:], pull_centring[:], pull_second[:] = 0.0, 0.0, 0.0, 0.0
-        falls, grows, linear, square = relaxation_knots.predict(
-            basis, active, state, slack, slope, relaxed, single, mean, affine, centring, second, pull_centring,
-            pull_second,
-        )  # fmt: skip
-        falls_rows, grows_rows, linear_rows, square_rows = relaxation_rows.predict(
-            basis, knot, tiles, at, mean_at, affine_at, dual, centring, second, pull_centring, pull_second
-        )
-        left = share_left(
-            gap, max(falls, falls_rows), max(grows, grows_rows), linear + linear_rows, square + square_rows
-        )
-        centre = gap / products * max(min(left, 1.0) ** 3, 1e-8)
-        # corrector: centred, with the second-order terms that the predictor revealed
-        direction[:] = rhs - centre * centring - second
-        pull -= centre * pull_centring + pull_second
-        solve_tied(matrix, end, ratio, direction)
-        relaxation_knots.at_knots(basis, direction, change)
-        relaxation_knots.waits(mean, stiff, pull, change)
-        relaxation_rows.at_points(first, change, change_at)
-        loss, loss_dual = relaxation_knots.correct(
-            active, state, slack, slope, relaxed, single, affine, change, centre, step_single
-        )
-        loss_rows, loss_dual_rows = multipliers.correct(points, tiles, at, affine_at, change_at, dual, centre, step)
-        go = min(1.0, BACK_OFF / max(loss, loss_rows))
-        go_dual = min(1.0, BACK_OFF / max(loss_dual, loss_dual_rows))
-        go = relaxation_knots.within_chords(active, chord, relief, tau, state, wait, change, go)
+        centre = product_aimed_at(gap, products, _predictor(work, gap))
+        go, go_dual = _corrector(work, tau, centre)
         if not (go > 0.0 and go_dual > 0.0):
             status, steps = BROKEN, number
             break
-        c += go * direction
-        relaxation_knots.at_knots(basis, c, state)
-        for k in range(knots):
-            wait[k] += go * change[k, 3]
-        advance(dual, step, go_dual)
-        advance(single, step_single, go_dual)
+        _go(work, c, go, go_dual)
         tau *= 1.0 - go
-    return bound, best, wait, least, status, steps
+        _evaluate(work, tau)
+    return bound, best, work.states.wait, least, status, steps
+
+
+@jit(inline=True)
+def _start(work: Work, c: Floats, products: int) -> tuple[float, float]:
+    """Set states, waits and multipliers for a gap as large as the time at the start.
+
+    Returns that time, and the share of the reliefs that stands.
+    """
+    knots, states = work.knots, work.states
+    at_knots(knots.basis, c, states.at)
+    time = 0.0
+    for k in range(len(knots.weight)):
+        time += knots.weight[k] / np.sqrt(states.at[k, 0])
+    centre = time / products
+    relaxation_knots.first_waits(knots, work.own, states, centre)
+    tau = 1.0 if np.max(work.own.relief) > 0.0 else 0.0
+    _evaluate(work, tau)
+    relaxation_knots.start(knots, work.own, states, centre)
+    multipliers.start(work.tiles, centre)
+    return time, tau
+
+
+@jit(inline=True)
+def _evaluate(work: Work, tau: float) -> None:
+    """Complete the states of knots and points from z, z', z'' and wait at the knots."""
+    relaxation_knots.complete(work.own, tau, work.states)
+    at_points(work.knots.first, work.states.at, work.tiles.at)
+
+
+@jit(inline=True)
+def _newton_system(work: Work, c: Floats) -> tuple[float, float]:
+    """Newton matrix and right-hand side for a centring of zero, the waits eliminated; returns gap and value."""
+    knots, system, waits, points = work.knots, work.system, work.waits, work.points
+    system.matrix[:] = 0.0
+    system.rhs[:] = -knots.price
+    relaxation_rows.wait_system(work.tiles, points.of_wait)
+    gap, value = relaxation_knots.eliminate_waits(knots, work.own, work.states, points.of_wait, system, waits)
+    at_points(knots.first, waits.mean, points.mean)
+    gap += relaxation_rows.newton_system(knots.basis, points, work.tiles, system)
+    return gap, value + float(c @ knots.price)
+
+
+@jit(inline=True)
+def _predictor(work: Work, gap: float) -> float:
+    """Straight at the optimum, to learn how far one can go: returns the share of the gap that this leaves."""
+    knots, system, waits, affine = work.knots, work.system, work.waits, work.knot_steps.affine
+    aim_at_optimum(system, knots.ends)
+    at_knots(knots.basis, system.direction, affine)
+    relaxation_knots.follow(waits, affine)
+    at_points(knots.first, affine, work.row_steps.affine)
+    system.centring[:], system.second[:], waits.centring[:], waits.second[:] = 0.0, 0.0, 0.0, 0.0
+    falls, grows, linear, square = relaxation_knots.predict(knots, work.own, work.states, waits, affine, system)
+    of_rows = relaxation_rows.predict(knots.basis, work.points, work.tiles, work.row_steps.affine, system, waits)
+    return share_left(gap, max(falls, of_rows[0]), max(grows, of_rows[1]), linear + of_rows[2], square + of_rows[3])
+
+
+@jit(inline=True)
+def _corrector(work: Work, tau: float, centre: float) -> tuple[float, float]:
+    """The step that is taken: centred, with the second-order terms that the predictor revealed.
+
+    Returns how much of it can be gone by coefficients and waits, and by the multipliers.
+    """
+    knots, system, waits, change = work.knots, work.system, work.waits, work.knot_steps.change
+    aim_at_centre(system, knots.ends, centre)
+    waits.pull[:] -= centre * waits.centring + waits.second
+    at_knots(knots.basis, system.direction, change)
+    relaxation_knots.follow(waits, change)
+    at_points(knots.first, change, work.row_steps.change)
+    loss, loss_dual = relaxation_knots.correct(work.own, work.states, work.knot_steps, centre)
+    loss_rows, loss_dual_rows = multipliers.correct(work.tiles, work.row_steps, centre)
+    go = min(1.0, BACK_OFF / max(loss, loss_rows))
+    go_dual = min(1.0, BACK_OFF / max(loss_dual, loss_dual_rows))
+    return relaxation_knots.within_chords(work.own, tau, work.states, change, go), go_dual
+
+
+@jit(inline=True)
+def _go(work: Work, c: Floats, go: float, go_dual: float) -> None:
+    """Go these shares of the corrector's step: with coefficients and waits, and with the multipliers."""
+    states, steps = work.states, work.knot_steps
+    c += go * work.system.direction
+    at_knots(work.knots.basis, c, states.at)
+    for k in range(len(states.wait)):
+        states.wait[k] += go * steps.change[k, 3]
+    advance(work.tiles.dual.reshape(-1), work.row_steps.dual.reshape(-1), go_dual)
+    advance(states.dual.reshape(-1), steps.dual.reshape(-1), go_dual)

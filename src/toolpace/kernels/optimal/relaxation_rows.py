@@ -1,17 +1,15 @@
 """The passes over the rows of the relaxed problem: all that `relaxation` does row by row.
 
-As in `solver_rows` points are kept in tiles, sums and peaks lane by lane. What belongs to the knots of
-the points comes spread out to them: `at` their states (see `relaxation_knots`), `mean` how their waits
-follow (z, z', z''), `affine` and `change` steps of (z, z', z'', wait). The limit of a jerk row is pace and wait
-together.
+As in `solver_rows` points are kept in tiles, sums and peaks lane by lane. What belongs to the knots of the points comes
+spread out to them: states (see `relaxation_knots`), steps, and how waits follow. The limit of a jerk row is pace and
+wait together.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.multipliers import (
     BOUND,
@@ -26,12 +24,14 @@ from toolpace.kernels.optimal.multipliers import (
     SQUARE,
     Z1,
     Z2,
+    RowTiles,
     Z,
     set_bounds,
     set_common,
 )
-from toolpace.kernels.optimal.newton import add_curvature, add_slope
+from toolpace.kernels.optimal.newton import System, add_curvature, add_slope
 from toolpace.kernels.optimal.relaxation_knots import TOTAL, V0, V1, V2
+from toolpace.kernels.optimal.relaxation_work import Points, Waits
 from toolpace.kernels.optimal.tiles import TILE
 
 LEAN, MEAN1, MEAN2 = 0, 2, 4
@@ -39,7 +39,7 @@ LEAN, MEAN1, MEAN2 = 0, 2, 4
 
 
 @jit()
-def at_points(first: Any, values: Any, out: Any) -> Any:
+def at_points(first: Ints, values: Floats, out: Floats) -> None:
     """out (tiles, width, TILE): at each point the values (n, width) of its knot."""
     for k in range(len(values)):
         for p in range(first[k], first[k + 1]):
@@ -47,16 +47,16 @@ def at_points(first: Any, values: Any, out: Any) -> Any:
                 out[p // TILE, i, p % TILE] = values[k, i]
 
 
-@jit()
-def by_point(tiles: Any, out: Any) -> Any:
+@jit(inline=True)
+def by_point(tiles: Floats, out: Floats) -> None:
     """out (points, count, 2) from tiles (tiles, count, 2, TILE)."""
     for p in range(len(out)):
         for i in range(out.shape[1]):
             out[p, i, 0], out[p, i, 1] = tiles[p // TILE, i, 0, p % TILE], tiles[p // TILE, i, 1, p % TILE]
 
 
-@jit(reorder=True)
-def _means(at: Any, mean: Any, lanes: Any, out: Any) -> Any:
+@jit(reorder=True, inline=True)
+def _means(at: Floats, mean: Floats, lanes: int, out: Floats) -> None:
     """Set what the waits do to the rows of a tile."""
     for p in range(lanes):
         out[LEAN, p], out[LEAN + 1, p] = 0.0, at[FALL, p] - mean[0, p]
@@ -65,8 +65,9 @@ def _means(at: Any, mean: Any, lanes: Any, out: Any) -> Any:
 
 
 @jit(reorder=True)
-def wait_system(points: Any, rows: Any, at: Any, dual: Any, out: Any) -> Any:
+def wait_system(tiles: RowTiles, out: Floats) -> None:
     """out (points, 4): what the jerk rows of each point add to the second derivatives by the wait of its knot."""
+    points, rows, at, dual = tiles
     half = rows.shape[1] // 2
     sums = np.empty((4, TILE))
     for t in range(len(rows)):
@@ -94,12 +95,14 @@ M00, M01, M02, M11, M12, M22, G0, G1, G2 = range(9)
 
 
 @jit(reorder=True)
-def newton_system(basis: Any, knot: Any, rows: Any, at: Any, mean: Any, dual: Any, matrix: Any, rhs: Any) -> Any:
+def newton_system(basis: Floats, points: Points, tiles: RowTiles, system: System) -> float:
     """Add the rows to the Newton matrix and the right-hand side for a centring of zero; returns their gap.
 
     What is left of the jerk rows of a knot after the elimination of its wait is the scatter of their gradients about
     their mean, which is summed as such: the difference of two large sums would drown.
     """
+    knot, mean, matrix, rhs = points.knot, points.mean, system.matrix, system.rhs
+    rows, at, dual = tiles.rows, tiles.at, tiles.dual
     half = rows.shape[1] // 2
     sums, bounds, gaps = np.empty((9, TILE)), np.empty((BOUNDS, TILE)), np.zeros(TILE)
     means = np.empty((6, TILE))
@@ -133,11 +136,10 @@ def newton_system(basis: Any, knot: Any, rows: Any, at: Any, mean: Any, dual: An
                 sums[G2, p] += pull * r2
         for p in range(lanes):
             k = knot[t * TILE + p]
-            add_curvature(
-                basis, k, k, sums[M00, p], sums[M01, p], sums[M02, p], sums[M11, p], sums[M12, p], sums[M22, p], matrix
-            )
-            add_slope(basis, k, k, -sums[G0, p], -sums[G1, p], -sums[G2, p], rhs)
-    return gaps.sum()
+            curvature = (sums[M00, p], sums[M01, p], sums[M02, p], sums[M11, p], sums[M12, p], sums[M22, p])
+            add_curvature(basis, k, k, curvature, matrix)
+            add_slope(basis, k, k, (-sums[G0, p], -sums[G1, p], -sums[G2, p]), rhs)
+    return float(gaps.sum())
 
 
 A0, A1, A2, AWAIT, C0, C1, C2, CWAIT = range(8)
@@ -146,14 +148,15 @@ A0, A1, A2, AWAIT, C0, C1, C2, CWAIT = range(8)
 
 @jit(reorder=True)
 def predict(
-    basis: Any, knot: Any, rows: Any, at: Any, mean: Any, affine: Any, dual: Any, centring: Any, second: Any,
-    pull_centring: Any, pull_second: Any,
-) -> Any:  # fmt: skip
-    """What the predictor's step teaches the corrector: see `toolpace.kernels.speedrows.predict`.
+    basis: Floats, points: Points, tiles: RowTiles, affine: Floats, system: System, waits: Waits
+) -> tuple[float, float, float, float]:
+    """Add what the predictor's step `affine` (tiles, 4, TILE) teaches the corrector: as in `solver_rows.predict`.
 
-    Besides what they take from the right-hand side, centring and the second-order terms pull at the waits (n,).
+    Besides what they take from the right-hand side, centring and the second-order terms pull at the waits.
     Returns the largest relative fall and growth of a slack, and the sums that give the gap after a step.
     """
+    knot, mean, rows, at, dual = points.knot, points.mean, tiles.rows, tiles.at, tiles.dual
+    centring, second, pull_centring, pull_second = system.centring, system.second, waits.centring, waits.second
     half = rows.shape[1] // 2
     sums, bounds, lane = np.empty((8, TILE)), np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
     for t in range(len(rows)):
@@ -192,11 +195,11 @@ def predict(
             k = knot[t * TILE + p]
             lean, mean1, mean2 = at[t, FALL, p] - mean[t, 0, p], mean[t, 1, p], mean[t, 2, p]
             by = sums[AWAIT, p]
-            add_slope(
-                basis, k, k, sums[A0, p] + by * lean, sums[A1, p] - by * mean1, sums[A2, p] - by * mean2, centring
-            )
+            slope = (sums[A0, p] + by * lean, sums[A1, p] - by * mean1, sums[A2, p] - by * mean2)
+            add_slope(basis, k, k, slope, centring)
             pull_centring[k] += by
             by = sums[CWAIT, p]
-            add_slope(basis, k, k, sums[C0, p] + by * lean, sums[C1, p] - by * mean1, sums[C2, p] - by * mean2, second)
+            slope = (sums[C0, p] + by * lean, sums[C1, p] - by * mean1, sums[C2, p] - by * mean2)
+            add_slope(basis, k, k, slope, second)
             pull_second[k] += by
-    return lane[FALLS].max(), lane[GROWS].max(), lane[LINEAR].sum(), lane[SQUARE].sum()
+    return float(lane[FALLS].max()), float(lane[GROWS].max()), float(lane[LINEAR].sum()), float(lane[SQUARE].sum())

@@ -16,15 +16,24 @@ amount by which the rows of a point are relaxed; it shrinks to nothing with the 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import solver_rows
-from toolpace.kernels.optimal.multipliers import LIMIT, STATES
-from toolpace.kernels.optimal.newton import factor_tied, solve_tied, tie_vector
-from toolpace.kernels.optimal.tiles import TILE, advance, tiled
+from toolpace.kernels.optimal.limit_rows import PointRows
+from toolpace.kernels.optimal.multipliers import RowSteps, RowTiles, in_tiles, product_aimed_at, steps_of
+from toolpace.kernels.optimal.newton import (
+    Ends,
+    System,
+    aim_at_centre,
+    aim_at_optimum,
+    factor_tied,
+    system_of,
+    tie_vector,
+)
+from toolpace.kernels.optimal.solver_rows import Caps, caps_of
+from toolpace.kernels.optimal.tiles import advance
 
 OPTIMAL, STALLED, BROKEN = 0, 1, 2
 BACK_OFF = 0.99
@@ -34,79 +43,73 @@ ROUNDING = 300.0
 
 @jit()
 def maximise_speed(
-    basis: Any,
-    node: Any,
-    weight: Any,
-    cap: Any,
-    rows: Any,
-    c: Any,
-    relief: Any,
-    end: Any,
-    ratio: Any,
-    spread: Any,
-    tolerance: Any,
-    most_steps: Any,
-) -> Any:
+    points: PointRows, ends: Ends, c: Floats, relief: Floats, spread: float, tolerance: float, most_steps: int
+) -> tuple[Floats, int, int, float, float]:
     """Coefficients of the fastest z within the rows.
 
-    Parameters: basis (points, 3, 3) and node (points,) tie a point to its coefficients; weight (points,) of the
-    time; cap (points,) on z; rows (points, 2 m, 3), the first m of acceleration, the others of jerk, divided by
-    their limits; c (n,) start with z > 0 at all points; relief (points, 3) of cap, acceleration and jerk rows,
-    positive where the start breaks one; end (2,) REST or MOVING; ratio (2,) = c_1 / c_0 and c_n-2 / c_n-1 at ends
-    at rest; spread, the first gap, and tolerance of gap and gradient, relative to the time.
+    Parameters: c (n,) start with z > 0 at all points, overwritten by the result; relief (points, 3) of cap,
+    acceleration and jerk rows, positive where the start breaks one; spread, the first gap, and tolerance of gap and
+    gradient, relative to the time.
     Returns c, status, steps, and gap and scaled gradient relative to the time.
     """
-    points, count, n = rows.shape[0], rows.shape[1], len(c)
-    products = points * (2 * count + 1)
-    rows = tiled(rows.reshape(points, 3 * count)).reshape(-1, count, 3, TILE)
-    weight, cap = tiled(weight.reshape(points, 1))[:, 0], tiled(cap.reshape(points, 1))[:, 0]
+    tiles, caps = in_tiles(points.rows), caps_of(points, relief)
+    steps, system, gradient = steps_of(tiles), system_of(len(c)), np.empty(len(c))
+    products = tiles.points * (2 * points.rows.shape[1] + 1)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
-    relief = tiled(relief)
-    tiles = len(rows)
-    at, affine, change = np.zeros((tiles, STATES, TILE)), np.zeros((tiles, 4, TILE)), np.zeros((tiles, 4, TILE))
-    dual, step = np.zeros((tiles, count, 2, TILE)), np.zeros((tiles, count, 2, TILE))
-    dual_cap, step_cap = np.zeros((tiles, TILE)), np.zeros((tiles, TILE))
-    matrix, spare = np.empty((3, n)), np.empty((3, n))
-    rhs, direction, gradient, centring, second = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    solver_rows.states(basis, node, c, relief, tau, at)
-    time = 0.0
-    for p in range(points):
-        time += weight[p // TILE, p % TILE] * at[p // TILE, LIMIT, p % TILE]
-    solver_rows.start(points, cap, rows, relief, tau, at, spread * time / products, dual, dual_cap)
+    solver_rows.states(points, c, caps, tau, tiles.at)
+    time = solver_rows.duration(tiles, caps)
+    solver_rows.start(tiles, caps, tau, spread * time / products)
     gap, residual = np.inf, np.inf
-    for steps in range(most_steps):
-        gap, time = solver_rows.newton_system(
-            basis, node, weight, cap, rows, relief, tau, at, dual, dual_cap, matrix, rhs, gradient
-        )
-        tie_vector(gradient, end, ratio)
-        residual = 0.0
-        for i in range(n):
-            residual += abs(gradient[i] * c[i])
+    for number in range(most_steps):
+        gap, time = solver_rows.newton_system(points, tiles, caps, tau, system, gradient)
+        residual = _scaled(gradient, c, ends)
         if gap < tolerance * time and residual < ROUNDING * tolerance * time and tau < 1e-9:
-            return c, OPTIMAL, steps, gap / time, residual / time
-        if not factor_tied(matrix, end, ratio, spare):
-            return c, BROKEN, steps, gap / time, residual / time
-        # predictor: straight at the optimum, to learn how far one can go
-        direction[:] = rhs
-        solve_tied(matrix, end, ratio, direction)
-        solver_rows.spread(basis, node, direction, affine)
-        left = solver_rows.predict(
-            basis, node, cap, rows, relief, tau, at, dual, dual_cap, gap, affine, centring, second
-        )
-        centre = gap / products * max(min(left, 1.0) ** 3, 1e-8)
-        # corrector: centred, with the second-order terms that the predictor revealed
-        direction[:] = rhs - centre * centring - second
-        solve_tied(matrix, end, ratio, direction)
-        solver_rows.spread(basis, node, direction, change)
-        loss, loss_dual = solver_rows.correct(
-            points, cap, rows, relief, tau, at, dual, dual_cap, affine, change, centre, step, step_cap
-        )
-        go, go_dual = min(1.0, BACK_OFF / loss), min(1.0, BACK_OFF / loss_dual)
+            return c, OPTIMAL, number, gap / time, residual / time
+        if not factor_tied(system, ends):
+            return c, BROKEN, number, gap / time, residual / time
+        left = _predictor(points, ends, tiles, caps, tau, steps, gap, system)
+        centre = product_aimed_at(gap, products, left)
+        go, go_dual = _corrector(points, ends, tiles, caps, tau, steps, centre, system)
         if not (go > 0.0 and go_dual > 0.0):
-            return c, BROKEN, steps, gap / time, residual / time
-        c += go * direction
-        advance(dual, step, go_dual)
-        advance(dual_cap, step_cap, go_dual)
+            return c, BROKEN, number, gap / time, residual / time
+        c += go * system.direction
+        advance(tiles.dual.reshape(-1), steps.dual.reshape(-1), go_dual)
+        advance(caps.dual.reshape(-1), caps.step.reshape(-1), go_dual)
         tau *= 1.0 - go
-        solver_rows.states(basis, node, c, relief, tau, at)
+        solver_rows.states(points, c, caps, tau, tiles.at)
     return c, STALLED, most_steps, gap / time, residual / time
+
+
+@jit(inline=True)
+def _scaled(gradient: Floats, c: Floats, ends: Ends) -> float:
+    """Size of the gradient (n,) by what the ends leave free, each entry scaled by its coefficient."""
+    tie_vector(gradient, ends)
+    residual = 0.0
+    for i in range(len(c)):
+        residual += abs(gradient[i] * c[i])
+    return residual
+
+
+@jit(inline=True)
+def _predictor(
+    points: PointRows, ends: Ends, tiles: RowTiles, caps: Caps, tau: float, steps: RowSteps, gap: float, system: System
+) -> float:
+    """Straight at the optimum, to learn how far one can go: returns the share of the gap that this leaves."""
+    aim_at_optimum(system, ends)
+    solver_rows.spread(points, system.direction, steps.affine)
+    return solver_rows.predict(points, tiles, caps, tau, steps.affine, gap, system)
+
+
+@jit(inline=True)
+def _corrector(
+    points: PointRows, ends: Ends, tiles: RowTiles, caps: Caps, tau: float, steps: RowSteps, centre: float,
+    system: System,
+) -> tuple[float, float]:  # fmt: skip
+    """The step that is taken: centred, with the second-order terms that the predictor revealed.
+
+    Returns how much of it can be gone by the coefficients, and by the multipliers.
+    """
+    aim_at_centre(system, ends, centre)
+    solver_rows.spread(points, system.direction, steps.change)
+    loss, loss_dual = solver_rows.correct(tiles, caps, tau, steps, centre)
+    return min(1.0, BACK_OFF / loss), min(1.0, BACK_OFF / loss_dual)

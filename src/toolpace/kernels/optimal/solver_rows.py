@@ -1,18 +1,20 @@
 """The passes over the rows of the optimal planner's problem: all that `solver` does row by row.
 
-Points are kept in tiles (see `tiles`), so that vector instructions work on several of them at once;
-`at` (tiles, 7, TILE) are their states, `affine` and `change` (tiles, 4, TILE) steps of z, z', z'', the fourth being
-zero (see `multipliers`). Sums and peaks are kept lane by lane, and gathered at the end.
+Points are kept in tiles (see `tiles`), so that vector instructions work on several of them at once. Here no point
+waits: the fourth of a step (see `multipliers`) is zero. Sums and peaks are kept lane by lane, and gathered at the end.
+`tau` is the share of the reliefs that still stands.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import multipliers
+from toolpace.kernels.optimal.limit_rows import PointRows
 from toolpace.kernels.optimal.multipliers import (
     BOUND,
     BOUNDS,
@@ -28,12 +30,14 @@ from toolpace.kernels.optimal.multipliers import (
     SQUARE,
     Z1,
     Z2,
+    RowSteps,
+    RowTiles,
     Z,
     set_bounds,
     share_left,
 )
-from toolpace.kernels.optimal.newton import add_curvature, add_slope
-from toolpace.kernels.optimal.tiles import TILE
+from toolpace.kernels.optimal.newton import System, add_curvature, add_slope
+from toolpace.kernels.optimal.tiles import TILE, tiled
 
 MOST_FALL = 0.6
 """Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""
@@ -42,9 +46,34 @@ CAP, ACCELERATION, JERK = 0, 1, 2
 """What the columns of a relief are for."""
 
 
+class Caps(NamedTuple):
+    """What the points have beside their rows, in tiles."""
+
+    weight: Floats
+    """(tiles, TILE) of the pace in the time."""
+    cap: Floats
+    """(tiles, TILE) on z."""
+    relief: Floats
+    """(tiles, 3, TILE) of cap, acceleration and jerk rows: by how much they are relaxed at first."""
+    dual: Floats
+    """(tiles, TILE) multipliers of the caps."""
+    step: Floats
+    """(tiles, TILE) the corrector's steps of these multipliers."""
+
+
+@jit(inline=True)
+def caps_of(points: PointRows, relief: Floats) -> Caps:
+    """The caps of a problem with relief (points, 3), their multipliers still zero."""
+    n = len(points.node)
+    weight = tiled(points.weight.reshape(n, 1)).reshape(-1, TILE)
+    cap = tiled(points.cap.reshape(n, 1)).reshape(-1, TILE)
+    return Caps(weight, cap, tiled(relief), np.zeros_like(cap), np.zeros_like(cap))
+
+
 @jit()
-def spread(basis: Any, node: Any, c: Any, out: Any) -> Any:
-    """out (tiles, 3, TILE): z, z', z'' at the points from the coefficients c."""
+def spread(points: PointRows, c: Floats, out: Floats) -> None:
+    """out (tiles, 3 or more, TILE): z, z', z'' at the points from the coefficients c."""
+    basis, node = points.basis, points.node
     for p in range(len(node)):
         k = node[p]
         for d in range(3):
@@ -52,25 +81,34 @@ def spread(basis: Any, node: Any, c: Any, out: Any) -> Any:
 
 
 @jit(reorder=True)
-def states(basis: Any, node: Any, c: Any, relief: Any, tau: Any, at: Any) -> Any:
+def states(points: PointRows, c: Floats, caps: Caps, tau: float, at: Floats) -> None:
     """Set the states at the points from the coefficients c."""
-    spread(basis, node, c, at)
+    relief = caps.relief
+    spread(points, c, at)
     for t in range(len(at)):
-        for p in range(min(TILE, len(node) - t * TILE)):
+        for p in range(min(TILE, len(points.node) - t * TILE)):
             pace = 1.0 / np.sqrt(at[t, Z, p])
             at[t, LIMIT, p], at[t, FALL, p] = pace, 0.5 * pace / at[t, Z, p]
             at[t, EXTRA, p], at[t, EXTRA_JERK, p] = tau * relief[t, ACCELERATION, p], tau * relief[t, JERK, p]
 
 
 @jit(reorder=True)
-def start(
-    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, centre: Any, dual: Any, dual_cap: Any
-) -> Any:
+def start(tiles: RowTiles, caps: Caps, tau: float, centre: float) -> None:
     """Multipliers that make every product of slack and multiplier equal to `centre`."""
-    multipliers.start(points, rows, at, centre, dual)
-    for t in range(len(rows)):
-        for p in range(min(TILE, points - t * TILE)):
+    at, cap, relief, dual_cap = tiles.at, caps.cap, caps.relief, caps.dual
+    multipliers.start(tiles, centre)
+    for t in range(len(at)):
+        for p in range(min(TILE, tiles.points - t * TILE)):
             dual_cap[t, p] = centre / (cap[t, p] - at[t, Z, p] + tau * relief[t, CAP, p])
+
+
+@jit(inline=True)
+def duration(tiles: RowTiles, caps: Caps) -> float:
+    """The time that is minimised: the sum of weight / sqrt(z)."""
+    time = 0.0
+    for p in range(tiles.points):
+        time += caps.weight[p // TILE, p % TILE] * tiles.at[p // TILE, LIMIT, p % TILE]
+    return time
 
 
 M00, M01, M02, M11, M12, M22, G0, G1, G2, L0, L1, L2, REVERSE = range(13)
@@ -79,10 +117,12 @@ M00, M01, M02, M11, M12, M22, G0, G1, G2, L0, L1, L2, REVERSE = range(13)
 
 @jit(reorder=True)
 def newton_system(
-    basis: Any, node: Any, weight: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any,
-    matrix: Any, rhs: Any, gradient: Any,
-) -> Any:  # fmt: skip
-    """Newton matrix, right-hand side for a centring of zero, gradient of the Lagrangian; returns gap and time."""
+    points: PointRows, tiles: RowTiles, caps: Caps, tau: float, system: System, gradient: Floats
+) -> tuple[float, float]:
+    """Newton matrix, right-hand side for a centring of zero, gradient (n,) of the Lagrangian; returns gap and time."""
+    basis, node, rows, at, dual = points.basis, points.node, tiles.rows, tiles.at, tiles.dual
+    weight, cap, relief, dual_cap = caps.weight, caps.cap, caps.relief, caps.dual
+    matrix, rhs = system.matrix, system.rhs
     half = rows.shape[1] // 2
     matrix[:] = 0.0
     rhs[:] = 0.0
@@ -133,12 +173,11 @@ def newton_system(
         for p in range(lanes):
             point = t * TILE + p
             k = node[point]
-            m00, m01, m02 = sums[M00, p], sums[M01, p], sums[M02, p]
-            m11, m12, m22 = sums[M11, p], sums[M12, p], sums[M22, p]
-            add_curvature(basis, point, k, m00, m01, m02, m11, m12, m22, matrix)
-            add_slope(basis, point, k, -sums[G0, p], -sums[G1, p], -sums[G2, p], rhs)
-            add_slope(basis, point, k, sums[L0, p], sums[L1, p], sums[L2, p], gradient)
-    return gaps.sum(), times.sum()
+            curvature = (sums[M00, p], sums[M01, p], sums[M02, p], sums[M11, p], sums[M12, p], sums[M22, p])
+            add_curvature(basis, point, k, curvature, matrix)
+            add_slope(basis, point, k, (-sums[G0, p], -sums[G1, p], -sums[G2, p]), rhs)
+            add_slope(basis, point, k, (sums[L0, p], sums[L1, p], sums[L2, p]), gradient)
+    return float(gaps.sum()), float(times.sum())
 
 
 A0, A1, A2, C0, C1, C2 = range(6)
@@ -147,14 +186,14 @@ A0, A1, A2, C0, C1, C2 = range(6)
 
 @jit(reorder=True)
 def predict(
-    basis: Any, node: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any, gap: Any,
-    affine: Any, centring: Any, second: Any,
-) -> Any:  # fmt: skip
-    """What the predictor's primal step `affine` teaches the corrector.
+    points: PointRows, tiles: RowTiles, caps: Caps, tau: float, affine: Floats, gap: float, system: System
+) -> float:
+    """What the predictor's step `affine` (tiles, 4, TILE) teaches the corrector: `centring` and `second` of the system.
 
-    The corrector's right-hand side is the predictor's, less `second` (n,), the second-order terms, and less
-    `centring` (n,) times the product aimed at. Returns the share of the gap that the longest such step leaves.
+    Returns the share of the gap that the longest such step leaves.
     """
+    basis, node, rows, at, dual = points.basis, points.node, tiles.rows, tiles.at, tiles.dual
+    cap, relief, dual_cap, centring, second = caps.cap, caps.relief, caps.dual, system.centring, system.second
     half = rows.shape[1] // 2
     centring[:] = 0.0
     second[:] = 0.0
@@ -201,23 +240,22 @@ def predict(
                 sums[C2, p] += (above - below) * r2
         for p in range(lanes):
             point = t * TILE + p
-            add_slope(basis, point, node[point], sums[A0, p], sums[A1, p], sums[A2, p], centring)
-            add_slope(basis, point, node[point], sums[C0, p], sums[C1, p], sums[C2, p], second)
+            add_slope(basis, point, node[point], (sums[A0, p], sums[A1, p], sums[A2, p]), centring)
+            add_slope(basis, point, node[point], (sums[C0, p], sums[C1, p], sums[C2, p]), second)
     return share_left(gap, lane[FALLS].max(), lane[GROWS].max(), lane[LINEAR].sum(), lane[SQUARE].sum())
 
 
 @jit(reorder=True)
-def correct(
-    points: Any, cap: Any, rows: Any, relief: Any, tau: Any, at: Any, dual: Any, dual_cap: Any, affine: Any,
-    change: Any, centre: Any, step: Any, step_cap: Any,
-) -> Any:  # fmt: skip
-    """Steps of the multipliers for the corrector's step `change`; `affine` is the predictor's.
+def correct(tiles: RowTiles, caps: Caps, tau: float, steps: RowSteps, centre: float) -> tuple[float, float]:
+    """Set the steps of all multipliers that go with the corrector's change of z, z', z''.
 
     Returns the largest relative losses of slack and of multiplier.
     """
-    loss, loss_dual = multipliers.correct(points, rows, at, affine, change, dual, centre, step)
-    for t in range(len(rows)):
-        for p in range(min(TILE, points - t * TILE)):
+    at, affine, change = tiles.at, steps.affine, steps.change
+    cap, relief, dual_cap, step_cap = caps.cap, caps.relief, caps.dual, caps.step
+    loss, loss_dual = multipliers.correct(tiles, steps, centre)
+    for t in range(len(at)):
+        for p in range(min(TILE, tiles.points - t * TILE)):
             z, relaxed, multiplier = at[t, Z, p], tau * relief[t, CAP, p], dual_cap[t, p]
             inverse = 1.0 / (cap[t, p] - z + relaxed)
             by, before = -(change[t, 0, p] + relaxed) * inverse, -(affine[t, 0, p] + relaxed) * inverse

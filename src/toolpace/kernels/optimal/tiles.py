@@ -6,17 +6,16 @@ once. An array (points, ...) becomes (tiles, ..., TILE); the last tile is partly
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 
 TILE = 64
 
 
 @jit()
-def tiled(values: Any) -> Any:
+def tiled(values: Floats) -> Floats:
     """(tiles, width, TILE) of values (points, width); zeros beyond the last point."""
     points, width = values.shape
     out = np.zeros(((points + TILE - 1) // TILE, width, TILE))
@@ -27,8 +26,7 @@ def tiled(values: Any) -> Any:
 
 
 @jit(reorder=True)
-def advance(dual: Any, step: Any, go: Any) -> Any:
-    """Go the share `go` of the multipliers' steps."""
-    values, steps = dual.reshape(-1), step.reshape(-1)
-    for i in range(len(values)):
-        values[i] += go * steps[i]
+def advance(dual: Floats, step: Floats, go: float) -> None:
+    """Go the share `go` of the steps of multipliers (k,)."""
+    for i in range(len(dual)):
+        dual[i] += go * step[i]

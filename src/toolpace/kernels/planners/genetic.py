@@ -1,17 +1,35 @@
 # ruff: noqa: NPY002 - the only generator that compiled code has
 """The simple genetic algorithm that shortens quintic time laws: binary genes, one-point crossover, flipped bits.
 
-Source: Wu, Li, Liu, Perez, ACC 2009, section II.C: the gene is the time period T of an interval. Arrays x, share and
-pace are those of `interval.py`.
+Source: Wu, Li, Liu, Perez, ACC 2009, section II.C: the gene is the time period T of an interval.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.planners.quintic_interval import usage
+from toolpace.kernels.planners.quintic_interval import Interval, interval_of, usage
+
+
+class Breeding(NamedTuple):
+    """How the algorithm breeds."""
+
+    population: int
+    generations: int
+    bits: int
+    """Of a gene."""
+    crossover: float
+    """Probability that a child has genes of both parents."""
+    mutation: float
+    """Probability that a bit is flipped."""
+    elite: int
+    """How many of the best live on."""
+    tournament: int
+    """Size of a tournament; 0 for a roulette of the ranks."""
 
 
 @jit()
@@ -48,10 +66,9 @@ def select(fitness: Floats, tournament: int) -> int:
 
 
 @jit()
-def breed(
-    genes: Ints, fitness: Floats, bits: int, crossover: float, mutation: float, elite: int, tournament: int
-) -> Ints:
+def breed(genes: Ints, fitness: Floats, breeding: Breeding) -> Ints:
     """The next generation (population, genes): elite kept, parents selected, one-point crossover, bits flipped."""
+    _, _, bits, crossover, mutation, elite, tournament = breeding
     n, g = genes.shape
     out = np.empty_like(genes)
     order = np.argsort(fitness)
@@ -73,15 +90,15 @@ def breed(
 
 @jit()
 def shorten(
-    x: Floats, share: Floats, pace: Floats, ends: Floats, known: float, allowed: float,
-    low: float, high: float, population: int, generations: int, bits: int, crossover: float,
-    mutation: float, elite: int, tournament: int, seed: int,
+    interval: Interval, ends: Floats, breeding: Breeding, known: float, allowed: float, low: float, high: float,
+    seed: int,
 ) -> tuple[float, float, int]:  # fmt: skip
     """The shortest period of one interval that the genetic algorithm finds with usage at most `allowed`.
 
     `known` is a period that joins the first population; others are drawn from [low, high]. Returns the period, its
     usage, and what that is of; where no individual keeps to the limits, the one nearest to them.
     """
+    population, generations, bits = breeding.population, breeding.generations, breeding.bits
     np.random.seed(seed)
     genes = np.empty((population, 1), dtype=np.int64)
     for k in range(population):
@@ -95,27 +112,27 @@ def shorten(
             if of_known:
                 genes[0, 0] = encode(known, bits, low, high)
             trial = known if of_known else decode(genes[k, 0], bits, low, high)
-            used, kind = usage(x, share, pace, ends, trial)
+            used, kind = usage(interval, ends, trial)
             fitness[k] = trial if used <= allowed else 1e3 * high * (1.0 + used)
             if fitness[k] < best:
                 best, period, value, which = fitness[k], trial, used, kind
         if generation < generations:
-            genes = breed(genes, fitness, bits, crossover, mutation, elite, tournament)
+            genes = breed(genes, fitness, breeding)
     return period, value, which
 
 
 @jit()
 def reset_point(
-    x: Floats, share: Floats, pace: Floats, ends: Floats, periods: Floats, allowed: Floats, reach: Floats,
-    population: int, generations: int, bits: int, crossover: float, mutation: float, elite: int,
-    tournament: int, seed: int,
-) -> tuple[float, float, float, float]:  # fmt: skip
+    intervals: Interval, ends: Floats, breeding: Breeding, periods: Floats, allowed: Floats, reach: Floats, seed: int
+) -> tuple[float, float, float, float]:
     """Evolve speed and acceleration of one reference point with the periods of the intervals on its both sides.
 
-    x (2, nodes) and so on: both intervals; ends (6,): speed and acceleration at the three points; periods (2,);
+    intervals: both; ends (6,): speed and acceleration at the three points; periods (2,);
     allowed (2,) usage; reach (3,): shares by which speed and periods, and the amount by which the acceleration, may
     change. What is there takes part, so the sum of the periods never grows. Returns speed, acceleration, periods.
     """
+    population, generations, bits = breeding.population, breeding.generations, breeding.bits
+    before, after = interval_of(intervals, 0), interval_of(intervals, 1)
     np.random.seed(seed)
     low = np.array(
         [ends[2] * (1 - reach[0]), ends[3] - reach[2], periods[0] * (1 - reach[1]), periods[1] * (1 - reach[1])]
@@ -139,14 +156,14 @@ def reset_point(
                     genes[0, i] = encode(now[i], bits, low[i], high[i])
                 trial[:] = now
             both[0], both[1], both[2], both[3] = ends[0], ends[1], trial[0], trial[1]
-            first, _ = usage(x[0], share[0], pace[0], both, trial[2])
+            first, _ = usage(before, both, trial[2])
             both[0], both[1], both[2], both[3] = trial[0], trial[1], ends[4], ends[5]
-            second, _ = usage(x[1], share[1], pace[1], both, trial[3])
+            second, _ = usage(after, both, trial[3])
             excess = max(first / allowed[0], second / allowed[1])
             fitness[k] = trial[2] + trial[3] if excess <= 1.0 else 1e3 * (high[2] + high[3]) * (1.0 + excess)
             if fitness[k] < best:
                 best = fitness[k]
                 champion[:] = trial
         if generation < generations:
-            genes = breed(genes, fitness, bits, crossover, mutation, elite, tournament)
+            genes = breed(genes, fitness, breeding)
     return champion[0], champion[1], champion[2], champion[3]

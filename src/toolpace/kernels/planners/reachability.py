@@ -8,18 +8,15 @@ d2s/dt2 is constant there; a limit is a row at given places of the cell, with x 
 
 The backward pass keeps, node by node, the interval of z from which the end can be reached: the shadow on x of a polygon
 in (x, y). The forward pass goes as fast as the intervals allow.
-
-Arrays: h (n,) lengths of the cells; at (n, p) which point is each place of a cell; place (p,) from 0 to 1; tight (n, 2)
-factors by which speed and acceleration limits of a cell are lowered; q1, q2 (points, m) over the limits; cap (points,)
-on z; top (n + 1,) caps of the nodes.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 
 FEASIBLE, UNREACHABLE, TOO_FAST, TOO_SLOW = 0, 1, 2, 3
@@ -30,34 +27,56 @@ SAME = 1e-9
 """Relative difference between speeds that are the same."""
 
 
+class Rows(NamedTuple):
+    """The limits of a run on a mesh of n cells, at p places of each."""
+
+    h: Floats
+    """(n,) lengths of the cells."""
+    at: Ints
+    """(n, p) which point each place of a cell is."""
+    place: Floats
+    """(p,) from 0 to 1."""
+    tight: Floats
+    """(n, 2) factors by which speed and acceleration limits of a cell are lowered."""
+    q1: Floats
+    """(points, m) q' over the acceleration limits."""
+    q2: Floats
+    """(points, m) q'' over the acceleration limits."""
+    cap: Floats
+    """(points,) most z by velocity limits and feed."""
+    top: Floats
+    """(n + 1,) most z at the nodes."""
+
+
 @jit()
-def backward(h: Any, at: Any, place: Any, tight: Any, q1: Any, q2: Any, cap: Any, top: Any, z1: Any) -> Any:
+def backward(rows: Rows, z1: float) -> tuple[Floats, Floats, int]:
     """Least and most z (n + 1,) of the nodes from which the end is reached with z1, and the node with none, or -1."""
-    n = len(h)
+    n, top = len(rows.h), rows.top
     low, high = np.zeros(n + 1), np.zeros(n + 1)
     low[n] = high[n] = z1
-    scratch = np.empty((2 * at.shape[1] * (q1.shape[1] + 1) + 4, 3))
+    scratch = np.empty((2 * rows.at.shape[1] * (rows.q1.shape[1] + 1) + 4, 3))
     for k in range(n - 1, -1, -1):
         # with a single y to lead to, its extreme is that of all
         free = low[k + 1] < high[k + 1]
-        found, high[k] = _edge(k, 1.0, high[k + 1], free, h, at, place, tight, q1, q2, cap, top)
+        found, high[k] = edge(rows, k, 1.0, high[k + 1], free)
         if not found:
-            count = _polygon(k, low[k + 1], high[k + 1], h, at, place, tight, q1, q2, cap, top, scratch)
-            found, high[k] = _extreme(scratch, count, 1.0, scale(high[k + 1], top[k]))
+            count = polygon(rows, k, low[k + 1], high[k + 1], scratch)
+            found, high[k] = extreme(scratch, count, 1.0, scale(high[k + 1], top[k]))
         # standing still is allowed in every cell, since limits are symmetric
         if found and low[k + 1] > 0.0:
-            found, low[k] = _edge(k, -1.0, low[k + 1], free, h, at, place, tight, q1, q2, cap, top)
+            found, low[k] = edge(rows, k, -1.0, low[k + 1], free)
             if not found:
-                count = _polygon(k, low[k + 1], high[k + 1], h, at, place, tight, q1, q2, cap, top, scratch)
-                found, low[k] = _extreme(scratch, count, -1.0, scale(high[k + 1], top[k]))
+                count = polygon(rows, k, low[k + 1], high[k + 1], scratch)
+                found, low[k] = extreme(scratch, count, -1.0, scale(high[k + 1], top[k]))
         if not found:
             return low, high, k
     return low, high, -1
 
 
 @jit()
-def forward(h: Any, at: Any, place: Any, tight: Any, q1: Any, q2: Any, cap: Any, low: Any, high: Any, z0: Any) -> Any:
+def forward(rows: Rows, low: Floats, high: Floats, z0: float) -> Floats:
     """(n + 1,) z: from z0 as fast as the intervals and the rows allow."""
+    h, at, place, tight, q1, q2, cap, _ = rows
     n, m = len(h), q1.shape[1]
     z = np.empty(n + 1)
     z[0] = z0
@@ -81,36 +100,33 @@ def forward(h: Any, at: Any, place: Any, tight: Any, q1: Any, q2: Any, cap: Any,
 
 
 @jit()
-def solve(
-    h: Any, at: Any, place: Any, tight: Any, q1: Any, q2: Any, cap: Any, top: Any, z0: Any, z1: Any
-) -> tuple[Any, int, int]:
+def solve(rows: Rows, z0: float, z1: float) -> tuple[Floats, int, int]:
     """z (n + 1,) from z0 to z1, how it went, and at which node it failed."""
-    low, high, stuck = backward(h, at, place, tight, q1, q2, cap, top, z1)
+    low, high, stuck = backward(rows, z1)
     if stuck >= 0:
         return high, UNREACHABLE, stuck
     if z0 > high[0] * (1.0 + SAME):
         return high, TOO_FAST, 0
     if z0 < low[0] * (1.0 - SAME):
         return low, TOO_SLOW, 0
-    z = forward(h, at, place, tight, q1, q2, cap, low, high, z0)
-    z[len(h)] = z1
+    z = forward(rows, low, high, z0)
+    z[len(rows.h)] = z1
     return z, FEASIBLE, -1
 
 
 @jit()
-def scale(high: Any, top: Any) -> float:
+def scale(high: float, top: float) -> float:
     """The unit of z in a polygon."""
     return float(high if high > 0.0 else top)
 
 
 @jit()
-def _edge(
-    k: Any, sign: Any, y: Any, free: Any, h: Any, at: Any, place: Any, tight: Any, q1: Any, q2: Any, cap: Any, top: Any
-) -> tuple[bool, float]:
+def edge(rows: Rows, k: int, sign: float, y: float, free: bool) -> tuple[bool, float]:
     """The most (sign 1) or least (-1) x of a cell whose other end has the most or least y: is it an extreme of all y?
 
     It is if the row that holds it would let x follow y, and x lies within the other rows: so it is almost always.
     """
+    h, at, place, tight, q1, q2, cap, top = rows
     upper, lower, upper_slope, lower_slope = top[k], 0.0, 0.0, 0.0
     half = 0.5 / h[k]
     most = 1.0 / tight[k, 1]
@@ -140,14 +156,12 @@ def _edge(
 
 
 @jit()
-def _polygon(
-    k: Any, low: Any, high: Any, h: Any, at: Any, place: Any, tight: Any, q1: Any, q2: Any, cap: Any, top: Any,
-    out: Any,
-) -> int:  # fmt: skip
+def polygon(rows: Rows, k: int, low: float, high: float, out: Floats) -> int:
     """The rows (a, b, c): a x + b w <= c of a cell, in x and w = y - x, both over their scale; the box comes first.
 
     In (x, y) all rows of a fine mesh would be nearly parallel.
     """
+    h, at, place, tight, q1, q2, cap, top = rows
     unit = scale(high, top[k])
     out[0, 0], out[0, 1], out[0, 2] = 1.0, 0.0, top[k] / unit
     out[1, 0], out[1, 1], out[1, 2] = -1.0, 0.0, 0.0
@@ -170,7 +184,7 @@ def _polygon(
 
 
 @jit()
-def _extreme(rows: Any, count: Any, sign: Any, unit: Any) -> tuple[bool, float]:
+def extreme(rows: Floats, count: int, sign: float, unit: float) -> tuple[bool, float]:
     """The most (sign 1) or least (-1) x within the rows, row by row (Seidel 1991); the first four are a box."""
     x = rows[0, 2] if sign > 0.0 else 0.0
     w = (rows[2, 2] if sign > 0.0 else -rows[3, 2]) - x

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.path.fit.polyline import Machine, Polyline
+from toolpace.machine.machine import Machine
+from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.spline import Spline
 
 PARTS = 4

@@ -12,8 +12,9 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import PathError
+from toolpace.machine.machine import Machine
 from toolpace.path.fit.knots import refined_at
-from toolpace.path.fit.polyline import Machine, Polyline
+from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.spline import Spline, knots_of
 from toolpace.path.fit.windows import Range, ranges, solve_ranges
@@ -69,8 +70,9 @@ def near_polyline(line: Polyline, breaks: Floats) -> Spline:
 
 def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
     """Replace the coefficients about the parameters `where`, or all, by those of the smoothing spline."""
+    from toolpace.kernels.fit import tube
+    from toolpace.kernels.fit.least_squares import least_squares
     from toolpace.kernels.fit.quintic_spline import third_rows
-    from toolpace.kernels.fit.smoothest import least_squares
 
     third = third_rows(knots_of(spline.breaks))
 
@@ -84,17 +86,9 @@ def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None, 
             columns = slice(c, c + 1) if isinstance(c, int) else c
             metric = np.ones((len(data.s[j]), 1, 1)) if which == 0 else data.metric[j]
             moved = np.ascontiguousarray(x[base:end, columns])
-            done = least_squares(
-                third[base : end - 5],
-                SMOOTHING * share[columns],
-                data.first[j] - base,
-                data.rows[j],
-                np.ascontiguousarray(target[j, columns]),
-                metric,
-                moved,
-                low - base,
-                high - base,
-            )
+            there = tube.Samples(data.first[j] - base, data.rows[j], np.ascontiguousarray(target[j, columns]), metric)
+            rough = tube.Roughness(third[base : end - 5], SMOOTHING * share[columns])
+            done = least_squares(rough, there, moved, tube.Free(low - base, high - base))
             if not done:
                 raise PathError("the program asks for a corner that no curve within the tolerance can follow")
             x[low:high, columns] = moved[low - base : high - base]

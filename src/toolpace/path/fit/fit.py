@@ -19,10 +19,11 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError, UsageError
+from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.knots import first_breaks, refined_at
-from toolpace.path.fit.polyline import Machine, Polyline, polylines
+from toolpace.path.fit.polyline import Polyline, polylines
 from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.smooth import tighten
 from toolpace.path.fit.spline import Spline

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.errors import PathError
+from toolpace.errors import PathError, ReachError
+from toolpace.machine.machine import Machine
 from toolpace.toolpath import ToolPath
 
 LEAST_CELL = 1e-7
@@ -22,27 +22,12 @@ LEAST_CELL = 1e-7
 POLE_LEVER = 0.03
 """Sine of the angle to a pole below which a turn about it counts as if there [1]."""
 
-
-class Limits(Protocol):
-    """What the fit asks of the limits of a machine."""
-
-    @property
-    def jerk(self) -> Floats: ...
-
-
-class Machine(Protocol):
-    """What the fit asks of a machine."""
-
-    @property
-    def limits(self) -> Limits: ...
-    @property
-    def linear(self) -> Ints: ...
-    @property
-    def rotary(self) -> Ints: ...
-    def choose_rotary(self, toolpath: ToolPath) -> Floats: ...
-    def axis_at(self, rotary: Floats) -> Floats: ...
-    def axis_jets(self, rotary: Floats) -> Floats: ...
-    def tip_lever(self, tip: Floats, rotary: Floats) -> Floats: ...
+ROUNDS = 8
+"""Times that points are put in, at most."""
+STILL = 0.01
+"""Turns of the tool axis below it are not divided [tolerances]."""
+SOUND_TURN = 0.3
+"""Most turn of a rotary joint between two points at which its solution is chosen [rad]: these are half a turn apart."""
 
 
 @dataclass(frozen=True)
@@ -150,17 +135,52 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
     toolpath, entry = inserted(toolpath, entry, np.ceil(angle / np.sqrt(0.4 * axis_tolerance)).astype(np.int64))
     if machine is None:
         return toolpath, entry
-    for _ in range(8):
-        rotary = machine.choose_rotary(toolpath)
+    rotary = decided(machine, toolpath, axis_tolerance)
+    for _ in range(ROUNDS):
         between = toolpath.axis[1:] + toolpath.axis[:-1]
         between /= np.linalg.norm(between, axis=1)[:, None]
         error = np.linalg.norm(machine.axis_at(0.5 * (rotary[1:] + rotary[:-1])) - between, axis=1)
-        moves = np.linalg.norm(np.diff(toolpath.axis, axis=0), axis=1) > 0.01 * axis_tolerance
-        count = np.where(moves, np.clip(np.ceil(np.sqrt(error / (0.05 * axis_tolerance))), 1, 8), 1)
+        moves = np.linalg.norm(np.diff(toolpath.axis, axis=0), axis=1) > STILL * axis_tolerance
+        count = np.where(moves, np.clip(np.ceil(np.sqrt(error / (0.05 * axis_tolerance))), 1, 8), 1).astype(np.int64)
         if np.all(count == 1):
             break
-        toolpath, entry = inserted(toolpath, entry, count.astype(np.int64))
-    return replace(toolpath, rotary=machine.choose_rotary(toolpath)), entry
+        toolpath, entry = inserted(toolpath, entry, count)
+        rotary = carried_on(machine, toolpath, np.concatenate([[0], np.cumsum(count)]), rotary)
+    return replace(toolpath, rotary=rotary), entry
+
+
+def decided(machine: Machine, toolpath: ToolPath, axis_tolerance: float) -> Floats:
+    """Rotary joints (n, 2) along a tool path: chosen with points put in where a joint could turn far between two."""
+    dense, at = toolpath, np.arange(len(toolpath))
+    for _ in range(ROUNDS):
+        moves = np.linalg.norm(np.diff(dense.axis, axis=0), axis=1) > STILL * axis_tolerance
+        count = np.where(moves & (machine.turn_between(dense.axis) > SOUND_TURN), 4, 1)
+        if np.all(count == 1):
+            break
+        dense, _ = inserted(dense, np.arange(len(dense)), count)
+        at = np.concatenate([[0], np.cumsum(count)])[at]
+    if dense is toolpath:
+        return machine.choose_rotary(toolpath)
+    try:
+        rotary = machine.choose_rotary(dense)[at]
+    except ReachError:
+        # the points of the program itself make the better message
+        return machine.choose_rotary(toolpath)
+    return carried_on(machine, toolpath, np.arange(len(toolpath)), rotary)
+
+
+def carried_on(machine: Machine, toolpath: ToolPath, known: Ints, rotary: Floats) -> Floats:
+    """Rotary joints (n, 2) along a tool path on the branch that was chosen at its points `known` (k,).
+
+    Where that branch does not hold between these points, or makes the joints turn by far more than it seemed when it
+    was chosen, the choice is made anew with all of them.
+    """
+    try:
+        between = machine.rotary_between(toolpath, known, rotary)
+    except ReachError:
+        return machine.choose_rotary(toolpath)
+    more = np.abs(np.diff(between, axis=0)).sum() - np.abs(np.diff(rotary, axis=0)).sum()
+    return between if more < SOUND_TURN else machine.choose_rotary(toolpath)
 
 
 def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, Ints]:

@@ -35,6 +35,7 @@ def tighten(
     of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is
     everywhere.
     """
+    from toolpace.kernels.fit import tube
     from toolpace.kernels.fit.quintic_spline import third_rows
     from toolpace.kernels.fit.smoothest import smoothest
 
@@ -51,22 +52,11 @@ def tighten(
         metric = data.metrics(which, j)
         pull = (2.0 * np.pi / (WAVE * h[data.first[j]])) ** 6 * data.gap[j]
         moved = x[base:end].copy()
+        samples = tube.Samples(data.first[j] - base, data.rows[j], target[j], metric)
         steps, _, _ = smoothest(
-            third[base : end - 5],
-            share,
-            data.first[j] - base,
-            data.rows[j],
-            target[j],
-            metric,
-            pull,
-            USED * radius[j],
-            moved,
-            low - base,
-            high - base,
-            floor[base : end - 5],
-            ACCURACY,
-            STEPS,
-        )
+            tube.Roughness(third[base : end - 5], share), samples, tube.Tube(USED * radius[j], pull), moved,
+            tube.Free(low - base, high - base), floor[base : end - 5], ACCURACY, STEPS,
+        )  # fmt: skip
         if 0 <= steps < STEPS or np.all(data.off(j, moved, base, target, metric) <= 1.02 * USED * radius[j]):
             x[low:high] = moved[low - base : high - base]
 

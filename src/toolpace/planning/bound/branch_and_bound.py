@@ -166,7 +166,7 @@ class Near:
             low[k] = max(self.low[k], NOT_ZERO * self.z)
         else:
             high[k] = self.high[k]
-        return float(dual.range_beyond(kappa[k], theta[k], low[k], high[k], wanted, upper))
+        return dual.range_beyond(kappa[k], theta[k], low[k], high[k], wanted, upper)
 
 
 def relaxed_in(part: Part, low: Floats, high: Floats, whole: Piece) -> Piece:

@@ -109,7 +109,7 @@ def dual_integral(
     t = (edges[:-1, None] + length[:, None] * place).ravel()
     s, v, a, _ = law.at(t)
     s = np.clip(s, run.s0, run.s1)
-    q = run.evaluate(s)
+    q = np.ascontiguousarray(run.evaluate(s))
     q1, q2 = q[1], q[2]
     nu_of, lambda_of = spline(jerk, step), spline(acceleration, step)
     nu, nu_t, nu_tt = (nu_of(t, order) for order in range(3))
@@ -127,13 +127,11 @@ def dual_integral(
     ideal = 0.5 * np.maximum(kappa, LEAST_KAPPA) / v**3
     measure = v.reshape(shape) * rule * length[:, None]
     wide = (*shape, len(limits))
-    return float(
-        continuous_dual.best_value(
-            COUNTS, theta.reshape(shape), kappa.reshape(shape), ideal.reshape(shape), cap,
-            np.abs(lam).sum(axis=1).reshape(shape), measure, v.reshape(shape), q1.reshape(wide), lam.reshape(wide),
-            limits.acceleration, length, rule, integral,
-        )
+    cells = continuous_dual.Cells(
+        theta.reshape(shape), kappa.reshape(shape), ideal.reshape(shape), cap,
+        np.abs(lam).sum(axis=1).reshape(shape), measure, v.reshape(shape), q1.reshape(wide), lam.reshape(wide), length,
     )  # fmt: skip
+    return continuous_dual.best_value(COUNTS, cells, limits.acceleration, continuous_dual.Rule(rule, integral))
 
 
 def widest_at_breaks(run: AxisRun, law: SplineLaw, edges: Floats, cap: Floats) -> Floats:

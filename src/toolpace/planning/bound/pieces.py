@@ -53,7 +53,7 @@ class Joined:
         self.run, self.limits, self.law, self.ends = run, limits, law, ends
         every = law.nodes[:: max(n // SAMPLES, 1)]
         self.highest = max(
-            highest_of(steady_speed(run, limits, every)[0], run.s1 - run.s0), ends[0].speed**2, ends[1].speed**2
+            highest_of(steady_speed(run, limits, every)[0], run.s1 - run.s0), ends[0].speed ** 2, ends[1].speed ** 2
         )
         self.gathered, self.cap, self.wait = np.zeros((n, 8)), np.empty(n), np.zeros(n)
         self.terms = 4 * len(limits)
@@ -79,7 +79,7 @@ class Joined:
         knots = Knots(discretise(self.run, self.limits, around, start, end, self.highest))
         none = np.zeros(len(nodes))
         found = relaxed(knots, coefficients_of(nodes, law.cells[low:high]), none, knots.cap)
-        mine = dual.gather(knots.first, knots.weight, none, knots.rows, found.dual, knots.end, self.terms)
+        mine = dual.gather(knots.as_knots(), none, found.dual, self.terms)
         with self.lock:
             self.gathered[low : high + 1] += weight[:, None] * mine
             self.cap[first : last + 1] = knots.cap[first - low : last + 1 - low]
@@ -92,14 +92,17 @@ class Joined:
         mesh = OnMesh(law.nodes, law.rest, self.ends)
         weight = node_weights(law.nodes, law.rest)
         pace = 1.0 / np.sqrt(law.z_at_nodes())
-        value, _, _ = dual.value_of(
-            cubic_spline.basis_at_knots(law.nodes), weight, np.zeros(len(weight) + 2), np.zeros(len(weight)), self.cap,
-            self.gathered, self.terms, mesh.end, mesh.ratio, mesh.fixed,
+        n = len(weight)
+        # the rows have been gathered
+        knots = dual.KnotRows(
+            cubic_spline.basis_at_knots(law.nodes), np.zeros(n + 1, dtype=np.int64), weight, np.zeros(n + 2),
+            np.empty((0, 2 * len(self.limits), 3)), mesh.as_ends(),
         )  # fmt: skip
+        value, _, _ = dual.value_of(knots, np.zeros(n), self.cap, self.gathered, self.terms)
         mesh_duration = float(weight @ pace)
         places = standstills(law.nodes, self.wait > STANDS_STILL * pace, weight * self.wait)
         kept = places[places[:, 2] > IN_GAP * (mesh_duration - value)]
-        return Bound(law.duration, mesh_duration, float(value), kept, steps)
+        return Bound(law.duration, mesh_duration, value, kept, steps)
 
 
 def bound_long_run(

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.kernels.optimal import newton, relaxation_knots
-from toolpace.kernels.optimal.dual import dual_value
+from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
+from toolpace.kernels.optimal.dual import KnotRows, dual_value
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import relief_of
 
@@ -29,7 +29,7 @@ class Knots:
         node, n = problem.node, len(problem.nodes)
         self.first = np.searchsorted(node, np.arange(n + 1))
         self.basis = np.ascontiguousarray(problem.basis[self.first[:-1]])
-        self.weight = np.bincount(node, problem.weight, n)
+        self.weight = np.asarray(np.bincount(node, problem.weight, n), dtype=np.float64)
         self.price = np.zeros(n + 2)
         """(n + 2,) of the coefficients, where what surrounds a part is priced."""
         by = problem.lowered[node]
@@ -39,6 +39,11 @@ class Knots:
         self.rows[:, :half] /= by[:, 1, None, None]
         self.rows[:, half:] /= by[:, 2, None, None]
         self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
+
+    def as_knots(self) -> KnotRows:
+        """The problem as the kernels take it."""
+        ends = newton.Ends(self.end, self.ratio, self.fixed)
+        return KnotRows(self.basis, self.first, self.weight, self.price, self.rows, ends)
 
     def state(self, c: Floats) -> Floats:
         """(n, 3) z, z', z'' at the knots."""
@@ -50,11 +55,7 @@ class Knots:
         """The bound by multipliers (points, rows, 2) >= 0 of the sum over all z from low to high (n,), kappa, theta."""
         low = np.zeros(len(self.weight)) if low is None else low
         high = self.cap if high is None else high
-        value, kappa, theta = dual_value(
-            self.basis, self.first, self.weight, self.price, low, high, self.rows, dual, self.end, self.ratio,
-            self.fixed,
-        )  # fmt: skip
-        return float(value), kappa, theta
+        return dual_value(self.as_knots(), low, high, dual)
 
     def value(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> float:
         """The bound alone."""
@@ -155,8 +156,8 @@ def start_within(
     used = np.zeros(len(u))
     np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
     relief = np.zeros((len(u), 4))
-    relief[:, relaxation_knots.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
-    relief[:, relaxation_knots.RELIEF_ACCELERATION] = relief_of(used)
+    relief[:, relaxation_work.RELIEF_CAP] = high * relief_of(u[:, 0] / high)
+    relief[:, relaxation_work.RELIEF_ACCELERATION] = relief_of(used)
     floor = low > 0.0
-    relief[floor, relaxation_knots.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
+    relief[floor, relaxation_work.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief

@@ -72,10 +72,9 @@ def relaxed(
     """The relaxation of a problem with z from low (0: unknown) to high (n,), by a plan's c; `enough` ends it early."""
     start, relief = start_within(knots, c, low, high)
     value, dual, wait, _, _, steps = relaxation.relax(
-        knots.basis, knots.first, knots.weight, knots.price, low, high, knots.rows, start, relief, knots.end,
-        knots.ratio, knots.fixed, 1.0, tolerance, enough, MOST_STEPS,
-    )  # fmt: skip
-    return Relaxed(float(value), dual, wait, start, int(steps))
+        knots.as_knots(), low, high, start, relief, tolerance, enough, MOST_STEPS
+    )
+    return Relaxed(value, dual, wait, start, steps)
 
 
 def lower_bound(problem: Problem, law: SplineLaw) -> Bound:

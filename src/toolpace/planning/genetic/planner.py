@@ -15,6 +15,7 @@ from toolpace.arrays import Floats, Ints
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.kernels.planners import genetic
+from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.laws.quintic import INSIDE, QuinticLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
@@ -91,11 +92,12 @@ class Genetic(Options):
         return PlannedRun(law, len(law.s))
 
     @property
-    def breeding(self) -> tuple[int, int, int, float, float, int, int]:
-        """Population, generations, bits, crossover, mutation, elite, tournament size: as the kernels take them."""
+    def breeding(self) -> genetic.Breeding:
+        """The options as the kernels take them."""
         tournament = 2 if self.selection == "tournament" else 0
-        return (
-            self.population, self.generations, self.bits, self.crossover, self.mutation, self.elite, tournament
+        return genetic.Breeding(
+            self.population, self.generations, self.bits, float(self.crossover), float(self.mutation), self.elite,
+            tournament,
         )  # fmt: skip
 
 
@@ -115,8 +117,8 @@ def shortest(parts: Intervals, given: Preset, options: Genetic, allowed: Floats,
         ends = np.array([given.speed[k], given.acceleration[k], given.speed[k + 1], given.acceleration[k + 1]])
         mean = 2.0 * parts.x[k, -1] / (ends[0] + ends[2])
         period, value, kind = genetic.shorten(
-            parts.x[k], parts.share[k], parts.pace[k], ends, given.periods[k], allowed[k],
-            min(FASTEST * mean, given.periods[k]), SLOWEST * mean, *options.breeding, options.seed + int(k),
+            Interval(parts.x[k], parts.share[k], parts.pace[k]), ends, options.breeding, given.periods[k], allowed[k],
+            min(FASTEST * mean, given.periods[k]), SLOWEST * mean, options.seed + int(k),
         )  # fmt: skip
         if value > allowed[k]:
             raise InfeasibleError(
@@ -139,8 +141,8 @@ def evolved(parts: Intervals, given: Preset, options: Genetic, allowed: Floats, 
         reach = np.array([0.1, 0.15, 0.3 * speed[k] / min(periods[k - 1], periods[k])]) * shrink
         pair = slice(k - 1, k + 1)
         speed[k], acceleration[k], periods[k - 1], periods[k] = genetic.reset_point(
-            parts.x[pair], parts.share[pair], parts.pace[pair], ends, periods[pair], allowed[pair], reach,
-            *options.breeding, options.seed + 1000003 * (sweep + 1) + k,
+            Interval(parts.x[pair], parts.share[pair], parts.pace[pair]), ends, options.breeding, periods[pair],
+            allowed[pair], reach, options.seed + 1000003 * (sweep + 1) + k,
         )  # fmt: skip
     return Preset(speed, acceleration, periods)
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import InfeasibleError
-from toolpace.kernels.planners import quintic_interval
+from toolpace.kernels.planners import preset_speeds
+from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.planning.endstate import EndState
 from toolpace.planning.genetic.problem import Intervals
 from toolpace.planning.mesh.guess import guess
@@ -42,13 +43,12 @@ def preset(parts: Intervals, start: EndState, end: EndState, reserve: float) -> 
     )  # fmt: skip
     fixed = np.zeros(len(points), dtype=np.int64)
     fixed[[0, -1]] = 1
-    periods, bad, value, which = quintic_interval.preset(
-        parts.x, parts.share, parts.pace, speed, acceleration, fixed, reserve, REPAIRS
-    )
+    intervals = Interval(parts.x, parts.share, parts.pace)
+    periods, bad, value, which = preset_speeds.preset(intervals, speed, acceleration, fixed, reserve, REPAIRS)
     if bad >= 0:
         raise InfeasibleError(
             f"genetic: no preset speeds for {parts.interval_name(bad)}: its best law takes {value:.4g} of"
             f" {parts.limit_name(which)}; give more intervals, or start slower"
         )
-    quintic_interval.raise_speeds(parts.x, parts.share, parts.pace, speed, acceleration, fixed, reserve, periods)
+    preset_speeds.raise_speeds(intervals, speed, acceleration, fixed, reserve, periods)
     return Preset(speed, acceleration, periods)

@@ -60,9 +60,8 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[Seen, Seen]:
     found = []
     count = 0
     for level in itertools.count(1):
-        unseen = first_guess.unseen(
-            of_low, of_high, high - low, slow, limits.velocity, limits.acceleration, limits.jerk
-        )
+        ends = (np.ascontiguousarray(of_low), np.ascontiguousarray(of_high))
+        unseen = first_guess.unseen(*ends, high - low, slow, limits.velocity, limits.acceleration, limits.jerk)
         marked = (unseen > UNSEEN) & (high - low > 2.0 * shortest)
         count += int(marked.sum())
         if not marked.any() or count > MOST_POINTS:
@@ -85,5 +84,6 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[Seen, Seen]:
 
 def allowed(run: AxisRun, limits: Limits, s: Floats, q: Floats) -> tuple[Floats, Floats]:
     """(n,) z at steady speed and (n,) d3s/dt3 at rest that the limits allow at s, from the derivatives q there."""
-    _, steady, third = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s))
+    whole = np.ascontiguousarray(q)
+    _, steady, third = first_guess.pointwise(whole, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s))
     return steady, third

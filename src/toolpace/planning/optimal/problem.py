@@ -42,6 +42,10 @@ class OnMesh:
         z0, z1 = ends[0].speed ** 2, ends[1].speed ** 2
         self.fixed = np.array([z0, z0 + 2.0 * ends[0].acceleration * first, z1 - 2.0 * ends[1].acceleration * last, z1])
 
+    def as_ends(self) -> newton.Ends:
+        """The ends as the kernels take them."""
+        return newton.Ends(self.end, self.ratio, self.fixed)
+
 
 def node_weights(nodes: Floats, rest: tuple[float, float]) -> Floats:
     """(n,) of the pace 1 / sqrt(z) at the nodes in the time of a run."""
@@ -63,6 +67,10 @@ class Problem(OnMesh):
         self.cap = np.empty(0)
         self.rows = np.empty((0, 0, 3))
         self.lowered = np.ones((len(nodes), 3))
+
+    def as_points(self) -> limit_rows.PointRows:
+        """The rows as the kernels take them."""
+        return limit_rows.PointRows(self.basis, self.node, self.weight, self.cap, self.rows)
 
     def lower(self, by: Floats) -> None:
         """Divide the limits at the nodes by the factors (nodes, 3) of speed, acceleration and jerk."""
@@ -98,7 +106,7 @@ def discretise(
     rest = (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1]))
     node, point, left = sides(inner, run.breaks[slice(*np.searchsorted(run.breaks, [nodes[0], nodes[-1]]))])
     point = np.clip(point, run.s0, run.s1)
-    q = run.evaluate(point)
+    q = np.ascontiguousarray(run.evaluate(point))
     problem = Problem(inner, rest, node, (start, end))
     cap, steady, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(point))
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.

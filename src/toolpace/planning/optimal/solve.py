@@ -127,12 +127,11 @@ def attempted(problem: Problem, begin: Floats, first_gap: float) -> Attempt | No
     if not np.isfinite(relief).all():
         return None
     found, status, _, gap, gradient = solver.maximise_speed(
-        problem.basis, problem.node, problem.weight, problem.cap, problem.rows, begin.copy(),
-        relief, problem.end, problem.ratio, first_gap, TOLERANCE, MOST_STEPS,
-    )  # fmt: skip
+        problem.as_points(), problem.as_ends(), begin.copy(), relief, first_gap, TOLERANCE, MOST_STEPS
+    )
     if status == solver.OPTIMAL:
         return Attempt(found, optimal=True)
-    used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, found)
+    used, z = limit_rows.usage(problem.as_points(), found)
     with np.errstate(invalid="ignore", divide="ignore"):
         time = float((problem.weight / np.sqrt(z)).sum())
     return Attempt(found, False, time, max(gap, STEEP * gradient), used)
@@ -166,13 +165,12 @@ def within(problem: Problem, c: Floats) -> Floats:
 
 def usage(problem: Problem, c: Floats) -> Floats:
     """(points, 3) largest value over limit of cap, acceleration and jerk rows; c (n,); infinite where z <= 0."""
-    used: Floats = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)[0]
-    return used
+    return limit_rows.usage(problem.as_points(), c)[0]
 
 
 def reliefs(problem: Problem, c: Floats) -> Floats:
     """(points, 3) by how much cap, acceleration and jerk rows must be relaxed for c to lie inside them."""
-    used, z = limit_rows.usage(problem.basis, problem.node, problem.cap, problem.rows, c)
+    used, z = limit_rows.usage(problem.as_points(), c)
     natural = np.stack([problem.cap, np.ones_like(z), 1.0 / np.sqrt(np.maximum(z, 1e-300))], axis=1)
     relief: Floats = relief_of(used) * natural
     return relief

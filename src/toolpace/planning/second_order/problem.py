@@ -76,18 +76,21 @@ class Cells:
         top[[0, -1]] = np.maximum(top[[0, -1]], [z0, z1])
         return top
 
+    def arrays(self, top: Floats) -> reachability.Rows:
+        """The rows as the kernel takes them, with caps `top` (n + 1,) of the nodes."""
+        return reachability.Rows(
+            np.diff(self.nodes), self.at, self.place, self.tight, self.q1, self.q2, self.cap, top
+        )
+
     def solve(self, z0: float, z1: float) -> tuple[Floats, int, int]:
         """The highest z (n + 1,) from z0 to z1, how it went, and at which node it failed (see the kernel).
 
         Where a joint's q' changes sign in a cell (zero inertia), a fast start of the cell may leave no speed at its
         end. Such cells are passed at steady speed then: with x and y below 1 / |q''| its rows hold whatever they are.
         """
-        h = np.diff(self.nodes)
         for _ in range(MOST_CALMED):
             top = self.top(z0, z1)
-            z, status, node = reachability.solve(
-                h, self.at, self.place, self.tight, self.q1, self.q2, self.cap, top, z0, z1
-            )
+            z, status, node = reachability.solve(self.arrays(top), z0, z1)
             fallen = (z[1:-1] <= COLLAPSED * np.minimum(z[:-2], top[1:-1])) & ~self.calm[:-1]
             if status != reachability.FEASIBLE or not fallen.any():
                 break

@@ -24,10 +24,7 @@ def refusal(
     """The error of a solve that went wrong at a node; `ends` are the given z."""
     top = cells.top(*ends)
     if status == reachability.UNREACHABLE:
-        h = np.diff(cells.nodes)
-        low, high, k = reachability.backward(
-            h, cells.at, cells.place, cells.tight, cells.q1, cells.q2, cells.cap, top, ends[1]
-        )
+        low, high, k = reachability.backward(cells.arrays(top), ends[1])
         before, after = (0.0, float(top[k])), (float(low[k + 1]), float(high[k + 1]))
     else:
         k, x = march(cells, top, ends[0], slow=status == reachability.TOO_FAST)
