@@ -32,7 +32,7 @@ check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 	$(BIN)/lint-imports
 
 docs: $(VENV)/.base $(VENV)/.docs  ## the documentation as a site, with the pictures of the examples; any warning fails
-	$(BIN)/sphinx-build -W --keep-going -n -q -b html docs $(SITE)
+	$(BIN)/sphinx-build -E -W --keep-going -n -q -b html docs $(SITE)
 	@echo "open $(SITE)/index.html"
 
 census:  ## count modules, circles, long functions; CENSUS=--strict fails where a rule of the house is broken

@@ -38,10 +38,8 @@ nitpicky = True
 # Names of other projects: their inventories would have to be fetched.
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|npt|os|pathlib|collections|typing|datetime)\b.*"),
-    ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping"),
-    # Parts of the inside that public fields show: they have names, and no page.
-    ("py:.*", r"toolpace\.(machine\.(file|geometry)|path\.run|axispath\.run|laws\.law|workers)\..*"),
-    ("py:.*", r"(toolpace\.judge\.)?Sampled|(tuple|dict)\[str"),
+    ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping|BSpline|PPoly"),
+    ("py:.*", r"toolpace\.(workers\.(R|CallersProgress)|kernels\..*)"),
 ]
 default_role = "code"
 smartquotes = False  # primes are derivatives
@@ -73,6 +71,11 @@ sphinx_gallery_conf = {
     "min_reported_time": 1e9,
     "abort_on_example_error": True,
 }
+
+# A page of an example that is gone would stay in the gallery.
+for page in (HERE / "gallery").glob("[0-9]*.rst"):
+    if not (HERE.parent / "examples" / f"{page.stem}.py").exists():
+        page.unlink()
 
 html_theme = "pydata_sphinx_theme"
 html_title = "toolpace"

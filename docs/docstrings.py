@@ -9,9 +9,11 @@
 from __future__ import annotations
 
 import re
+from dataclasses import is_dataclass
 from typing import Any
 
 from sphinx.application import Sphinx
+from sphinx.util.inspect import signature, stringify_signature
 
 ALIAS = re.compile(r"TypeAliasForwardRef\('([^']*)'\)")
 MARKUP = re.compile(r"[*|\\]|_(?=\W|$)")
@@ -27,8 +29,15 @@ def as_markup(app: Any, what: str, name: str, thing: Any, options: Any, lines: l
 def with_short_types(
     app: Any, what: str, name: str, thing: Any, options: Any, arguments: str | None, result: str | None
 ) -> tuple[str | None, str | None]:
-    """A signature with the names of array types as they stand in the code, in nested types too."""
-    short = [None if text is None else ALIAS.sub(r"\1", text) for text in (arguments, result)]
+    """A signature with the names of array types as they stand in the code, in nested types too.
+
+    What a dataclass makes anew for each object shows as `...`: "<factory>" is no Python. A dataclass that looks at its
+    options before they are taken (`__new__`) shows the options themselves.
+    """
+    if what == "class" and is_dataclass(thing) and thing.__new__ is not object.__new__:
+        arguments = stringify_signature(signature(thing.__init__, bound_method=True), unqualified_typehints=True)
+    texts = (None if text is None else text.replace("<factory>", "...") for text in (arguments, result))
+    short = [None if text is None else ALIAS.sub(r"\1", text) for text in texts]
     return short[0], short[1]
 
 

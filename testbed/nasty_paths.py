@@ -225,7 +225,7 @@ class Hinted(CallableRun):
     """A run with hints of its own."""
 
     def __init__(self, run, hints):
-        super().__init__(run.f, run.s0, run.s1, run.cap, run.breaks)
+        super().__init__(run.f, run.s0, run.s1, run.speed_cap, run.breaks)
         self.hints = hints
 
 

@@ -16,7 +16,7 @@ BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NOTES = sorted((DOCS / "design").glob("*.md"))
 PEERS = ("toppra", "ruckig")
 HERE = {name for name in PEERS if importlib.util.find_spec(name)}
-"""Peers that are installed: `bench` asks for them."""
+"""Peers that are installed; where there is none for a machine, what is theirs on the pages is left out."""
 
 
 def blocks_of(page: str) -> list[tuple[str, str]]:

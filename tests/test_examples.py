@@ -21,6 +21,7 @@ TESTED = {
     "05_read_the_result",
     "06_what_tolerance_buys",
     "07_choose_a_planner",
+    "08_waypoints",
     "09_back_onto_the_path",
 }
 
@@ -103,6 +104,14 @@ def test_choose_a_planner():
     assert second_order.duration < optimal.duration < genetic.duration
     assert max(optimal.usage().worst, genetic.usage().worst) <= 1.0001
     assert np.isinf(second_order.usage().worst)
+
+
+def test_waypoints():
+    example = load("08_waypoints")
+    for name, path in example.paths.items():
+        run, plan = path.runs[0], example.plans[name]
+        assert plan.usage().worst <= 1.0001
+        assert np.allclose(run.evaluate(np.array([run.s0, run.s1]))[0], example.waypoints[[0, -1]])
 
 
 def test_back_onto_the_path():

@@ -8,7 +8,7 @@ from benchmarks.peers import Outcome, Stopwatch, failed
 from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import ToolpaceError
 from toolpace.machine.limits import Limits
-from toolpace.planning.second_order.planner import cell_peaks, second_order_law
+from toolpace.planning.second_order.planner import peaks_in_cells, second_order_law
 from toolpace.planning.second_order.problem import Cells
 
 
@@ -21,7 +21,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, j
     except ToolpaceError as error:
         return failed(watch(), str(error))
     seconds = watch()
-    between = float(cell_peaks(run, limits, law).max()) if judge else np.nan
+    between = float(peaks_in_cells(run, limits, law).max()) if judge else np.nan
     return Outcome(law.duration, seconds, between=between, points=n + 1)
 
 

@@ -40,7 +40,7 @@ def draw(trajectory: tp.Trajectory, target: Path) -> None:
     coloured.set_array(speed[1:][cutting])
     space.add_collection3d(coloured)
     space.set(xlim=(-40, 40), ylim=(-40, 40), zlim=(0, 76))
-    space.set_box_aspect((80, 80, 76), zoom=1.45)
+    space.set_box_aspect((80, 80, 76), zoom=1.2)
     space.view_init(34, -60)
     space.set_axis_off()
     left.colorbar(coloured, ax=space, label="speed of the tip [m/min]", shrink=0.6, location="left")

@@ -11,7 +11,7 @@ from toolpace.laws.chain import ChainLaw, LawPiece
 from toolpace.laws.law import TimeLaw
 from toolpace.laws.quintic import QuinticLaw
 from toolpace.machine.limits import Limits
-from toolpace.planning.genetic.planner import Genetic, peaks, shortened
+from toolpace.planning.genetic.planner import Genetic, interval_peaks, with_bred_periods
 from toolpace.planning.genetic.preset_speeds import Preset
 from toolpace.planning.genetic.problem import Intervals, reference_points
 from toolpace.planning.guarantee import KEPT_INTERVAL
@@ -62,10 +62,10 @@ def shortened_piece(run: DetourRun, limits: Limits, direct: LawPiece, ends: Floa
     s, v, a = ends[:3]
     parts = Intervals(run, limits, s.copy(), (False, False))
     given = Preset(v.copy(), a.copy(), np.array([direct.end - direct.begin]))
-    if peaks(parts, given).max() > KEPT_INTERVAL:
+    if interval_peaks(parts, given).max() > KEPT_INTERVAL:
         return direct
     try:
-        best = shortened(parts, given, planner)
+        best = with_bred_periods(parts, given, planner)
     except InfeasibleError:
         return direct
     law = QuinticLaw(s.copy(), best.speed, best.acceleration, best.periods)

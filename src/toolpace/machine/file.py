@@ -7,30 +7,31 @@ from __future__ import annotations
 
 import math
 import tomllib
-from typing import Any, Literal
+from typing import Literal, TypeVar
 
 import msgspec
 
 from toolpace.errors import MachineError, did_you_mean
 
 Vector = tuple[float, float, float]
+Table = TypeVar("Table", bound=msgspec.Struct)
 
 LENGTHS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
 
 
-class Units(msgspec.Struct, forbid_unknown_fields=True):
+class Units(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """What the figures of the file are in; seconds throughout."""
 
     length: Literal["m", "mm", "in"] = "m"
     angle: Literal["rad", "deg"] = "rad"
 
 
-class ChainFile(msgspec.Struct, forbid_unknown_fields=True):
+class ChainFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The two joint chains; points and directions in the bed frame with every joint at zero."""
 
-    workpiece: list[str]
-    tool: list[str]
+    workpiece: tuple[str, ...]
+    tool: tuple[str, ...]
     spindle_nose: Vector
     tool_length: float
     workpiece_origin: Vector = (0.0, 0.0, 0.0)
@@ -39,7 +40,7 @@ class ChainFile(msgspec.Struct, forbid_unknown_fields=True):
     tool_axis: Vector = (0.0, 0.0, 1.0)
 
 
-class JointFile(msgspec.Struct, forbid_unknown_fields=True):
+class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """One joint."""
 
     kind: Literal["linear", "rotary"]
@@ -52,13 +53,16 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True):
     wrap: bool = False
 
 
-class MachineFile(msgspec.Struct, forbid_unknown_fields=True):
+class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """All of a file, in SI units."""
 
     name: str
     chain: ChainFile
     joints: dict[str, JointFile]
     note: str = ""
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.chain, tuple(self.joints.items()), self.note))
 
 
 def read_machine(text: str, source: str) -> MachineFile:
@@ -77,9 +81,12 @@ def read_machine(text: str, source: str) -> MachineFile:
         if not isinstance(raw.get(key, ""), str):
             raise MachineError(f"{source}: {key} must be text in quotes")
     length, angle = LENGTHS[units.length], ANGLES[units.angle]
-    chain.spindle_nose = _scaled(chain.spindle_nose, length)
-    chain.workpiece_origin = _scaled(chain.workpiece_origin, length)
-    chain.tool_length *= length
+    chain = msgspec.structs.replace(
+        chain,
+        spindle_nose=_scaled(chain.spindle_nose, length),
+        workpiece_origin=_scaled(chain.workpiece_origin, length),
+        tool_length=chain.tool_length * length,
+    )
     for key in ("spindle_nose", "workpiece_origin", "workpiece_x", "workpiece_z", "tool_axis"):
         if not all(map(math.isfinite, getattr(chain, key))):
             raise MachineError(f"{source}: [chain] {key} must be three finite numbers")
@@ -88,12 +95,14 @@ def read_machine(text: str, source: str) -> MachineFile:
     for name, joint in joints.items():
         _check_joint(name, joint, source, units)
         scale = length if joint.kind == "linear" else angle
-        joint.point = _scaled(joint.point, length)
-        joint.velocity *= scale
-        joint.acceleration *= scale
-        joint.jerk *= scale
-        if joint.travel is not None:
-            joint.travel = (joint.travel[0] * scale, joint.travel[1] * scale)
+        joints[name] = msgspec.structs.replace(
+            joint,
+            point=_scaled(joint.point, length),
+            velocity=joint.velocity * scale,
+            acceleration=joint.acceleration * scale,
+            jerk=joint.jerk * scale,
+            travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
+        )
     return MachineFile(raw["name"], chain, joints, raw.get("note", ""))
 
 
@@ -114,7 +123,7 @@ def write_machine(machine: MachineFile) -> str:
 
 
 def _check_keys(
-    raw: dict[str, Any], known: tuple[str, ...], required: tuple[str, ...], place: str, source: str
+    raw: dict[str, object], known: tuple[str, ...], required: tuple[str, ...], place: str, source: str
 ) -> None:
     where = f"{place} " if place else ""
     for key in raw:
@@ -125,7 +134,7 @@ def _check_keys(
             raise MachineError(f"{source}: {where}'{key}' is missing; add it")
 
 
-def _convert(raw: Any, kind: Any, place: str, source: str) -> Any:
+def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
     if not isinstance(raw, dict):
         raise MachineError(f"{source}: {place} must be a table")
     fields = msgspec.structs.fields(kind)
@@ -173,11 +182,11 @@ def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
 
 
-def _value(value: Any) -> str:
+def _value(value: bool | str | float | tuple[str, ...] | tuple[float, ...]) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return _quoted(value)
-    if isinstance(value, list | tuple):
+    if isinstance(value, tuple):
         return "[" + ", ".join(_value(item) for item in value) + "]"
     return repr(float(value))

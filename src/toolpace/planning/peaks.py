@@ -11,19 +11,20 @@ from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.workers import Workers
 
 CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""
 
 
-def cell_peaks(meshed: MeshedRun, law: SplineLaw, cells: Ints | None = None, workers: Workers | None = None) -> Floats:
+def cell_peaks(
+    run: AxisRun, limits: Limits, law: SplineLaw, cells: Ints | None = None, workers: Workers | None = None
+) -> Floats:
     """(n, 3) largest usage in the given cells of the spline (default: in all), by speed, acceleration and jerk."""
     wanted = np.arange(len(law.nodes) - 1) if cells is None else cells
 
     def of_part(first: int) -> Floats:
-        return peaks_of(meshed.run, meshed.limits, law, wanted[first : first + CHUNK])
+        return peaks_of(run, limits, law, wanted[first : first + CHUNK])
 
     parts = (workers or Workers()).each(of_part, range(0, len(wanted), CHUNK))
     return np.concatenate(parts) if parts else np.empty((0, 3))

@@ -29,6 +29,7 @@ _TABLE = re.compile(r"^\s*\"?x\s*[\[(,;\t]", re.IGNORECASE | re.MULTILINE)
 _GCODE = re.compile(r"^\s*(?:%|/?(?:N\s*[0-9]+\s*)?[GM][ \t]*[0-9]|O[0-9]+\b)", re.IGNORECASE | re.MULTILINE)
 _CONVERSATIONAL = re.compile(r"^\s*[0-9]+\s+(?:BEGIN PGM|L\s+[XYZ]|TOOL CALL)", re.IGNORECASE | re.MULTILINE)
 HEAD = 200
+"""Lines by which a program without a known suffix is told."""
 
 
 def dialect_of(source: Source, wanted: str | None = None) -> str:

@@ -13,7 +13,7 @@ from tests.support.conic import conic_optimum
 from tests.support.mesh_problems import mesh_time, small, solved
 from toolpace.errors import UsageError
 from toolpace.laws.spline import SplineLaw
-from toolpace.planning.bound.branch_and_bound import Near, Part, Piece, close
+from toolpace.planning.bound.branch_and_bound import Box, Neighbourhood, Part, close
 from toolpace.planning.bound.open_places import losses_by_knot, settled
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import prove_run
@@ -39,7 +39,7 @@ def whole(knots, c):
     """All of a problem as one part, with the multipliers of its relaxation, and as one piece."""
     found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap)
     part = Part(knots, np.arange(len(knots.cap), dtype=float), found._replace(dual=settled(knots, found.dual)))
-    return part, Piece(found.value, np.zeros_like(knots.cap), knots.cap, part.found)
+    return part, Box(found.value, np.zeros_like(knots.cap), knots.cap, part.found)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 4, 5, 7, 8])
@@ -107,7 +107,7 @@ def test_beyond_a_border_ipopt_finds_nothing_below_what_was_asked(seed):
     rng = np.random.default_rng(seed)
     borders = confirmed = 0
     for k in rng.choice(np.arange(3, len(knots.weight) - 3), 4, replace=False).tolist():
-        near = Near(part, piece, k, ramp=1e6)
+        near = Neighbourhood(part, piece, k, ramp=1e6)
         upper, lower = near.border(True, enough), near.border(False, enough)
         if np.isfinite(upper):
             assert upper > knots.state(c)[k, 0]

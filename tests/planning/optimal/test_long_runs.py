@@ -31,7 +31,6 @@ from toolpace.planning.optimal import meshed_run, windows
 from toolpace.planning.optimal.ease import easing, slowing, within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
-from toolpace.planning.peaks import cell_peaks
 from toolpace.planning.planner import plan
 from toolpace.workers import CallersProgress, Workers
 
@@ -171,14 +170,14 @@ def left_too_fast(by):
     c = law.c.copy()
     c[1500:1503] *= 1.0 + by
     law = SplineLaw(law.nodes, c, law.rest)
-    return of_run, law, cell_peaks(of_run, law)
+    return of_run, law, of_run.peaks(law)
 
 
 def test_a_place_that_stays_above_is_eased_alone():
     of_run, law, peak = left_too_fast(1e-5)
     assert peak.max() > GUARANTEE
     eased = within_guarantee(of_run, law, Workers())
-    assert cell_peaks(of_run, eased).max() <= GUARANTEE
+    assert of_run.peaks(eased).max() <= GUARANTEE
     left = easing(law, peak, of_run.ramp)
     assert left[0] == left[-1] == 1.0 and left.min() < 1.0
     assert eased.duration < law.slowed(slowing(peak)).duration

@@ -25,6 +25,7 @@ INSIDE = 0.6
 SMOOTHING = 0.01
 """Weight of the roughness in the first spline: it smooths what is shorter than a few tolerances."""
 ROUNDS = 60
+"""Rounds of halving after which there is no spline: each halves cells, so no cell can still be too long."""
 
 
 def inside_spline(
@@ -41,7 +42,7 @@ def inside_spline(
     data = sample(line, breaks, axis_tolerance, machine)
     where: Floats | None = None
     for _ in range(ROUNDS):
-        settle(spline, data, weight, where, workers)
+        smooth_samples(spline, data, weight, where, workers)
         bad = data.s[~(deviation(spline, data) <= INSIDE)]
         if len(bad) == 0:
             # a spline with as many coefficients as samples obeys at the samples and swings between them
@@ -68,7 +69,7 @@ def near_polyline(line: Polyline, breaks: Floats) -> Spline:
     return spline
 
 
-def settle(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
+def smooth_samples(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
     """Replace the coefficients about the parameters `where`, or all, by those of the smoothing spline."""
     from toolpace.kernels.fit import tube
     from toolpace.kernels.fit.least_squares import least_squares

@@ -20,7 +20,7 @@ from toolpace.arrays import Floats, Ints
 from toolpace.kernels.optimal import dual
 from toolpace.planning.bound.open_places import settled, surroundings
 from toolpace.planning.bound.problem import Knots
-from toolpace.planning.bound.relaxation import Relaxed, relaxed
+from toolpace.planning.bound.relaxation import Relaxation, relaxed
 from toolpace.workers import Progress, Workers
 
 KNOT_RAMPS = 2.0
@@ -50,18 +50,18 @@ class Part:
     knots: Knots
     clock: Floats
     """(n,) when the plan passes the knots [s]."""
-    found: Relaxed
+    found: Relaxation
     """Multipliers and motion of the relaxation of the whole run, and what those multipliers prove of the part."""
 
 
 @dataclass(frozen=True)
-class Piece:
+class Box:
     """Everything with z in these ranges takes at least `value`."""
 
     value: float
     low: Floats
     high: Floats
-    found: Relaxed
+    found: Relaxation
     """The relaxation within the ranges."""
 
 
@@ -77,7 +77,7 @@ def close(
     cut = base + NECESSARY * lost
     enough = base + min(NECESSARY * lost, needed)
     low = np.zeros_like(part.knots.cap)
-    pieces = [Piece(base, low, part.knots.cap, part.found)]
+    pieces = [Box(base, low, part.knots.cap, part.found)]
     patience, best = PATIENCE, base
     while patience and time.monotonic() < until:
         worst = min(pieces, key=lambda piece: piece.value)
@@ -91,11 +91,11 @@ def close(
         if tighter.value >= min(worst.value + LEAST_PROGRESS * (cut - worst.value), enough):
             pieces.append(tighter)
         else:
-            pieces += [relaxed_in(part, low, high, tighter) for low, high in halves(tighter, part.knots)]
+            pieces += [relaxed_in(part, low, high, tighter) for low, high in split_at_widest(tighter, part.knots)]
     return max(min(min(piece.value for piece in pieces), cut) - base, 0.0)
 
 
-def tightened(part: Part, piece: Piece, wanted: float, until: float, ramp: float, workers: Workers) -> Piece:
+def tightened(part: Part, piece: Box, wanted: float, until: float, ramp: float, workers: Workers) -> Box:
     """The piece with the ranges of its open knots narrowed to what may take less than `wanted`.
 
     What is cut off takes at least that, as multipliers of its own prove. So it need not be looked at again.
@@ -105,7 +105,7 @@ def tightened(part: Part, piece: Piece, wanted: float, until: float, ramp: float
     def narrow(k: int) -> tuple[int, float, float]:
         if time.monotonic() > until:
             return k, np.nan, np.nan
-        near = Near(part, piece, k, ramp)
+        near = Neighbourhood(part, piece, k, ramp)
         return k, near.border(False, wanted), near.border(True, wanted)
 
     for k, least, most in workers.each(narrow, open_knots(part.knots, piece).tolist()):
@@ -113,7 +113,7 @@ def tightened(part: Part, piece: Piece, wanted: float, until: float, ramp: float
     return relaxed_in(part, low, high, piece)
 
 
-def open_knots(knots: Knots, piece: Piece) -> Ints:
+def open_knots(knots: Knots, piece: Box) -> Ints:
     """The knots that wait longest, and their neighbours."""
     seconds = knots.weight * piece.found.wait * knots.has_rows()
     is_open: npt.NDArray[np.bool_] = seconds > OPEN * seconds.max()
@@ -122,10 +122,10 @@ def open_knots(knots: Knots, piece: Piece) -> Ints:
     return np.flatnonzero(is_open)
 
 
-class Near:
+class Neighbourhood:
     """The surroundings of a knot in a piece; beyond them, the multipliers of the piece stand."""
 
-    def __init__(self, part: Part, piece: Piece, k: int, ramp: float) -> None:
+    def __init__(self, part: Part, piece: Box, k: int, ramp: float) -> None:
         low, high = surroundings(part.clock, np.array([k]), KNOT_RAMPS * ramp)
         mine = slice(int(low[0]), int(high[0]) + 1)
         found = piece.found
@@ -169,16 +169,16 @@ class Near:
         return dual.range_beyond(kappa[k], theta[k], low[k], high[k], wanted, upper)
 
 
-def relaxed_in(part: Part, low: Floats, high: Floats, whole: Piece) -> Piece:
+def relaxed_in(part: Part, low: Floats, high: Floats, whole: Box) -> Box:
     """The relaxation within ranges that are part of those of a piece."""
     found = relaxed(part.knots, part.found.c, low, high)
     found = found._replace(dual=settled(part.knots, found.dual, low))
     if not found.value > whole.found.value:
         found = whole.found
-    return Piece(max(found.value, whole.value), low, high, found)
+    return Box(max(found.value, whole.value), low, high, found)
 
 
-def halves(piece: Piece, knots: Knots) -> list[tuple[Floats, Floats]]:
+def split_at_widest(piece: Box, knots: Knots) -> list[tuple[Floats, Floats]]:
     """The ranges of a piece, that of the knot which waits longest split at its speed."""
     k = int(np.argmax(knots.weight * piece.found.wait * knots.has_rows()))
     z = knots.state(piece.found.c)[k, 0]

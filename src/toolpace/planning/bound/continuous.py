@@ -34,6 +34,7 @@ TOLERANCE = 1e-7
 FROM_REST = 3
 """Nodes next to rest, where multipliers of the mesh are no good: they are continued from the next ones."""
 LEAST_KAPPA = 1e-3
+"""Kappa below which a knot's pace is taken at this one, in the guess of theta only: any theta gives a bound."""
 
 
 def continuous_bound(run: AxisRun, limits: Limits, law: SplineLaw) -> float:

@@ -45,7 +45,7 @@ SAMPLES = 20_000
 """Nodes from which the highest steady speed of the run is taken."""
 
 
-class Joined:
+class JoinedPieces:
     """What is known of a run's knots, put together from its pieces."""
 
     def __init__(self, run: AxisRun, limits: Limits, law: SplineLaw, ends: tuple[EndState, EndState]) -> None:
@@ -118,7 +118,7 @@ def bound_long_run(
     border, over = borders(law, OVERLAP_RAMPS * min(ramp_time(limits), law.duration))
     if len(border) == 2:
         return bound_run(run, limits, law, start, end)
-    joined = Joined(run, limits, law, (start, end))
+    joined = JoinedPieces(run, limits, law, (start, end))
 
     def one(k: int) -> int:
         first, last = int(border[k]), int(border[k + 1])

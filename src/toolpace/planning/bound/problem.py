@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import numpy.typing as npt
 
@@ -120,13 +122,13 @@ class Knots:
 
     def between(self, low: int, high: int, c: Floats) -> Knots:
         """The knots from one to another, all their rows with them; the outermost coefficients stay as in c."""
-        part = object.__new__(Knots)
+        part = copy(self)
         ends = np.array([low == 0, high == len(self.weight) - 1])
         part.first = self.first[low : high + 2] - self.first[low]
         part.basis, part.weight = self.basis[low : high + 1], self.weight[low : high + 1].copy()
         part.price, part.cap = self.price[low : high + 3].copy(), self.cap[low : high + 1].copy()
         part.rows = self.rows[self.first[low] : self.first[high + 1]]
-        part.end, part.ratio = np.where(ends, self.end, newton.MOVING), self.ratio
+        part.end = np.where(ends, self.end, newton.MOVING)
         part.fixed = np.where(np.repeat(ends, 2), self.fixed, c[[low, low + 1, high + 1, high + 2]])
         for place in np.array([0, -1])[~ends]:
             part.cap[place] = max(part.cap[place], 1e3 * part.fixed.max())

@@ -21,7 +21,7 @@ from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import (
     STANDS_STILL,
     Bound,
-    Relaxed,
+    Relaxation,
     coefficients,
     places_in_time,
     problem_of,
@@ -143,13 +143,13 @@ def prove_run(
     return Bound(law.duration, planned, max(value, found.value), kept, found.steps)
 
 
-def part_around(knots: Knots, place: Place, found: Relaxed, dual: Floats, clock: Floats) -> Part:
+def part_around(knots: Knots, place: Place, found: Relaxation, dual: Floats, clock: Floats) -> Part:
     """The part around a place."""
     part = knots.part(place.low, place.high, found.c, dual)
     mine = slice(place.low, place.high + 1)
     prices = knots.of_part(part, place.low, dual)
     c = found.c[place.low : place.high + 3]
-    return Part(part, clock[mine], Relaxed(part.value(prices), prices, found.wait[mine], c, 0))
+    return Part(part, clock[mine], Relaxation(part.value(prices), prices, found.wait[mine], c, 0))
 
 
 def to_gain(problem: Problem, c: Floats, place: Place) -> float:

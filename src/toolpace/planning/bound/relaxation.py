@@ -52,7 +52,7 @@ class Bound:
         return self.duration / (1.0 + self.gap) if np.isfinite(self.duration) else 0.0
 
 
-class Relaxed(NamedTuple):
+class Relaxation(NamedTuple):
     """What the relaxation of a problem by knots came to."""
 
     value: float
@@ -68,13 +68,13 @@ class Relaxed(NamedTuple):
 
 def relaxed(
     knots: Knots, c: Floats, low: Floats, high: Floats, tolerance: float = TOLERANCE, enough: float = np.inf
-) -> Relaxed:
+) -> Relaxation:
     """The relaxation of a problem with z from low (0: unknown) to high (n,), by a plan's c; `enough` ends it early."""
     start, relief = start_within(knots, c, low, high)
     value, dual, wait, _, _, steps = relaxation.relax(
         knots.as_knots(), low, high, start, relief, tolerance, enough, MOST_STEPS
     )
-    return Relaxed(value, dual, wait, start, steps)
+    return Relaxation(value, dual, wait, start, steps)
 
 
 def lower_bound(problem: Problem, law: SplineLaw) -> Bound:

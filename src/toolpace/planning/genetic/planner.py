@@ -162,7 +162,7 @@ def bred_law(
     reserve = options.reserve
     for attempt in range(ATTEMPTS):
         try:
-            now = shortened(parts, preset(parts, start, end, reserve), options)
+            now = with_bred_periods(parts, preset(parts, start, end, reserve), options)
             break
         except InfeasibleError:
             # the limits were passed between the nodes at which the presets were set: set them lower
@@ -173,7 +173,7 @@ def bred_law(
     for sweep in range(options.evolve):
         while True:
             trial = evolved(parts, now, options, np.full(len(now.periods), 1.0 - slack), sweep)
-            if peaks(parts, trial).max() <= BRED:
+            if interval_peaks(parts, trial).max() <= BRED:
                 break
             slack *= 2.0
         now = trial
@@ -185,7 +185,7 @@ def law_of(parts: Intervals, preset: Preset) -> QuinticLaw:
     return QuinticLaw(parts.points, preset.speed, preset.acceleration, preset.periods)
 
 
-def peaks(parts: Intervals, preset: Preset) -> Floats:
+def interval_peaks(parts: Intervals, preset: Preset) -> Floats:
     """(n,) largest value over limit in each interval, seen on both sides of the points and densely between."""
     probe = law_of(parts, preset).probe()
     ratios = limit_ratios(parts.run, parts.limits, probe.state, probe.right).max(axis=1)
@@ -197,7 +197,7 @@ def peaks(parts: Intervals, preset: Preset) -> Floats:
     return largest
 
 
-def shortened(parts: Intervals, first: Preset, options: Genetic) -> Preset:
+def with_bred_periods(parts: Intervals, first: Preset, options: Genetic) -> Preset:
     """The preset with periods by the genetic algorithm, interval by interval, held within the limits between nodes."""
     n = len(first.periods)
     allowed, which, now = np.ones(n), np.arange(n), first
@@ -205,7 +205,7 @@ def shortened(parts: Intervals, first: Preset, options: Genetic) -> Preset:
         periods = now.periods.copy()
         periods[which] = shortest(parts, first, options, allowed, which)
         now = Preset(first.speed, first.acceleration, periods)
-        peak = peaks(parts, now)
+        peak = interval_peaks(parts, now)
         which = np.flatnonzero(peak > BRED)
         if len(which) == 0:
             return now

@@ -22,7 +22,7 @@ MOST_POINTS = 20_000
 """Points after which no closer look is taken: a path that is detail everywhere is not looked at for ever."""
 
 
-class Seen(NamedTuple):
+class LimitsAlong(NamedTuple):
     """What the limits allow at places along a run, at the worse side of a break."""
 
     s: Floats
@@ -37,7 +37,7 @@ def detail(run: AxisRun, limits: Limits, s: Floats) -> Floats:
     return closer_look(run, limits, s)[1].s
 
 
-def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[Seen, Seen]:
+def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, LimitsAlong]:
     """What there is at the grid s (n,), which holds the breaks, and at points between where that does not tell enough.
 
     The grid is halved where the path does not go on as its derivatives say: something happens between two points if
@@ -55,7 +55,7 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[Seen, Seen]:
         steady_before, third_before = allowed(run, limits, before, of_high[:, at])
         steady[1 + at] = np.minimum(steady[1 + at], steady_before)
         third[1 + at] = np.minimum(third[1 + at], third_before)
-    grid = Seen(s, steady, third)
+    grid = LimitsAlong(s, steady, third)
     shortest = max(FINEST * (run.s1 - run.s0), 4.0 * float(np.spacing(max(abs(run.s0), abs(run.s1)))))
     found = []
     count = 0
@@ -77,9 +77,9 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[Seen, Seen]:
         of_low, of_high = np.concatenate([of_low, of_middle], axis=1), np.concatenate([of_middle, of_high], axis=1)
         slow = np.minimum(np.tile(slow, 2), np.tile(steady, 2))
     if not found:
-        return grid, Seen(np.empty(0), np.empty(0), np.empty(0))
+        return grid, LimitsAlong(np.empty(0), np.empty(0), np.empty(0))
     between = np.concatenate(found, axis=1)
-    return grid, Seen(*between[:, np.argsort(between[0])])
+    return grid, LimitsAlong(*between[:, np.argsort(between[0])])
 
 
 def allowed(run: AxisRun, limits: Limits, s: Floats, q: Floats) -> tuple[Floats, Floats]:

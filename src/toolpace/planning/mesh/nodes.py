@@ -53,7 +53,7 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
         count += EVEN_SHARE * count.sum() * np.diff(rough.s) / (run.s1 - run.s0)
     measure = np.concatenate([[0.0], np.cumsum(count)])
     wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
-    nodes = spread(run, rough, measure, wanted, ends, step)
+    nodes = spread_nodes(run, rough, measure, wanted, ends, step)
     nodes = with_breaks(nodes, rough.detail, 0.0)
     knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
     return with_breaks(nodes, knots), rough
@@ -87,7 +87,7 @@ def between_hints(run: AxisRun, rough: Guess, step: float) -> Floats:
     return np.minimum(CELLS_A_HINT * share, np.diff(rough.t) / (ONE_PLACE * step))
 
 
-def spread(
+def spread_nodes(
     run: AxisRun, rough: Guess, measure: Floats, wanted: int, ends: tuple[float, float], step: float
 ) -> Floats:
     """The nodes that are wanted, even in a measure (n,) that grows along the guess; next to rest one step is one."""
@@ -120,7 +120,7 @@ def with_breaks(nodes: Floats, breaks: Floats, one_place: float = ONE_PLACE) -> 
     return np.unique(np.concatenate([nodes[:2], inner[keep], breaks, nodes[-2:]]))
 
 
-def split(nodes: Floats, parts: Ints) -> Floats:
+def cut_cells(nodes: Floats, parts: Ints) -> Floats:
     """The nodes with each cell cut into `parts` (n - 1,) equal cells."""
     cell = np.repeat(np.arange(len(parts)), parts)
     first = np.concatenate([[0], np.cumsum(parts)[:-1]])

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from toolpace.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.laws.spline import SplineLaw
-from toolpace.planning.mesh.nodes import split
+from toolpace.planning.mesh.nodes import cut_cells
 
 NOTHING = 1e-3
 """Share of z at the nodes of a cell below which it has fallen to nothing inside: there a parabola touches zero, and
@@ -28,10 +28,10 @@ def without_dips(law: SplineLaw) -> SplineLaw:
             break
         short = too_short(law.nodes)
         parts = np.where(dips & ~short, 4, 1)
-        finer = split(law.nodes, parts)
+        finer = cut_cells(law.nodes, parts)
         c, least = on_finer_mesh(law, finer)
         z = law.z_at_nodes()
-        fallen = dips & (short | (lowest(law) <= NOTHING * np.minimum(z[:-1], z[1:])))
+        fallen = dips & (short | (lowest_z(law) <= NOTHING * np.minimum(z[:-1], z[1:])))
         if fallen.any():
             # all that touches the cells that have fallen
             near = np.convolve(np.repeat(fallen, parts), np.ones(4)) > 0.0
@@ -56,7 +56,7 @@ def too_short(nodes: Floats) -> npt.NDArray[np.bool_]:
     return short
 
 
-def lowest(law: SplineLaw) -> Floats:
+def lowest_z(law: SplineLaw) -> Floats:
     """(n - 1,) least z in each cell, at the places where it is probed."""
     x = np.diff(law.nodes)[:, None] * law.inside
     a = law.cells.T[:, :, None]

@@ -10,7 +10,6 @@ from toolpace.planning.guarantee import GUARANTEE
 from toolpace.planning.optimal.dips import without_dips
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import LIMITS, Stalled
-from toolpace.planning.peaks import cell_peaks
 from toolpace.workers import Workers
 
 MOST_EASED = 300
@@ -32,16 +31,17 @@ def within_guarantee(meshed: MeshedRun, law: SplineLaw, workers: Workers) -> Spl
     One that could not be solved, and so uses no limit anywhere, is sped up.
     """
     law = without_dips(law)
-    peak = cell_peaks(meshed, law, workers=workers)
+    peak = meshed.peaks(law, workers=workers)
     rests = law.rest[0] > 0.0 and law.rest[1] > 0.0
     if peak.max() <= GUARANTEE:
-        return law.slowed(closer(meshed, law, peak, workers)) if rests and 0.0 < scale(peak) < TOO_SLOW else law
+        unused = rests and 0.0 < slowing_factor(peak) < TOO_SLOW
+        return law.slowed(closer(meshed, law, peak, workers)) if unused else law
     finite = bool(np.isfinite(peak).all())
     slowed = law.slowed(max(1.0, closer(meshed, law, peak, workers))) if finite and rests else None
     if finite:
         eased = SplineLaw(law.nodes, law.c * easing(law, peak, meshed.ramp), law.rest)
         better = slowed is None or eased.duration < slowed.duration
-        if better and not eased.dips().any() and cell_peaks(meshed, eased, workers=workers).max() <= GUARANTEE:
+        if better and not eased.dips().any() and meshed.peaks(eased, workers=workers).max() <= GUARANTEE:
             return eased
     if slowed is None:
         cell, kind = divmod(int(np.nan_to_num(peak, nan=np.inf).argmax()), peak.shape[1])
@@ -55,10 +55,10 @@ def closer(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: Workers) ->
     highest = np.argsort(-used)[:CLOSER_CELLS]
     fine = SplineLaw(law.nodes, law.c, law.rest)
     fine.inside = np.linspace(0.0, 1.0, CLOSER)
-    return max(scale(peak), scale(cell_peaks(meshed, fine, highest, workers)))
+    return max(slowing_factor(peak), slowing_factor(meshed.peaks(fine, highest, workers)))
 
 
-def scale(peak: Floats) -> float:
+def slowing_factor(peak: Floats) -> float:
     """By how much z must be divided for the peaks (cells, 3) of speed, acceleration and jerk to come to 1."""
     speed, acceleration, jerk = peak.max(axis=0)
     return float(max(speed**2, acceleration, jerk ** (2.0 / 3.0)))
@@ -66,7 +66,7 @@ def scale(peak: Floats) -> float:
 
 def slowing(peak: Floats) -> float:
     """The same, where anything must be slowed down; else 1."""
-    return max(1.0, scale(peak))
+    return max(1.0, slowing_factor(peak))
 
 
 def worth(law: SplineLaw, peak: Floats, ramp: float) -> float:

@@ -12,7 +12,6 @@ from toolpace.planning.optimal.ease import within_guarantee, worth
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, slower
 from toolpace.planning.optimal.windows import mend, solve_run, stretches
-from toolpace.planning.peaks import cell_peaks
 from toolpace.workers import UNTOLD, Progress, Workers
 
 START_LOSS = 0.03
@@ -50,7 +49,7 @@ def guarded(
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
     slow the best one down to the guarantee
     """
-    peak = cell_peaks(meshed, law, workers=workers)
+    peak = meshed.peaks(law, workers=workers)
     best, least = law, worth(law, peak, meshed.ramp)
     for number in range(MOST_ROUNDS):
         dips = law.dips()
@@ -71,7 +70,7 @@ def guarded(
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
-        peak[moved] = cell_peaks(meshed, law, moved, workers)
+        peak[moved] = meshed.peaks(law, moved, workers)
         now = worth(law, peak, meshed.ramp)
         if now < least:
             best, least = law, now

@@ -11,9 +11,11 @@ from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import EndState
 from toolpace.planning.guarantee import ALLOWED
 from toolpace.planning.mesh.guess import Guess, ramp_time
-from toolpace.planning.mesh.nodes import split
+from toolpace.planning.mesh.nodes import cut_cells
 from toolpace.planning.optimal.dips import on_finer_mesh
 from toolpace.planning.optimal.problem import OnMesh, Problem, discretise
+from toolpace.planning.peaks import cell_peaks
+from toolpace.workers import Workers
 
 LEAST_REACH = 40
 """Fewest nodes on either side of a place that is mended."""
@@ -102,6 +104,10 @@ class MeshedRun(OnMesh):
             np.maximum(excess[low:high], over[low - shift : high - shift], out=excess[low:high])
         self.lower(excess)
 
+    def peaks(self, law: SplineLaw, cells: Ints | None = None, workers: Workers | None = None) -> Floats:
+        """(n, 3) largest usage of a law in the given cells (default: in all), by speed, acceleration and jerk."""
+        return cell_peaks(self.run, self.limits, law, cells, workers)
+
     def lower(self, by: Floats) -> None:
         """Divide the limits at the nodes by the factors (nodes, 3) of speed, acceleration and jerk."""
         self.lowered *= by
@@ -116,7 +122,7 @@ class MeshedRun(OnMesh):
         if parts.max() == 1:
             self.clock = law.times
             return self, law.c
-        nodes = split(self.nodes, parts)
+        nodes = cut_cells(self.nodes, parts)
         passed = law.nodes, law.times
         finer = MeshedRun(
             self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest, passed, self.ramp

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import numpy.typing as npt
 
@@ -86,11 +88,11 @@ class Problem(OnMesh):
 
         There the two outermost coefficients are given, so that everything outside stays as it is.
         """
-        part = object.__new__(Problem)
+        part = copy(self)
         mine = slice(*np.searchsorted(self.node, [low, high + 1]))
-        part.nodes, part.rest, part.lowered = self.nodes[low : high + 1], self.rest, self.lowered[low : high + 1]
+        part.nodes, part.lowered = self.nodes[low : high + 1], self.lowered[low : high + 1]
         part.node, part.basis, part.weight = self.node[mine] - low, self.basis[mine], self.weight[mine]
-        part.cap, part.rows, part.ratio, part.fixed = self.cap[mine], self.rows[mine], self.ratio, self.fixed
+        part.cap, part.rows = self.cap[mine], self.rows[mine]
         part.end = np.where([low == 0, high == len(self.nodes) - 1], self.end, newton.MOVING)
         return part
 

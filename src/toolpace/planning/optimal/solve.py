@@ -101,7 +101,7 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
     starts = [(slower(problem, c, loss), first_gap) for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0))]
     rests = bool((problem.end == newton.REST).all())
     if rests:
-        starts.append((within(problem, c), 1.0))
+        starts.append((well_inside(problem, c), 1.0))
     attempts: list[Attempt] = []
     for begin, first_gap in starts:
         attempt = attempted(problem, begin, first_gap)
@@ -154,16 +154,16 @@ def stalled(problem: Problem, attempts: list[Attempt]) -> Stalled:
     return Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind])
 
 
-def within(problem: Problem, c: Floats) -> Floats:
+def well_inside(problem: Problem, c: Floats) -> Floats:
     """The coefficients lowered together until half of every limit is left, which two rests allow; zeros where z is."""
-    if not np.isfinite(usage(problem, c)).all():
+    if not np.isfinite(row_usage(problem, c)).all():
         return np.zeros(len(c))
-    cap, acceleration, jerk = usage(problem, c).max(axis=0)
+    cap, acceleration, jerk = row_usage(problem, c).max(axis=0)
     inside: Floats = c / (2.0 * max(cap, acceleration, jerk ** (2.0 / 3.0), 0.5))
     return inside
 
 
-def usage(problem: Problem, c: Floats) -> Floats:
+def row_usage(problem: Problem, c: Floats) -> Floats:
     """(points, 3) largest value over limit of cap, acceleration and jerk rows; c (n,); infinite where z <= 0."""
     return limit_rows.usage(problem.as_points(), c)[0]
 

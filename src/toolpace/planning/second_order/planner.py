@@ -20,7 +20,7 @@ from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.guarantee import ALLOWED, GUARANTEE
 from toolpace.planning.mesh.detail import detail
-from toolpace.planning.mesh.nodes import split, with_breaks
+from toolpace.planning.mesh.nodes import cut_cells, with_breaks
 from toolpace.planning.options import Options, check_mesh
 from toolpace.planning.peaks import CHUNK, peaks_of
 from toolpace.planning.planned_run import PlannedRun
@@ -68,7 +68,7 @@ class SecondOrder(Options):
         return PlannedRun(law, len(law.nodes))
 
 
-def even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> Floats:
+def mesh_even_in_time(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> Floats:
     """Nodes (n,) from s0 to s1, half even in s, half in the time of a first solve; breaks and detail come on top."""
     knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
     wanted = cells or max(DEFAULT_CELLS, CELLS_A_HINT * len(run.hints))
@@ -106,10 +106,10 @@ def second_order_law(
     ends = start.speed**2, end.speed**2
     fixed = cells is not None or nodes is not None
     if nodes is None:
-        nodes = even_in_time(run, limits, ends, cells)
+        nodes = mesh_even_in_time(run, limits, ends, cells)
     rows = Cells(run, limits, nodes, FIVE if guard else BOTH_ENDS)
     law = solved(run, limits, rows, ends)
-    return guarded(run, limits, rows, law, ends, fixed) if guard else law
+    return held_everywhere(run, limits, rows, law, ends, fixed) if guard else law
 
 
 def solved(run: AxisRun, limits: Limits, rows: Cells, ends: tuple[float, float]) -> LinearLaw:
@@ -126,7 +126,7 @@ def solved(run: AxisRun, limits: Limits, rows: Cells, ends: tuple[float, float])
     return LinearLaw(rows.nodes, z)
 
 
-def guarded(
+def held_everywhere(
     run: AxisRun, limits: Limits, rows: Cells, law: LinearLaw, ends: tuple[float, float], fixed: bool
 ) -> LinearLaw:
     """The law with its limits held between all places too.
@@ -135,7 +135,7 @@ def guarded(
     that costs two passes. What is left in the end, slowing the whole motion down takes away.
     """
     for round_ in range(MOST_ROUNDS):
-        peak = cell_peaks(run, limits, law)
+        peak = peaks_in_cells(run, limits, law)
         worst = peak.max(axis=1)
         if worst.max() <= ALLOWED:
             return law
@@ -143,11 +143,11 @@ def guarded(
         tight = rows.tight * np.where((peak > ALLOWED) & ~cut[:, None], 1.0 + OVERSHOOT * (peak - 1.0), 1.0)
         if cut.any():
             parts = 1 + cut.astype(np.int64)
-            rows = Cells(run, limits, split(rows.nodes, parts), FIVE)
+            rows = Cells(run, limits, cut_cells(rows.nodes, parts), FIVE)
             tight = np.repeat(tight, parts, axis=0)
         rows.tight = tight
         law = solved(run, limits, rows, ends)
-    speed, acceleration = cell_peaks(run, limits, law).max(axis=0)
+    speed, acceleration = peaks_in_cells(run, limits, law).max(axis=0)
     if max(speed, acceleration) <= GUARANTEE:
         return law
     if ends != (0.0, 0.0):
@@ -158,7 +158,7 @@ def guarded(
     return law.slowed(max(speed**2, acceleration))
 
 
-def cell_peaks(run: AxisRun, limits: Limits, law: LinearLaw) -> Floats:
+def peaks_in_cells(run: AxisRun, limits: Limits, law: LinearLaw) -> Floats:
     """(n, 2) largest usage in each cell: of velocity limits and feed, and of acceleration limits."""
     every = np.arange(len(law.acceleration))
     parts = [every[first : first + CHUNK] for first in range(0, len(every), CHUNK)]

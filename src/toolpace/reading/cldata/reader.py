@@ -18,7 +18,9 @@ from toolpace.units import INCH, MILLIMETRE
 
 UNITS = {"MM": MILLIMETRE, "INCHES": INCH, "INCH": INCH, "IN": INCH, "CM": 1e-2, "M": 1.0}
 LONGEST_DELAY = 86400.0
+"""A day [s]: a longer delay is a slip of units."""
 MOST_TURNS = 1000
+"""Most times that an arc is gone round: more is a slip, and would fill memory with points."""
 
 
 class ClReader:

@@ -15,6 +15,7 @@ from toolpace.units import DEGREE
 FARTHEST = 1e6
 """Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""
 MOST_TURNS = 1000
+"""Most whole turns of an arc (P): more is a slip, and would fill memory with points."""
 _CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
 
 

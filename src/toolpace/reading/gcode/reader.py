@@ -17,6 +17,7 @@ from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
 LONGEST_DWELL = 86400.0
+"""A day [s]: a longer dwell is a slip of units."""
 _PROGRAM_NUMBER = re.compile(r"O[ \t]*[0-9]+|:[ \t]*[0-9]+")
 
 

@@ -26,8 +26,11 @@ FIRST_TURN = np.deg2rad(5.0)
 """Most rotation of a piece before measuring [rad], so that three places inside see the whole of it."""
 MOST_PIECES_OF_BLOCK = 100_000
 MOST_PIECES = 4_000_000
+"""Most points of one block, and of a program: what asks for more would fill memory before it is planned."""
 CHUNK = 100_000
+"""Points that are measured at a time, to keep memory low."""
 INSIDE = np.array([0.25, 0.5, 0.75])
+"""Shares of a piece at which it is measured against chord and great circle."""
 
 
 class Unroll:
