@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 SITE ?= out/docs
 
-.PHONY: help demo test check census docs bench clean
+.PHONY: help demo test check census first-run docs bench clean
 
 help:  ## what there is to make
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 8
@@ -37,6 +37,9 @@ docs: $(VENV)/.base $(VENV)/.docs  ## the documentation as a site, with the pict
 
 census:  ## count modules, circles, long functions; CENSUS=--strict fails where a rule of the house is broken
 	$(PYTHON) tools/census.py $(CENSUS)
+
+first-run: $(VENV)/.base  ## compile all from an empty cache: kernels, specialisations, seconds
+	$(BIN)/python tools/first_run.py
 
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks

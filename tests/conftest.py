@@ -14,6 +14,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--sweep", action="store_true", help="run the long sweeps too (CI=true does so as well)")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Before many processes run the tests, compile the kernels once, on all cores."""
+    if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
+        from toolpace.kernels import warm
+
+        warm.warm_up()
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if IN_CI or config.getoption("--sweep"):
         return

@@ -12,7 +12,6 @@ carry out a job:
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -151,27 +150,12 @@ def write_results(
 
 def warm_up(steps: Steps) -> None:
     """On the first run of all, compile what the job will need, and say so."""
-    from toolpace.kernels.jit import cache_folder
+    from toolpace.kernels import warm
 
-    # Some code lies in the cache as soon as anything was compiled: only a whole job that went well tells all does.
-    done = cache_folder() / "warm"
-    if done.exists():
+    if warm.is_warm():
         return
-    with steps.step("compiling", "first run on this computer, may take a minute; kept for later runs"):
-        from toolpace import demo
-        from toolpace.judge import verify
-        from toolpace.machine.machine import Machine
-        from toolpace.path.path import Path as SmoothPath
-        from toolpace.planning.planner import plan
-        from toolpace.reading import read_text
-
-        machine = Machine.load(demo.MACHINE)
-        toolpath = read_text(demo.spiral_program(200, machine), machine)
-        trajectory = plan(SmoothPath.fit(toolpath, machine=machine), machine)
-        trajectory.usage()
-        verify(trajectory, machine, toolpath)
-        with contextlib.suppress(OSError):
-            done.touch()
+    with steps.step("compiling", "first run on this computer, may take a minute; kept for later runs") as tell:
+        warm.warm_up(tell)
 
 
 def written(job: Job) -> list[str]:

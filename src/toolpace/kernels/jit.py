@@ -1,39 +1,25 @@
-"""The one decorator of all compiled functions, with a cache that knows when any kernel changed.
+"""The one decorator of all compiled functions.
 
-numba's own cache looks at the file of the function only: after an edit in another file that the function inlines,
-stale machine code would run. The cache folder is therefore named after a hash of all kernel sources.
+Each kernel is compiled once, for one signature: arrays in C order, int64, float64. Where a kernel calls another with
+a constant, numba would compile a version for each value; here a constant is an int64 like any other.
 """
 
 from __future__ import annotations
 
-import hashlib
-import os
 from collections.abc import Callable
-from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
 from typing import Any, TypeVar
 
 import numba
-from numba.core import config
 
-
-def cache_folder() -> Path:
-    """The folder of the compiled code of exactly these sources."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(source.read_bytes())
-    base = os.environ.get("TOOLPACE_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "toolpace" / digest.hexdigest()[:16]
-
-
-_CACHE = cache_folder()
-
-
-def is_warm() -> bool:
-    """Whether compiled code of these sources lies in the cache already."""
-    return _CACHE.is_dir() and any(_CACHE.rglob("*.nbi"))
-
+from toolpace.kernels.cache import KernelCache
 
 F = TypeVar("F", bound=Callable[..., Any])
+TYPES: Any = numba.types
+
+KERNELS: dict[str, Any] = {}
+"""Every compiled function of the modules imported so far, by the name that `name_of` gives."""
+HOME = f"{__package__}."
 
 
 def jit(*, reorder: bool = False, inline: bool = False) -> Callable[[F], F]:
@@ -47,18 +33,52 @@ def jit(*, reorder: bool = False, inline: bool = False) -> Callable[[F], F]:
     flags: Any = {"reassoc", "contract", "nsz", "arcp"} if reorder else False
 
     def decorate(function: F) -> F:
-        before = config.CACHE_DIR
-        config.CACHE_DIR = str(_CACHE)
-        try:
-            compiled: F = numba.njit(
-                cache=True,
-                nogil=True,
-                fastmath=flags,
-                error_model="numpy",
-                inline="always" if inline else "never",
-            )(function)
-        finally:
-            config.CACHE_DIR = before
-        return compiled
+        compiled: Any = numba.njit(
+            nogil=True,
+            fastmath=flags,
+            error_model="numpy",
+            inline="always" if inline else "never",
+            no_cfunc_wrapper=True,  # for calls from C: never called, and costs time to compile
+        )(function)
+        if compiled is not function:  # with NUMBA_DISABLE_JIT it is the function itself
+            _take_constants_as_values(compiled)
+            # A function that is none of ours (a test's, a user's) is not known to the cache's key.
+            if function.__module__.startswith(HOME):
+                name = name_of(function)
+                compiled._cache = KernelCache(name)
+                KERNELS[name] = compiled
+        kernel: F = compiled
+        return kernel
 
     return decorate
+
+
+def name_of(function: Any) -> str:
+    """Name of a kernel below this package: `optimal.solver.maximise_speed`, or `fit.band.solve_of_width.run(w=6)`."""
+    name = f"{function.__module__.removeprefix(HOME)}.{function.__qualname__.replace('<locals>.', '')}"
+    cells = zip(function.__code__.co_freevars, function.__closure__ or ())
+    closed_over = ", ".join(f"{variable}={cell.cell_contents!r}" for variable, cell in cells)
+    return f"{name}({closed_over})" if closed_over else name
+
+
+def called_by(name: str) -> set[str]:
+    """Names of the kernels that a kernel names in its body."""
+    function: FunctionType = KERNELS[name].py_func
+    code: CodeType = function.__code__
+    named = [function.__globals__.get(each) for each in code.co_names]
+    # A kernel of another module may be named as an attribute of the module.
+    modules = [each for each in named if isinstance(each, ModuleType)]
+    named += [getattr(module, attribute, None) for module in modules for attribute in code.co_names]
+    known = {id(kernel): each for each, kernel in KERNELS.items()}
+    return {known[id(each)] for each in named if id(each) in known} - {name}
+
+
+def _take_constants_as_values(compiled: Any) -> None:
+    """Have calls with constants, made by other kernels, compiled for the type of the constant, not for its value."""
+    resolve = compiled.get_call_template
+
+    def by_type(args: Any, keywords: Any) -> Any:
+        plain = {each: TYPES.unliteral(kind) for each, kind in keywords.items()}
+        return resolve(tuple(TYPES.unliteral(each) for each in args), plain)
+
+    compiled.get_call_template = by_type

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats
+from toolpace.arrays import Bools, Floats, frozen
 from toolpace.machine.geometry import Geometry
 from toolpace.machine.refusals import singular_pose
 
@@ -21,7 +21,7 @@ def forward(geometry: Geometry, q: Floats) -> tuple[Floats, Floats]:
     """Joint positions (n, m) to tips (n, 3) [m] and unit tool axes (n, 3)."""
     from toolpace.kernels.kinematics import chain
 
-    q = np.ascontiguousarray(q, dtype=float)
+    q = frozen(q)
     tip, axis = np.empty((len(q), 3)), np.empty((len(q), 3))
     chain.forward(geometry.chain, q, tip, axis)
     return tip, axis
@@ -31,7 +31,7 @@ def axis_at(geometry: Geometry, rotary: Floats) -> Floats:
     """Rotary positions (n, 2) [rad] to unit tool axes (n, 3)."""
     from toolpace.kernels.kinematics import chain
 
-    rotary = np.ascontiguousarray(rotary, dtype=float)
+    rotary = frozen(rotary)
     axis = np.empty((len(rotary), 3))
     chain.axes(geometry.frame, rotary, axis)
     return axis
@@ -55,7 +55,7 @@ def joints_at(geometry: Geometry, tip: Floats, rotary: Floats) -> Floats:
     """Tips (n, 3) and rotary positions (n, 2) to joint positions (n, m), whatever their travel. Raises ReachError."""
     from toolpace.kernels.kinematics import chain
 
-    tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
+    tip, rotary = frozen(tip), frozen(rotary)
     q = np.empty((len(tip), len(geometry.joints)))
     singular = chain.joints_at(geometry.chain, tip, rotary, q)
     if singular >= 0:

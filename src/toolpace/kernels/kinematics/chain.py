@@ -32,14 +32,14 @@ SINGULAR = 1e-9
 """Volume spanned by the three linear directions below which they cannot move the tip in space."""
 
 
-@jit()
+@jit(inline=True)
 def dot(a: Vector, b: Vector) -> float:
     """Inner product of two vectors (3,)."""
     product: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return product
 
 
-@jit()
+@jit(inline=True)
 def triple(a: Vector, b: Vector, c: Vector) -> float:
     """a . (b x c)."""
     volume: float = (
@@ -48,7 +48,7 @@ def triple(a: Vector, b: Vector, c: Vector) -> float:
     return volume
 
 
-@jit()
+@jit(inline=True)
 def turn(u: Floats, sine: float, cosine: float, v: Floats, out: Floats) -> None:
     """Rodrigues: turn v about the unit vector u; `out` may be `v`."""
     along = dot(u, v) * (1.0 - cosine)
@@ -93,7 +93,7 @@ def axes(frame: Floats, rotary: Floats, axis: Floats) -> None:
         turn(frame[U1], math.sin(rotary[i, 0]), math.cos(rotary[i, 0]), axis[i], axis[i])
 
 
-@jit()
+@jit(inline=True)
 def second_angle(frame: Floats, target: Vector) -> float:
     """Angle of R2 that brings R2 a0 nearest to the target (3,), itself given in the frame before R1."""
     u2 = frame[U2]

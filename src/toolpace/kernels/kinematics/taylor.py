@@ -50,7 +50,7 @@ def sine_term(angle: Angle, k: int) -> None:
     angle.cosine[k] = c / k
 
 
-@jit()
+@jit(inline=True)
 def split(direction: Floats, vector: Floats, parts: Floats) -> None:
     """Split a vector (3,) for turning about a direction: R(t) v = parts[0] + cos(t) parts[1] + sin(t) parts[2]."""
     dot = direction[0] * vector[0] + direction[1] * vector[1] + direction[2] * vector[2]

@@ -1,0 +1,117 @@
+"""A first run: what it compiles is known beforehand, and shared among processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from toolpace.kernels import signatures, warm
+from toolpace.kernels.cache import SUFFIX
+from toolpace.kernels.jit import KERNELS, called_by
+from toolpace.kernels.lock import FileLock
+
+LISTED = signatures.read_signatures()
+
+SOME = """
+import json, sys
+from toolpace.kernels import warm
+names = json.loads(sys.argv[1])
+listed = warm.read_signatures()
+warm.read_signatures = lambda: {name: listed[name] for name in names}
+shared = []
+share_out = warm._share_out
+warm._share_out = lambda *given: shared.append(1) or share_out(*given)
+told = []
+warm.warm_up(told.append)
+print(len(shared), warm.is_warm(), told == sorted(told))
+"""
+"""Compiles some kernels; prints whether it shared them out, whether all are there, whether progress only rose."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def kernels() -> None:
+    warm.import_kernels()
+
+
+@pytest.fixture(scope="module")
+def smallest() -> list[str]:
+    """A few kernels that are compiled in no time, and call no other."""
+    alone = [name for name in LISTED if not called_by(name)]
+    return sorted(alone, key=lambda name: len(KERNELS[name].py_func.__code__.co_code))[:4]
+
+
+def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    environment = {**os.environ, "TOOLPACE_CACHE": str(folder)}
+    return subprocess.Popen(
+        [sys.executable, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    )
+
+
+def test_every_listed_kernel_is_there_with_as_many_arguments():
+    for name, kinds in LISTED.items():
+        assert len(kinds) == KERNELS[name].py_func.__code__.co_argcount, name
+
+
+def test_a_type_is_read_as_it_was_written():
+    for kinds in LISTED.values():
+        for kind in kinds:
+            assert signatures.to_text(signatures.from_text(kind)) == kind
+
+
+def test_a_kernel_is_given_out_after_all_that_it_calls():
+    work = warm.Work(LISTED)
+    order: list[str] = []
+    while (name := work.take()) is not None:
+        assert warm._callees(name, set(LISTED)) <= set(order)
+        order.append(name)
+        work.finish(name)
+    assert sorted(order) == sorted(LISTED) and not work.left
+
+
+def test_a_kernel_that_a_worker_gave_back_is_given_out_again(smallest):
+    work = warm.Work({name: LISTED[name] for name in smallest[:1]})
+    assert work.take() == smallest[0]
+    work.give_back(smallest[0])
+    assert work.take() == smallest[0]
+    work.finish(smallest[0])
+    assert work.take() is None
+
+
+def test_one_of_two_processes_compiles_and_both_find_all(tmp_path, smallest):
+    both = [start(tmp_path, "-c", SOME, json.dumps(smallest)) for _ in range(2)]
+    said = sorted(each.communicate(timeout=600) for each in both)
+    assert said == [("0 True True\n", ""), ("1 True True\n", "")]
+    names = sorted(file.name.rpartition("-")[0] for file in tmp_path.rglob(f"*{SUFFIX}"))
+    assert names == sorted(smallest)
+    assert start(tmp_path, "-c", SOME, json.dumps(smallest)).communicate(timeout=600) == ("0 True True\n", "")
+
+
+def test_a_cut_cache_is_told_and_compiled_again(tmp_path, smallest):
+    start(tmp_path, "-c", SOME, json.dumps(smallest)).communicate(timeout=600)
+    for file in tmp_path.rglob(f"*{SUFFIX}"):
+        file.write_bytes(file.read_bytes()[:500])
+    out, said = start(tmp_path, "-c", SOME, json.dumps(smallest)).communicate(timeout=600)
+    assert out == "1 True True\n"
+    assert said.count("\n") == 1 and said.startswith("warning: ") and "damaged" in said
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_one_that_is_stopped_while_it_compiles_leaves_nothing_locked(tmp_path, how):
+    compiling = start(tmp_path, "-m", "toolpace.kernels.warm")
+    while not list(tmp_path.rglob(f"*{SUFFIX}")):
+        assert compiling.poll() is None
+        time.sleep(0.05)
+    (lock,) = tmp_path.rglob("lock")
+    with FileLock(lock) as other:
+        assert not other.take()
+        compiling.send_signal(how)
+        compiling.communicate(timeout=60)
+        assert compiling.returncode != 0
+        assert other.take()
