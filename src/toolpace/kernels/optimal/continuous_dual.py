@@ -66,6 +66,8 @@ def evened_value(first: int, count: int, joint: int, cells: Cells, acceleration:
     (v / q')' = 2 a (theta - share ideal) / q'^2 gives it, and that it ends at zero gives the share.
     """
     theta, ideal, measure, slope, length = cells.theta, cells.ideal, cells.measure, cells.slope, cells.length
+    kappa, cap, size, speed, multiplier = cells.kappa, cells.cap, cells.size, cells.speed, cells.multiplier
+    weights, up_to = rule.weight, rule.up_to
     points = theta.shape[1]
     top = bottom = 0.0
     for k in range(first, first + count):
@@ -79,16 +81,16 @@ def evened_value(first: int, count: int, joint: int, cells: Cells, acceleration:
     for k in range(first, first + count):
         for g in range(points):
             excess = theta[k, g] - share * ideal[k, g]
-            rate[g] = 2.0 * acceleration[joint] * excess / slope[k, g, joint] ** 2 * cells.speed[k, g]
+            rate[g] = 2.0 * acceleration[joint] * excess / slope[k, g, joint] ** 2 * speed[k, g]
         for g in range(points):
             inner = reached
             for h in range(points):
-                inner += length[k] * rule.up_to[g, h] * rate[h]
-            own = cells.multiplier[k, g, joint]
-            cost = cells.size[k, g] - abs(own) + abs(own + slope[k, g, joint] * inner)
-            total += (lowest(cells.kappa[k, g], share * ideal[k, g], 0.0, cells.cap[k, g]) - cost) * measure[k, g]
+                inner += length[k] * up_to[g, h] * rate[h]
+            own = multiplier[k, g, joint]
+            cost = size[k, g] - abs(own) + abs(own + slope[k, g, joint] * inner)
+            total += (lowest(kappa[k, g], share * ideal[k, g], 0.0, cap[k, g]) - cost) * measure[k, g]
         for h in range(points):
-            reached += length[k] * rule.weight[h] * rate[h]
+            reached += length[k] * weights[h] * rate[h]
     return total
 
 

@@ -142,6 +142,7 @@ def eliminate_waits(
     first, weight, active, state, dual = knots.first, knots.weight, own.active, states.at, states.dual
     slack, slope, relaxed = states.slack, states.slope, states.relaxed
     mean, stiff, pull = waits.mean, waits.stiff, waits.pull
+    basis, matrix, rhs = knots.basis, system.matrix, system.rhs
     gap = 0.0
     time = 0.0
     for k in range(len(weight)):
@@ -178,8 +179,8 @@ def eliminate_waits(
                 m11 += force * w1 * w1
                 m12 += force * w1 * w2
                 m22 += force * w2 * w2
-        add_curvature(knots.basis, k, k, (m00, m01, m02, m11, m12, m22), system.matrix)
-        add_slope(knots.basis, k, k, (-g0 - pulled * a0, -pulled * a1, -pulled * a2), system.rhs)
+        add_curvature(basis, k, k, (m00, m01, m02, m11, m12, m22), matrix)
+        add_slope(basis, k, k, (-g0 - pulled * a0, -pulled * a1, -pulled * a2), rhs)
     return gap, time
 
 
@@ -202,7 +203,8 @@ def predict(
     change, and its square.
     """
     active, state, slack, slope, relaxed = own.active, states.at, states.slack, states.slope, states.relaxed
-    dual, mean = states.dual, waits.mean
+    dual, mean, basis = states.dual, waits.mean, knots.basis
+    centring, second, pull_centring, pull_second = system.centring, system.second, waits.centring, waits.second
     falls = grows = linear = square = 0.0
     for k in range(len(state)):
         falls = max(falls, -affine[k, 0] / (MOST_FALL * state[k, Z]))
@@ -213,14 +215,16 @@ def predict(
                 linear += product
                 square += product * change
                 falls, grows = max(falls, -change), max(grows, change)
-                for order in range(2):
-                    push = 1.0 / slack[k, i] if order == 0 else dual[k, i] * (1.0 + change) * change
-                    target = push * PUSH[i]
-                    vector = system.centring if order == 0 else system.second
-                    pull = waits.centring if order == 0 else waits.second
-                    g0 = -push * slope[k, i] - target * mean[k, 0]
-                    add_slope(knots.basis, k, k, (g0, -target * mean[k, 1], -target * mean[k, 2]), vector)
-                    pull[k] += target
+                push = 1.0 / slack[k, i]
+                target = push * PUSH[i]
+                g0 = -push * slope[k, i] - target * mean[k, 0]
+                add_slope(basis, k, k, (g0, -target * mean[k, 1], -target * mean[k, 2]), centring)
+                pull_centring[k] += target
+                push = dual[k, i] * (1.0 + change) * change
+                target = push * PUSH[i]
+                g0 = -push * slope[k, i] - target * mean[k, 0]
+                add_slope(basis, k, k, (g0, -target * mean[k, 1], -target * mean[k, 2]), second)
+                pull_second[k] += target
     return falls, grows, linear, square
 
 
