@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.tool_paths import spiral, tilted, toolpath_through
 from toolpace.cli import job, main
-from toolpace.kernels.kinematics import branches
+from toolpace.kernels.kinematics import branches, states
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import refined
 from toolpace.path.path import Path
@@ -28,9 +28,9 @@ def choices(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     seen: list[int] = []
     choose = branches.choose
 
-    def counted(frame: object, axis: np.ndarray, *rest: object) -> bool:
-        seen.append(len(axis))
-        return choose(frame, axis, *rest)
+    def counted(frame: object, points: states.Points, *rest: object) -> bool:
+        seen.append(len(points.axis))
+        return choose(frame, points, *rest)
 
     monkeypatch.setattr(branches, "choose", counted)
     return seen

@@ -86,9 +86,7 @@ def _fixed(geometry: Geometry, toolpath: ToolPath, solutions: Floats, points: In
     rapid: Bools = np.asarray(np.logical_or.reduceat(ways, np.r_[0, points[:-1] + 1]), dtype=np.bool_)
     axis = np.ascontiguousarray(toolpath.axis[points])
     path = states.Points(axis, solutions, penalty, bridged, rapid)
-    branches.choose(
-        geometry.frame, path, states.Turns(travel, endless, first_turn, slots), chosen, jumps
-    )
+    branches.choose(geometry.frame, path, states.Turns(travel, endless, first_turn, slots), chosen, jumps)
     cut = jumps & ~rapid
     if cut.any():
         at = int(np.argmax(cut))
