@@ -30,6 +30,7 @@ check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tools/census.py --strict
 
 docs: $(VENV)/.base $(VENV)/.docs  ## the documentation as a site, with the pictures of the examples; any warning fails
 	$(BIN)/sphinx-build -E -W --keep-going -n -q -b html docs $(SITE)
