@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Floats, Ints, frozen
 from toolpace.description import counted, one_line
 
 
@@ -110,7 +110,7 @@ class SplineRun(PathRun):
         """Position and derivatives at s (n,); the axis of unit length, with exact derivatives."""
         from toolpace.kernels.fit.quintic_spline import jets
 
-        out = jets(self.breaks, self.coefficients, np.ascontiguousarray(s, dtype=np.float64))
+        out = jets(self.breaks, self.coefficients, frozen(s))
         if out.shape[2] == 5:
             return PathJet(out[:, :, :3], None, out[:, :, 3:])
         return PathJet(out[:, :, :3], unit_jets(out[:, :, 3:]), None)

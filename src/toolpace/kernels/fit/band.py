@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 
 
@@ -66,7 +67,7 @@ def solve_of_width(w: int) -> Callable[[Floats, Floats], None]:
     def run(a: Floats, b: Floats) -> None:
         n = len(b)
         x = np.zeros(n + w)
-        x[:n] = b
+        copy(b, x)
         for c in range(n):
             row = a[c]
             share = x[c] * row[0]
@@ -79,7 +80,7 @@ def solve_of_width(w: int) -> Callable[[Floats, Floats], None]:
             for k in range(1, w):
                 total -= row[k] * x[c + k]
             x[c] = total * row[0]
-        b[:] = x[:n]
+        copy(x[:n], b)
 
     return run
 

@@ -41,5 +41,7 @@ def least_squares(rough: Roughness, samples: Samples, x: Floats, free: Free) -> 
                     value[j, c] += metric[j, c, d] * off[d]
         scatter(first, rows, value, low, n, step)
         solve(band, step)
-        x[low:high] -= step.reshape((n, g))
+        for k in range(n):
+            for c in range(g):
+                x[low + k, c] -= step[k * g + c]
     return True

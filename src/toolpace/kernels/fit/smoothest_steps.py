@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
+from toolpace.kernels.copy import copy
 from toolpace.kernels.fit.assemble import gather, rough_gradient, scatter, scatter_roughness, scatter_samples
 from toolpace.kernels.fit.band import factor, solve
 from toolpace.kernels.fit.iterate import Iterate, Measure, Step
@@ -166,7 +167,7 @@ def take_step(
     d_slack, d_multiplier, right = step.slack, step.multiplier, step.right
     m, g = force.shape
     aim(samples.metric, now, product, bent, step)
-    right[:] = now.gradient
+    copy(now.gradient, right)
     scatter(samples.first, samples.rows, step.work, low, high - low, right)
     solve(band, right)
     for i in range(high - low):

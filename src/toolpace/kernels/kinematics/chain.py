@@ -20,6 +20,7 @@ import math
 import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.geometry import A0, C0, C1, C2, LINEAR, U1, U2, Chain
 
@@ -70,7 +71,7 @@ def forward(geometry: Chain, q: Floats, tip: Floats, axis: Floats) -> None:
         s1, k1, s2, k2 = math.sin(t1), math.cos(t1), math.sin(t2), math.cos(t2)
         turn(frame[U2], s2, k2, frame[A0], axis[i])
         turn(frame[U1], s1, k1, axis[i], axis[i])
-        tip[i] = frame[C2]
+        copy(frame[C2], tip[i])
         for g in range(2, -1, -1):
             for j in range(3):
                 if group[j] == g:
@@ -159,7 +160,7 @@ def linear_columns(geometry: Chain, s1: float, k1: float, s2: float, k2: float, 
     """How each linear joint moves the tip in the workpiece frame, one row (3,) a joint; sine, cosine of R1, R2."""
     frame, group, _ = geometry
     for j in range(3):
-        columns[j] = frame[LINEAR + j]
+        copy(frame[LINEAR + j], columns[j])
         if group[j] == 2:
             turn(frame[U2], s2, k2, columns[j], columns[j])
         if group[j] >= 1:

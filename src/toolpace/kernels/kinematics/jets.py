@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.chain import dot, reciprocal
 from toolpace.kernels.kinematics.geometry import A0, C0, C1, C2, LINEAR, U1, U2, Chain
@@ -66,7 +67,7 @@ def linear_jets(geometry: Chain, tip: Floats, rotary: Floats, q: Floats) -> int:
     first, second = new_angle(), new_angle()
     split(frame[U2], frame[C2], const[0])
     for j in range(3):
-        column[j, 0] = frame[LINEAR + j]
+        copy(frame[LINEAR + j], column[j, 0])
         split(frame[U1] if group[j] == 1 else frame[U2], frame[LINEAR + j], const[1 + j])
     singular = -1
     for i in range(tip.shape[1]):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 
 
@@ -21,7 +22,7 @@ def basis_at_knots(x: Floats) -> Floats:
     n = len(x)
     knots = np.empty(n + 6)
     knots[:3] = x[0]
-    knots[3 : n + 3] = x
+    copy(x, knots[3:])
     knots[n + 3 :] = x[n - 1]
     basis = np.zeros((n, 3, 3))
     for k in range(n):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.pentadiagonal import factor, solve
 
@@ -117,12 +118,12 @@ def factor_tied(system: System, ends: Ends) -> bool:
     """
     matrix, spare = system.matrix, system.spare
     tie_matrix(matrix, ends)
-    spare[:] = matrix
+    copy(matrix.reshape(-1), spare.reshape(-1))
     raised = 1e-13
     while factor(matrix) != 0:
         if raised > 1e-4:
             return False
-        matrix[:] = spare
+        copy(spare.reshape(-1), matrix.reshape(-1))
         matrix[0] *= 1.0 + raised
         raised *= 30.0
     return True
@@ -144,12 +145,12 @@ def _solve_tied(system: System, ends: Ends) -> None:
 @jit(inline=True)
 def aim_at_optimum(system: System, ends: Ends) -> None:
     """Set the predictor's direction: straight at the optimum."""
-    system.direction[:] = system.rhs
+    copy(system.rhs, system.direction)
     _solve_tied(system, ends)
 
 
 @jit(inline=True)
 def aim_at_centre(system: System, ends: Ends, centre: float) -> None:
     """Set the corrector's direction: at products of slack and multiplier of `centre`, with the second-order terms."""
-    system.direction[:] = system.rhs - centre * system.centring - system.second
+    copy(system.rhs - centre * system.centring - system.second, system.direction)
     _solve_tied(system, ends)

@@ -21,6 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import multipliers, relaxation_knots, relaxation_rows
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
@@ -68,7 +69,7 @@ def relax(
             value, _, _ = dual_value(knots, low, cap, dual)
             if value > bound:
                 bound = value
-                best[:] = dual
+                copy(dual.reshape(-1), best.reshape(-1))
             if bound >= enough or (least - bound < tolerance * scale and tau < 1e-9):
                 status, steps = CONVERGED, number
                 break
@@ -123,7 +124,7 @@ def _newton_system(work: Work, c: Floats) -> tuple[float, float]:
     """Newton matrix and right-hand side for a centring of zero, the waits eliminated; returns gap and value."""
     knots, system, waits, points = work.knots, work.system, work.waits, work.points
     system.matrix[:] = 0.0
-    system.rhs[:] = -knots.price
+    copy(-knots.price, system.rhs)
     relaxation_rows.wait_system(work.tiles, points.of_wait)
     gap, value = relaxation_knots.eliminate_waits(knots, work.own, work.states, points.of_wait, system, waits)
     at_points(knots.first, waits.mean, points.mean)
@@ -153,7 +154,8 @@ def _corrector(work: Work, tau: float, centre: float) -> tuple[float, float]:
     """
     knots, system, waits, change = work.knots, work.system, work.waits, work.knot_steps.change
     aim_at_centre(system, knots.ends, centre)
-    waits.pull[:] -= centre * waits.centring + waits.second
+    pull = waits.pull
+    pull -= centre * waits.centring + waits.second
     at_knots(knots.basis, system.direction, change)
     relaxation_knots.follow(waits, change)
     at_points(knots.first, change, work.row_steps.change)

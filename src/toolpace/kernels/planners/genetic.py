@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.planners.quintic_interval import Interval, interval_of, usage
 
@@ -138,7 +139,8 @@ def reset_point(
         [ends[2] * (1 - reach[0]), ends[3] - reach[2], periods[0] * (1 - reach[1]), periods[1] * (1 - reach[1])]
     )
     high = np.array([ends[2] * (1 + reach[0]), ends[3] + reach[2], periods[0], periods[1]])
-    high[2:] *= 1 + 0.5 * reach[1]
+    for k in range(2, 4):
+        high[k] *= 1 + 0.5 * reach[1]
     genes = np.empty((population, 4), dtype=np.int64)
     for k in range(population):
         for i in range(4):
@@ -154,7 +156,7 @@ def reset_point(
             if generation == 0 and k == 0:
                 for i in range(4):
                     genes[0, i] = encode(now[i], bits, low[i], high[i])
-                trial[:] = now
+                copy(now, trial)
             both[0], both[1], both[2], both[3] = ends[0], ends[1], trial[0], trial[1]
             first, _ = usage(before, both, trial[2])
             both[0], both[1], both[2], both[3] = trial[0], trial[1], ends[4], ends[5]
@@ -163,7 +165,7 @@ def reset_point(
             fitness[k] = trial[2] + trial[3] if excess <= 1.0 else 1e3 * (high[2] + high[3]) * (1.0 + excess)
             if fitness[k] < best:
                 best = fitness[k]
-                champion[:] = trial
+                copy(trial, champion)
         if generation < generations:
             genes = breed(genes, fitness, breeding)
     return champion[0], champion[1], champion[2], champion[3]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.planners.quintic_interval import Interval, comfortable, interval_of
 
@@ -48,7 +49,7 @@ def preset(
     before = np.empty(n + 1)
     bad = -1
     for _ in range(most):
-        before[:] = acceleration
+        copy(acceleration, before)
         slopes(h, speed, acceleration, fixed)
         for k in range(n + 1):
             if acceleration[k] != before[k]:
@@ -123,15 +124,15 @@ def raise_speeds(
             raised = 0
             for width in (8, 4, 2, 1):
                 for k in range(1, n):
-                    trial_speed[:] = speed
+                    copy(speed, trial_speed)
                     raise_hill(trial_speed, fixed, k, width, step)
-                    trial_acceleration[:] = acceleration
+                    copy(acceleration, trial_acceleration)
                     slopes(h, trial_speed, trial_acceleration, fixed)
                     low, high = max(k - width - 1, 0), min(k + width + 1, n)
                     if all_comfortable(intervals, low, high, trial_speed, trial_acceleration, reserve, trial_period):
                         raised += 1
-                        speed[:] = trial_speed
-                        acceleration[:] = trial_acceleration
-                        period[low:high] = trial_period[low:high]
+                        copy(trial_speed, speed)
+                        copy(trial_acceleration, acceleration)
+                        copy(trial_period[low:high], period[low:high])
             if raised == 0:
                 break
