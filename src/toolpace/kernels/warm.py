@@ -87,7 +87,11 @@ class Work:
         """Take the signature of each kernel."""
         import_kernels()
         self.changed = threading.Condition()
-        self._waits_for = {name: _callees(name, set(signatures)) for name in signatures if name in KERNELS}
+        self._waits_for: dict[str, set[str]] = {}
+        self._size: dict[str, int] = {}
+        for name in signatures.keys() & KERNELS.keys():
+            self._waits_for[name], parts = callees_and_parts(name, set(signatures))
+            self._size[name] = sum(len(KERNELS[part].py_func.__code__.co_code) for part in parts)
         self._given: set[str] = set()
         self.total = len(self._waits_for)
         self._weight: dict[str, int] = {}
@@ -98,9 +102,7 @@ class Work:
         """Size of a kernel and of the longest chain of its callers [bytes of code]."""
         if name not in self._weight:
             callers = [each for each, callees in self._waits_for.items() if name in callees]
-            self._weight[name] = len(KERNELS[name].py_func.__code__.co_code) + max(
-                (self._way_to_end(each) for each in callers), default=0
-            )
+            self._weight[name] = self._size[name] + max((self._way_to_end(each) for each in callers), default=0)
         return self._weight[name]
 
     @property
@@ -144,18 +146,18 @@ class Work:
             self.changed.notify_all()
 
 
-def _callees(name: str, compiled: set[str]) -> set[str]:
-    """Kernels of those `compiled` that one calls, itself or through others that are only parts of their callers."""
-    found: set[str] = set()
-    seen, ahead = {name}, called_by(name)
-    while ahead - seen:
-        each = (ahead - seen).pop()
-        seen.add(each)
+def callees_and_parts(name: str, compiled: set[str]) -> tuple[set[str], set[str]]:
+    """Kernels that one calls: those `compiled` by themselves; and those compiled as parts of it, itself among them."""
+    callees: set[str] = set()
+    parts, ahead = {name}, called_by(name)
+    while ahead:
+        each = ahead.pop()
         if each in compiled:
-            found.add(each)
-        else:
+            callees.add(each)
+        elif each not in parts:
+            parts.add(each)
             ahead |= called_by(each)
-    return found
+    return callees, parts
 
 
 def _share_out(work: Work, kept: Store, tell: Tell) -> bool:

@@ -90,7 +90,7 @@ def linear_jets(geometry: Chain, tip: Floats, rotary: Floats, q: Floats) -> int:
             elif group[j] == 2:
                 turn_constant(const[1 + j], second, inner)
                 turn_jet(frame[U1], first, inner, scratch, column[j])
-            start[j] = column[j, 0]
+            copy(column[j, 0], start[j])
         if not reciprocal(start, inverse) and singular < 0:
             singular = i
         solve_orders(geometry, column, inverse, b, value)
