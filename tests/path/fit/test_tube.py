@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.support.tool_paths import random_toolpath, spiral, tilted, toolpath_through
+from toolpace import workers
 from toolpace.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit import fit as fitting
@@ -172,8 +173,10 @@ def test_an_axis_that_turns_half_round_is_named():
 
 
 @pytest.mark.parametrize("seed", [2, 5, 7])
-def test_progress_never_falls_and_ends_at_one(seed):
+def test_progress_never_falls_and_ends_at_one(seed, monkeypatch):
     """Nor where the curve has to be smoothed once more."""
+    # however fast the machine is, it shall be heard of what happens before the end
+    monkeypatch.setattr(workers, "BREATH", 1e-4)
     seen: list[float] = []
     Path.fit(random_toolpath(seed)[0], progress=seen.append)
     assert len(seen) > 1 and seen[-1] == 1.0
