@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.laws.law import CELLS_AT_A_TIME, Probe, TimeLaw, probes_a_cell
-
-if TYPE_CHECKING:
-    from toolpace.kernels.motion.spline_law import Law
 
 
 class SplineLaw(TimeLaw):
@@ -34,12 +30,7 @@ class SplineLaw(TimeLaw):
         self.s0, self.s1 = nodes[0] - rest[0], nodes[-1] + rest[1]
         end = spline_law.end_speed(nodes, self.cells)
         self.duration = float(self.times[-1] + (3.0 * rest[1] / end if rest[1] > 0.0 else 0.0))
-
-    def law(self) -> Law:
-        """The law as the kernels take it."""
-        from toolpace.kernels.motion.spline_law import Law
-
-        return Law(self.nodes, self.cells, self.times, float(self.rest[0]), float(self.rest[1]), self.duration)
+        self._law = spline_law.Law(nodes, self.cells, self.times, float(rest[0]), float(rest[1]), self.duration)
 
     def slowed(self, by: float) -> SplineLaw:
         """The same motion with z divided by a factor everywhere; only between two rests."""
@@ -60,14 +51,14 @@ class SplineLaw(TimeLaw):
         from toolpace.kernels.motion import spline_law
 
         t = np.ascontiguousarray(t, dtype=float)
-        return spline_law.states(t, self.law())
+        return spline_law.states(t, self._law)
 
     def probes(self) -> Iterator[Probe]:
         from toolpace.kernels.motion import spline_law
 
-        law, last = self.law(), len(self.nodes) - 1
+        last = len(self.nodes) - 1
         for first in range(0, last, CELLS_AT_A_TIME):
-            state, right, share = spline_law.probe(law, self.inside, first, min(first + CELLS_AT_A_TIME, last))
+            state, right, share = spline_law.probe(self._law, self.inside, first, min(first + CELLS_AT_A_TIME, last))
             yield Probe(state, right, share)
 
     def states_within(self, cells: Ints) -> tuple[Floats, Floats]:
