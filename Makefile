@@ -8,7 +8,7 @@ SITE ?= out/docs
 .PHONY: help demo test check census first-run docs bench clean
 
 help:  ## what there is to make
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 8
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 8
 
 $(VENV)/.base: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

@@ -2,9 +2,9 @@
 
     python -m benchmarks.scaling [out]
 
-The path is `longpath.long_path`: random, smooth, five joints, with a feature for every 50 mesh cells, in one run from
-rest to rest. Every figure is taken in a process of its own, after a short plan has loaded all code; the least of a few
-repetitions is kept. Prints the table and writes scaling.md and scaling.png.
+The path is that of `testbed/long_path.py`: random, smooth, five joints, with a feature for every 50 mesh cells, in one
+run from rest to rest. Every figure is taken in a process of its own, after a short plan has loaded all code; the least
+of a few repetitions is kept. Prints the table and writes scaling.md and scaling.png.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ def written(figures: dict[tuple[int, str], Figures], whole: dict[str, Figures], 
         "# Long paths: time a point and memory\n\n"
         f"Written by `python -m benchmarks.scaling` on {datetime.date.today().isoformat()}: {platform.system()}"
         f" {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. One random smooth run of"
-        " five joints from rest to rest, a feature for every 50 mesh cells (`benchmarks/longpath.py`), planned in one"
+        " five joints from rest to rest, a feature for every 50 mesh cells (`testbed/long_path.py`), planned in one"
         " call with `mesh` fixed. Each time is the least of up to five. The machine was shared (mean load of the last"
         f" quarter of an hour: {os.getloadavg()[2]:.1f}): where CPU time is less than wall time, others had the"
         " cores.\n"

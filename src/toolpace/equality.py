@@ -41,6 +41,8 @@ class ByValue:
 def _key(value: object) -> Hashable:
     """Something hashable that stands for a value: two keys are equal where the values are."""
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        if value.dtype.kind in "biu":
+            return value.shape, value.astype(np.int64).tobytes()
         figures = np.array(value, dtype=float)
         figures += 0.0  # -0.0 becomes 0.0, its equal
         np.copyto(figures, np.nan, where=np.isnan(figures))

@@ -43,6 +43,7 @@ class Progress:
 
         def piece(k: int) -> Progress:
             def tell(share: float) -> None:
+                # each piece has a place of its own, written by one thread at a time
                 done[k] = max(done[k], min(share, 1.0))
                 self(min(sum(map(operator.mul, done, shares)), 1.0))
 
@@ -62,9 +63,11 @@ class CallersProgress(Progress):
         super().__init__(tell or (lambda share: None))
         self._done, self._told = 0.0, -1.0
         self._owner = threading.get_ident()
+        self._lock = threading.Lock()
 
     def __call__(self, share: float) -> None:
-        self._done = max(self._done, share)
+        with self._lock:
+            self._done = max(self._done, share)
         self.pulse()
 
     def pulse(self) -> None:
@@ -208,7 +211,9 @@ def side_by_side(
         parts[k](1.0)
         return out
 
-    return workers.aside(lambda: workers.each(one, range(len(weights))))
+    out = workers.aside(lambda: workers.each(one, range(len(weights))))
+    told(1.0)
+    return out
 
 
 class Lock:

@@ -175,7 +175,7 @@ def test_joint_names_must_be_as_many_as_the_joints() -> None:
 
 
 def test_waypoints_too_close_for_a_spline_are_named() -> None:
-    s = np.cumsum([0.0, *[1.0, 1e-7] * 20])
+    s = np.cumsum([0.0, *[1.0, 1e-6] * 20])
     with pytest.raises(UsageError, match=r"q\[\d+\] lies too close to q\[\d+\]"):
         tp.AxisPath.from_waypoints(np.sin(s)[:, None], s=s)
 
@@ -336,5 +336,5 @@ def test_waypoints_and_their_spline_are_the_same_path() -> None:
     spline = make_interp_spline(S, POINTS, k=5, bc_type=([(3, still), (4, still)],) * 2)
     one, other = tp.AxisPath.from_waypoints(POINTS, s=S), tp.AxisPath.from_spline(spline)
     t = np.linspace(S[0], S[-1], 301)
-    np.testing.assert_array_equal(one.runs[0].evaluate(t), other.runs[0].evaluate(t))
+    np.testing.assert_allclose(one.runs[0].evaluate(t), other.runs[0].evaluate(t), rtol=1e-12, atol=1e-12)
     assert repr(one) == repr(other) == "<AxisPath 1 run, 3 joints q1 q2 q3>"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -106,14 +106,21 @@ class AxisPath:
     @classmethod
     def follow(cls, path: Path, machine: Machine) -> AxisPath:
         """The joints of a machine that carries tool tip and tool axis along a path."""
+        from toolpace.machine.machine import check_machine
+
+        check_machine(machine, "path")
         branches = branches_of(path, machine)
         runs = tuple(FollowRun(run, machine, branch) for run, branch in zip(path.runs, branches))
         return cls(runs, machine.joints, machine, path.first_dwell)
 
 
 def joint_names(joints: Sequence[str] | None, count: int) -> tuple[str, ...]:
-    """The names that are given, or q1, q2, ... UsageError where they are not as many as the joints."""
-    names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
+    """The names that are given, or q1, q2, ... UsageError where they are not as many different ones as joints."""
+    if joints is None:
+        return tuple(f"q{i + 1}" for i in range(count))
+    names = tuple(joints) if isinstance(joints, Iterable) else ()
+    if not names or not all(isinstance(name, str) for name in names) or len(set(names)) < len(names):
+        raise UsageError(f"path: joints is {joints!r}; give a different name for each of {count} joints")
     if len(names) != count:
         raise UsageError(f"path: {len(names)} joint names for {count} joints")
     return names

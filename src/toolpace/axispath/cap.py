@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.errors import UsageError
+from toolpace.errors import PathError, UsageError
 from toolpace.workers import Lock
 
 
@@ -32,10 +32,15 @@ class SpeedCap:
         self.lock = lock or Lock()
 
     def at(self, s: Floats) -> Floats:
-        """(n,) the cap at s (n,)."""
-        if callable(self.cap):
-            with self.lock:
-                cap = self.cap(s)
-        else:
-            cap = self.cap
-        return np.broadcast_to(np.asarray(cap, dtype=float), s.shape).copy()
+        """(n,) the cap at s (n,). Raises PathError where a function gives something else."""
+        if not callable(self.cap):
+            return np.full(s.shape, self.cap)
+        with self.lock:
+            given = np.asarray(self.cap(s), dtype=float)
+        if given.shape not in ((), s.shape):
+            raise PathError(f"path: speed_cap(s) has shape {given.shape} for {len(s)} values of s, not (n,)")
+        cap = np.broadcast_to(given, s.shape).copy()
+        if not (cap >= 0.0).all():
+            k = int(np.argmin(cap >= 0.0))
+            raise PathError(f"path: speed_cap(s) is {cap[k]:g} at s = {s[k]:.9g}; give a positive number, or inf")
+        return cap

@@ -42,7 +42,7 @@ def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.second_order.planner import SecondOrder
 
-    chosen = planner_of(planner, options)
+    chosen = planner_of(planner, options, "replan")
     if isinstance(chosen, SecondOrder):
         raise UsageError("replan: accelerations jump in plans of SecondOrder(); give Optimal() or Genetic()")
     if isinstance(chosen, Genetic):

@@ -18,7 +18,7 @@ from toolpace.judge.program import program_checks
 from toolpace.judge.tool import tool_checks
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.limits import Limits
-from toolpace.machine.machine import Machine
+from toolpace.machine.machine import Machine, check_machine
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
 
@@ -54,6 +54,8 @@ def verify(
     machine.
     """
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
+    if not isinstance(machine, Limits):
+        check_machine(machine, "verify", "a Machine, or Limits")
     limits = machine if isinstance(machine, Limits) else machine.limits
     if points.q.shape[1] != len(limits.velocity):
         raise UsageError(

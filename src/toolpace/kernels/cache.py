@@ -65,6 +65,7 @@ class Store:
     def __init__(self, folder: Path | None, kept: bool = True) -> None:
         """Take the folder, and whether it outlives this process."""
         self.folder, self.kept = folder, kept
+        self.writable = folder is not None
 
     def load(self, file: str) -> bytes | None:
         """What was saved under a name; None where nothing was, or where it is not whole."""
@@ -84,7 +85,7 @@ class Store:
 
     def save(self, file: str, data: bytes) -> None:
         """Keep some data under a name, whole or not at all, whoever else writes it; give up keeping where it fails."""
-        if self.folder is None:
+        if self.folder is None or not self.writable:
             return
         part = self.folder / f"{file}.{uuid.uuid4().hex[:12]}"
         try:
@@ -95,7 +96,7 @@ class Store:
             with contextlib.suppress(OSError):
                 part.unlink()
             warn(f"compiled kernels cannot be kept in {self.folder} ({reason(error)}); the next run compiles again")
-            self.folder = None
+            self.writable = False
 
     def damaged(self, file: str, why: str) -> None:
         """Say that a file is of no use, and have it made anew."""
@@ -250,8 +251,14 @@ class KernelCache:
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Keep a compiled function."""
-        if self._enabled and not compiled.lifted and not compiled.library.has_dynamic_globals:
-            store().save(self.file(signature), serialize.dumps(compiled._reduce()))
+        if not self._enabled or compiled.lifted or compiled.library.has_dynamic_globals:
+            return
+        try:
+            data = serialize.dumps(compiled._reduce())
+        except Exception as error:
+            warn(f"compiled kernels cannot be kept with this numba ({type(error).__name__}); every run compiles them")
+            return
+        store().save(self.file(signature), data)
 
     def enable(self) -> None:
         """Load and save."""

@@ -12,6 +12,7 @@ found is compiled where it is first called.
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import json
 import os
@@ -23,6 +24,8 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+
+from numba.core import config
 
 from toolpace.kernels.cache import COMPLETE, Store, store, warn
 from toolpace.kernels.jit import KERNELS, called_by
@@ -45,10 +48,16 @@ def is_warm() -> bool:
     return store().folder is None or store().complete()
 
 
+@functools.cache
+def ensure_warm() -> None:
+    """Compile what is missing, once a process and without a word: for those who use the library, not the command."""
+    warm_up()
+
+
 def warm_up(tell: Tell = lambda share: None) -> None:
     """Compile what is missing of a first run's kernels; return when it is there, whoever did it."""
     kept = store()
-    if is_warm() or kept.folder is None:
+    if config.DISABLE_JIT or is_warm() or kept.folder is None or not sys.executable or getattr(sys, "frozen", False):
         return
     if (kept.folder / COMPLETE).exists():
         warn(f"compiled kernels in {kept.folder} are damaged; compiled again")
@@ -235,7 +244,7 @@ def compile_on_order() -> None:
         # A signature that is out of date compiles nothing; the caller will compile the right one.
         with contextlib.suppress(Exception):
             KERNELS[name].compile(tuple(from_text(each) for each in signatures[name]))
-        if store().folder is None:
+        if not store().writable:
             return
         print(name, file=answers, flush=True)
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import MachineError, did_you_mean
-from toolpace.kernels.kinematics.geometry import Chain
 from toolpace.machine.file import MachineFile
 
 PARALLEL = 1e-6
@@ -45,11 +44,6 @@ class Geometry:
     def __post_init__(self) -> None:
         for array in (self.is_rotary, self.travel, self.wrap, self.frame, self.group, self.place):
             array.flags.writeable = False
-
-    @property
-    def chain(self) -> Chain:
-        """The chain as the compiled functions take it."""
-        return Chain(self.frame, self.group, self.place)
 
     @property
     def rotary(self) -> Ints:

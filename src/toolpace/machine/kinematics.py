@@ -10,11 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, frozen
+from toolpace.kernels.kinematics.geometry import Chain
 from toolpace.machine.geometry import Geometry
 from toolpace.machine.refusals import singular_pose
 
 POLE = 1e-9
 """Sine of the angle between tool axis and pole below which the first rotary joint counts as free."""
+
+
+def chain_of(geometry: Geometry) -> Chain:
+    """The chain as the compiled functions take it."""
+    return Chain(geometry.frame, geometry.group, geometry.place)
 
 
 def forward(geometry: Geometry, q: Floats) -> tuple[Floats, Floats]:
@@ -23,7 +29,7 @@ def forward(geometry: Geometry, q: Floats) -> tuple[Floats, Floats]:
 
     q = frozen(q)
     tip, axis = np.empty((len(q), 3)), np.empty((len(q), 3))
-    chain.forward(geometry.chain, q, tip, axis)
+    chain.forward(chain_of(geometry), q, tip, axis)
     return tip, axis
 
 
@@ -57,7 +63,7 @@ def joints_at(geometry: Geometry, tip: Floats, rotary: Floats) -> Floats:
 
     tip, rotary = frozen(tip), frozen(rotary)
     q = np.empty((len(tip), len(geometry.joints)))
-    singular = chain.joints_at(geometry.chain, tip, rotary, q)
+    singular = chain.joints_at(chain_of(geometry), tip, rotary, q)
     if singular >= 0:
         raise singular_pose(geometry, rotary[singular])
     return q
@@ -69,7 +75,7 @@ def linear_jets(geometry: Geometry, tip: Floats, rotary: Floats) -> Floats:
 
     tip, rotary = np.ascontiguousarray(tip, dtype=float), np.ascontiguousarray(rotary, dtype=float)
     q = np.empty((4, tip.shape[1], len(geometry.joints)))
-    singular = jets.linear_jets(geometry.chain, tip, rotary, q)
+    singular = jets.linear_jets(chain_of(geometry), tip, rotary, q)
     if singular >= 0:
         raise singular_pose(geometry, rotary[0, singular])
     return q

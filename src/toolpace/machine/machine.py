@@ -220,3 +220,12 @@ class Machine(ByValue):
 
     def __repr__(self) -> str:
         return one_line(self, title(self.file, self.kind))
+
+
+def check_machine(machine: object, asks: str, wanted: str = "a Machine") -> None:
+    """Raise UsageError where something else is given in place of a machine; `asks` is who asks for it."""
+    if isinstance(machine, Machine):
+        return
+    if isinstance(machine, str):
+        raise UsageError(f"{asks}: '{machine}' is the name of a machine; give Machine.load('{machine}')")
+    raise UsageError(f"{asks}: {type(machine).__name__} in place of a machine; give {wanted}")

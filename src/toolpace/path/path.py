@@ -53,8 +53,11 @@ class Path:
         With a machine the curve is one of tip and rotary joints, else of tip and tool axis. `progress` is told the
         share done. PathError where nothing moves or no curve fits.
         """
+        from toolpace.machine.machine import check_machine
         from toolpace.path.fit.fit import fit_runs
 
+        if machine is not None:
+            check_machine(machine, "fit", "a Machine, or None")
         begin = time.perf_counter()
         runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress)
         return cls(runs, tip, axis, time.perf_counter() - begin, wait)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
 from toolpace.axispath.run import AxisRun
-from toolpace.errors import InfeasibleError
+from toolpace.errors import InfeasibleError, UsageError
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import limit_ratios
 from toolpace.planning.guarantee import PROMISED
@@ -19,6 +20,11 @@ class EndState:
 
     speed: float = 0.0
     acceleration: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in (("speed", self.speed), ("acceleration", self.acceleration)):
+            if not isinstance(value, Real):
+                raise UsageError(f"end state: {name} is {value!r}; give ds/dt and d2s/dt2 as numbers")
 
     @property
     def at_rest(self) -> bool:

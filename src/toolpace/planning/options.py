@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from numbers import Integral
 from typing import ClassVar, Self
+
+import numpy as np
 
 from toolpace.errors import UsageError, did_you_mean
 
@@ -36,11 +37,29 @@ class Options:
         return super().__new__(cls)
 
 
+def check_whole(planner: str, name: str, value: object, low: int, high: int) -> None:
+    """Raise UsageError where an option is no whole number from low to high."""
+    if not isinstance(value, int | np.integer) or isinstance(value, bool) or not low <= value <= high:
+        raise UsageError(f"{planner}: {name} is {value!r}; it must be a whole number in [{low}, {high}]")
+
+
+def check_share(planner: str, name: str, value: object, low: float, high: float) -> None:
+    """Raise UsageError where an option is no number from low to high."""
+    if not isinstance(value, int | float | np.number) or isinstance(value, bool) or not low <= value <= high:
+        raise UsageError(f"{planner}: {name} is {value!r}; it must be a number in [{low:g}, {high:g}]")
+
+
+def check_flag(planner: str, name: str, value: object) -> None:
+    """Raise UsageError where an option is neither True nor False."""
+    if not isinstance(value, bool):
+        raise UsageError(f"{planner}: {name} is {value!r}; give True or False")
+
+
 def check_mesh(planner: str, mesh: object) -> None:
     """Raise UsageError where a number of mesh cells is none, or too small."""
     if mesh is None:
         return
-    if not isinstance(mesh, Integral) or isinstance(mesh, bool):
+    if not isinstance(mesh, int | np.integer) or isinstance(mesh, bool):
         raise UsageError(f"{planner}: mesh is {mesh!r}; give a whole number of cells, or None")
     if mesh < FEWEST_CELLS:
         raise UsageError(f"{planner}: a mesh of {mesh} cells is too coarse; give at least {FEWEST_CELLS}")

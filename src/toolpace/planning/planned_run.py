@@ -19,23 +19,24 @@ class PlannedRun:
 
     law: TimeLaw
     mesh_points: int
-    lower_bound: float = 0.0
-    """No motion on the mesh is faster than this [s]; 0 when unknown."""
+    lower_bound: float | None = None
+    """No motion on the mesh is faster than this [s]; None where that was not asked, or is not known."""
     open_places: tuple[OpenPlace, ...] = ()
     """Where the motion may be faster, or the bound too low; in time since the start of the run."""
 
 
 def total_bound(axis_path: AxisPath, planned: Sequence[PlannedRun]) -> tuple[float, tuple[OpenPlace, ...]]:
     """The bound of all runs with their dwells [s], 0 where one has none, and where what is open of it lies."""
-    if not all(run.lower_bound > 0.0 for run in planned):
+    bounds = [run.lower_bound for run in planned if run.lower_bound is not None]
+    if len(bounds) < len(planned):
         return 0.0, ()
     total = begins = axis_path.first_dwell
-    open_ = sum(run.law.duration - run.lower_bound for run in planned)
+    open_ = sum(run.law.duration - bound for run, bound in zip(planned, bounds, strict=True))
     places = []
-    for run, of_run in zip(axis_path.runs, planned, strict=True):
+    for run, of_run, bound in zip(axis_path.runs, planned, bounds, strict=True):
         for place in of_run.open_places:
             if place.seconds > WORTH_NAMING * open_:
                 places.append(replace(place, start=begins + place.start, end=begins + place.end))
-        total += of_run.lower_bound + run.dwell
+        total += bound + run.dwell
         begins += of_run.law.duration + run.dwell
     return total, tuple(places)

@@ -19,7 +19,7 @@ from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.machine.limits import Limits
-from toolpace.machine.machine import Machine
+from toolpace.machine.machine import Machine, check_machine
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.planned_run import PlannedRun, total_bound
@@ -80,8 +80,13 @@ def plan(
     `progress` is called with the share done. Raises UsageError for arguments that make no sense, and InfeasibleError
     where no motion within the limits exists.
     """
+    from toolpace.kernels.warm import ensure_warm
+
     began = time.perf_counter()
     chosen = planner_of(planner, options)
+    for name, state in (("start", start), ("end", end)):
+        if not isinstance(state, EndState):
+            raise UsageError(f"plan: {name} is {state!r}; give an EndState(speed, acceleration)")
     axis_path = joints_along(path, machine)
     limits = machine.limits if isinstance(machine, Machine) else machine
     if len(limits) != len(axis_path.joints):
@@ -89,6 +94,8 @@ def plan(
     runs, last = axis_path.runs, len(axis_path.runs) - 1
     if not runs:
         raise UsageError("plan: the path has no motion")
+
+    ensure_warm()
 
     def one(k: int, workers: Workers, told: Progress) -> PlannedRun:
         states = start if k == 0 else AT_REST, end if k == last else AT_REST
@@ -108,34 +115,35 @@ def plan(
     )
 
 
-def planner_of(planner: str | Planner, options: dict[str, object]) -> Planner:
-    """The planner that is meant: an object as it is, or one made of a name and its options. Raises UsageError."""
+def planner_of(planner: str | Planner, options: dict[str, object], asks: str = "plan") -> Planner:
+    """The planner that is meant: an object as it is, or one made of a name and its options. Raises UsageError.
+
+    `asks` is who asks for it, for messages.
+    """
     if isinstance(planner, Planner) and not isinstance(planner, type):
         if options:
             given = ", ".join(f"{name}=..." for name in options)
-            raise UsageError(f"plan: the planner is given as an object; give its options to it: {given}")
+            raise UsageError(f"{asks}: the planner is given as an object; give its options to it: {given}")
         return planner
     if not isinstance(planner, str):
         names = ", ".join(PLANNERS)
-        raise UsageError(f"plan: {planner!r} is no planner; give one of {names}, or an object like Optimal()")
+        raise UsageError(f"{asks}: {planner!r} is no planner; give one of {names}, or an object like Optimal()")
     if planner not in HOMES:
-        raise UsageError(f"plan: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
+        raise UsageError(f"{asks}: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
     room = importlib.import_module(f"toolpace.planning.{planner.replace('-', '_')}.planner")
     kind = getattr(room, HOMES[planner])
     known = [field.name for field in fields(kind)]
     for name in options:
         if name not in known:
-            raise UsageError(f"plan: the planner {planner} has no option '{name}'; {did_you_mean(name, known)}")
+            raise UsageError(f"{asks}: the planner {planner} has no option '{name}'; {did_you_mean(name, known)}")
     made: Planner = kind(**options)
     return made
 
 
 def joints_along(path: Path | AxisPath, machine: Machine | Limits) -> AxisPath:
     """The joints along a path of either kind. Raises UsageError where something else is given."""
-    if isinstance(machine, str):
-        raise UsageError(f"plan: '{machine}' is the name of a machine; give Machine.load('{machine}')")
-    if not isinstance(machine, Machine | Limits):
-        raise UsageError(f"plan: {type(machine).__name__} in place of a machine; give a Machine, or Limits")
+    if not isinstance(machine, Limits):
+        check_machine(machine, "plan", "a Machine, or Limits")
     if isinstance(path, AxisPath):
         return path
     if isinstance(path, ToolPath):

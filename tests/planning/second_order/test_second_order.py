@@ -241,10 +241,12 @@ def test_law_is_its_own_derivative_and_ends_where_the_run_ends():
 def test_stops_and_dwells():
     f, limits = harmonics(8), random_limits(8)
     halves = [AxisPath.from_callable(f, *ends) for ends in ((0.0, 0.4), (0.4, 1.0))]
-    parts = [second(half, limits).duration for half in halves]
+    # without the guard, whose rounds may go another way by the last bit of a sum
+    free = {"mesh": 200, "guard": False}
+    parts = [second(half, limits, **free).duration for half in halves]
     halves[0].runs[0].dwell = 0.25
     told = []
-    both = second(AxisPath(halves[0].runs + halves[1].runs, halves[0].joints), limits, progress=told.append)
+    both = second(AxisPath(halves[0].runs + halves[1].runs, halves[0].joints), limits, progress=told.append, **free)
     assert both.duration == pytest.approx(sum(parts) + 0.25)
     assert told[-1] == pytest.approx(1.0) and told == sorted(told)
     assert both.limited_by()["dwell"] == pytest.approx(0.25 / both.duration)

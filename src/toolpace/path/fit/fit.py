@@ -59,11 +59,14 @@ def fit_runs(
     progress: Callable[[float], None] | None,
 ) -> tuple[tuple[SplineRun, ...], float, float, float]:
     """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s]."""
+    from toolpace.kernels.warm import ensure_warm
+
     for name, value in (("tip_tolerance", tip_tolerance), ("axis_tolerance", axis_tolerance)):
         if not (np.isfinite(value) and value > 0.0):
             raise UsageError(f"{name} is {value:g}: give a positive tolerance")
     if len(toolpath) < 2:
         raise PathError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
+    ensure_warm()
     lines = polylines(toolpath, tip_tolerance, axis_tolerance, machine)
     starts = list(itertools.accumulate((tip_tolerance * line.s[-1] for line in lines), initial=0.0))
 
@@ -107,7 +110,9 @@ def fit_run(
         return FittedRun(run, float(np.max(found.tip)), float(np.max(found.axis)))
 
     for repair in range(REPAIRS):
-        tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, progress)
+        # how many there will be nobody knows; the first one takes the longest
+        told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
+        tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, told)
         if not spline.is_finite:
             spline, data = first.copy(), samples
         found = deviations(check, spline, data)

@@ -23,7 +23,7 @@ from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.genetic.preset_speeds import Preset, preset
 from toolpace.planning.genetic.problem import Intervals, reference_points
 from toolpace.planning.guarantee import BRED
-from toolpace.planning.options import Options
+from toolpace.planning.options import Options, check_share, check_whole
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.workers import Progress, Workers
 
@@ -37,6 +37,12 @@ SLOWEST = 1.6
 """Longest period that a first population holds, as a multiple of that at the mean of both preset speeds."""
 FASTEST = 0.7
 """The shortest such period, as the same multiple."""
+
+
+MOST, MOST_SEED = 10**6, 2**62
+"""Most generations, individuals and sweeps, and the largest seed, to which the numbers of intervals are added."""
+LEAST_RESERVE = 1e-6
+"""Less is no motion."""
 
 
 @dataclass(frozen=True)
@@ -65,17 +71,17 @@ class Genetic(Options):
     """Least number of intervals of each run, or the reference points between them; None: see `reference_points`."""
 
     def __post_init__(self) -> None:
-        if self.intervals is not None and not isinstance(self.intervals, int):
+        if self.intervals is not None and type(self.intervals) is not int:
             object.__setattr__(self, "intervals", interval_points(self.intervals))
-        for name, low, high in (
-            ("generations", 0, 10**6), ("population", 2, 10**6), ("bits", 2, 15), ("crossover", 0.0, 1.0),
-            ("mutation", 0.0, 1.0), ("elite", 1, self.population - 1), ("evolve", 0, 10**6),
+        for name, least, most in (
+            ("generations", 0, MOST), ("population", 2, MOST), ("bits", 2, 15), ("seed", -MOST_SEED, MOST_SEED),
+            ("evolve", 0, MOST),
         ):  # fmt: skip
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise UsageError(f"genetic: {name} is {value}; it must lie in [{low}, {high}]")
-        if not 0.0 < self.reserve <= 1.0:
-            raise UsageError(f"genetic: reserve is {self.reserve}; it must lie in (0, 1]")
+            check_whole(self.name, name, getattr(self, name), least, most)
+        check_whole(self.name, "elite", self.elite, 1, self.population - 1)
+        for name in ("crossover", "mutation"):
+            check_share(self.name, name, getattr(self, name), 0.0, 1.0)
+        check_share(self.name, "reserve", self.reserve, LEAST_RESERVE, 1.0)
         if self.selection not in ("tournament", "roulette"):
             raise UsageError(f"genetic: selection is '{self.selection}'; known are tournament, roulette")
 
@@ -91,14 +97,14 @@ class Genetic(Options):
         law = bred_law(run, limits, self, start=start, end=end)
         return PlannedRun(law, len(law.s))
 
-    @property
-    def breeding(self) -> genetic.Breeding:
-        """The options as the kernels take them."""
-        tournament = 2 if self.selection == "tournament" else 0
-        return genetic.Breeding(
-            self.population, self.generations, self.bits, float(self.crossover), float(self.mutation), self.elite,
-            tournament,
-        )  # fmt: skip
+
+def breeding_of(options: Genetic) -> genetic.Breeding:
+    """The options as the kernels take them."""
+    tournament = 2 if options.selection == "tournament" else 0
+    return genetic.Breeding(
+        options.population, options.generations, options.bits, float(options.crossover), float(options.mutation),
+        options.elite, tournament,
+    )  # fmt: skip
 
 
 def interval_points(given: npt.ArrayLike) -> int | tuple[float, ...]:
@@ -107,6 +113,8 @@ def interval_points(given: npt.ArrayLike) -> int | tuple[float, ...]:
         points = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise UsageError(f"genetic: intervals is {given!r}; give a number of them, or reference points") from None
+    if not np.isfinite(points).all() or points.size == 0 or (points.ndim == 0 and points != np.floor(points)):
+        raise UsageError(f"genetic: intervals is {given!r}; give a whole number of them, or reference points")
     return int(points) if points.ndim == 0 else tuple(points.ravel().tolist())
 
 
@@ -117,8 +125,8 @@ def shortest(parts: Intervals, given: Preset, options: Genetic, allowed: Floats,
         ends = np.array([given.speed[k], given.acceleration[k], given.speed[k + 1], given.acceleration[k + 1]])
         mean = 2.0 * parts.x[k, -1] / (ends[0] + ends[2])
         period, value, kind = genetic.shorten(
-            Interval(parts.x[k], parts.share[k], parts.pace[k]), ends, options.breeding, given.periods[k], allowed[k],
-            min(FASTEST * mean, given.periods[k]), SLOWEST * mean, options.seed + int(k),
+            Interval(parts.x[k], parts.share[k], parts.pace[k]), ends, breeding_of(options), given.periods[k],
+            allowed[k], min(FASTEST * mean, given.periods[k]), SLOWEST * mean, options.seed + int(k),
         )  # fmt: skip
         if value > allowed[k]:
             raise InfeasibleError(
@@ -141,7 +149,7 @@ def evolved(parts: Intervals, given: Preset, options: Genetic, allowed: Floats, 
         reach = np.array([0.1, 0.15, 0.3 * speed[k] / min(periods[k - 1], periods[k])]) * shrink
         pair = slice(k - 1, k + 1)
         speed[k], acceleration[k], periods[k - 1], periods[k] = genetic.reset_point(
-            Interval(parts.x[pair], parts.share[pair], parts.pace[pair]), ends, options.breeding, periods[pair],
+            Interval(parts.x[pair], parts.share[pair], parts.pace[pair]), ends, breeding_of(options), periods[pair],
             allowed[pair], reach, options.seed + 1000003 * (sweep + 1) + k,
         )  # fmt: skip
     return Preset(speed, acceleration, periods)

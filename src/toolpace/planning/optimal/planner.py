@@ -27,7 +27,7 @@ from toolpace.planning.optimal.guard import guarded
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
-from toolpace.planning.options import Options, check_mesh
+from toolpace.planning.options import Options, check_flag, check_mesh
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.workers import UNTOLD, Progress, Workers
 
@@ -49,7 +49,9 @@ class Optimal(Options):
     """Whether a lower bound of the duration is worked out."""
 
     def __post_init__(self) -> None:
-        check_mesh("optimal", self.mesh)
+        check_mesh(self.name, self.mesh)
+        check_flag(self.name, "guard", self.guard)
+        check_flag(self.name, "bound", self.bound)
 
     @property
     def name(self) -> str:

@@ -112,7 +112,7 @@ def solve(problem: Problem, c: Floats, spread: float) -> Floats:
         attempts.append(attempt)
         if attempt.holds and agreed([one for one in attempts if one.holds]):
             break
-    holding = [attempt for attempt in attempts if attempt.holds]
+    holding = [attempt for attempt in attempts if attempt.holds and attempt.open < np.inf]
     best = min(holding, key=lambda attempt: attempt.open, default=None)
     if best is not None and (rests or best.open <= ACCEPTABLE):
         return best.c
@@ -134,7 +134,8 @@ def attempted(problem: Problem, begin: Floats, first_gap: float) -> Attempt | No
     used, z = limit_rows.usage(problem.as_points(), found)
     with np.errstate(invalid="ignore", divide="ignore"):
         time = float((problem.weight / np.sqrt(z)).sum())
-    return Attempt(found, False, time, max(gap, STEEP * gradient), used)
+    open_ = max(gap, STEEP * gradient)
+    return Attempt(found, False, time, open_ if open_ < np.inf else np.inf, used)
 
 
 def agreed(holding: list[Attempt]) -> bool:

@@ -21,7 +21,7 @@ from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.guarantee import ALLOWED, GUARANTEE
 from toolpace.planning.mesh.detail import detail
 from toolpace.planning.mesh.nodes import cut_cells, with_breaks
-from toolpace.planning.options import Options, check_mesh
+from toolpace.planning.options import Options, check_flag, check_mesh
 from toolpace.planning.peaks import CHUNK, peaks_of
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.second_order.problem import BOTH_ENDS, FIVE, Cells
@@ -53,7 +53,8 @@ class SecondOrder(Options):
     """Whether limits hold inside the cells too; without it they hold at both ends of each."""
 
     def __post_init__(self) -> None:
-        check_mesh("second-order", self.mesh)
+        check_mesh(self.name, self.mesh)
+        check_flag(self.name, "guard", self.guard)
 
     @property
     def name(self) -> str:
