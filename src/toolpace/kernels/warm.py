@@ -12,6 +12,7 @@ found is compiled where it is first called.
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import json
 import os
@@ -226,6 +227,7 @@ def compile_on_order() -> None:
     """The life of a worker: names of kernels come in, and go out when they are compiled; ends with its input."""
     with contextlib.suppress(ValueError):
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # who gives the orders ends this too
+    gc.disable()  # looking for garbage among what is kept would take a tenth of the time
     answers = sys.stdout
     sys.stdout = sys.stderr  # what the compiler may print is no answer
     signatures = read_signatures()
