@@ -59,6 +59,10 @@ def test_every_listed_kernel_is_there_with_as_many_arguments():
         assert len(kinds) == KERNELS[name].py_func.__code__.co_argcount, name
 
 
+def test_no_kernel_takes_constants_or_arrays_in_another_order():
+    assert all("layout" not in kind for kinds in LISTED.values() for kind in kinds if isinstance(kind, str))
+
+
 def test_a_type_is_read_as_it_was_written():
     for kinds in LISTED.values():
         for kind in kinds:

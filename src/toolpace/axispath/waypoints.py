@@ -22,7 +22,7 @@ from toolpace.errors import PathError, UsageError
 
 DEGREE = 5
 SPOILED = 1e-6
-"""Distance from a waypoint at first, as a share of the joint's range and size, from which rounding has spoiled a spline.
+"""Distance from a waypoint at first, as a share of the joint's range and size, from which rounding spoils a spline.
 
 Measured on a sine: with steps of 1e-4 beside 1 it is 8e-9, and the third derivative right to eleven digits; with steps
 of 1e-6 it is 1e-4, and the third derivative 4500 times too large.

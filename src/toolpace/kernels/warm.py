@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import gc
 import importlib
 import json
 import os
@@ -235,6 +236,7 @@ def compile_on_order() -> None:
     """The life of a worker: names of kernels come in, and go out when they are compiled; ends with its input."""
     with contextlib.suppress(ValueError):
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # who gives the orders ends this too
+    gc.disable()  # looking for garbage among what is kept would take a tenth of the time
     answers = sys.stdout
     sys.stdout = sys.stderr  # what the compiler may print is no answer
     signatures = read_signatures()

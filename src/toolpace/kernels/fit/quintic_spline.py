@@ -78,7 +78,9 @@ def third_rows(t: Floats) -> Floats:
         h = t[i + 1] - t[i]
         for g in range(3):
             basis(t, i, 0.5 * (t[i] + t[i + 1] + place[g] * h), 3, out[i - 5, g])
-            out[i - 5, g] *= np.sqrt(h) * weight[g]
+            share = np.sqrt(h) * weight[g]
+            for k in range(6):
+                out[i - 5, g, k] *= share
     return out
 
 

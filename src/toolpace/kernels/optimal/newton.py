@@ -124,7 +124,8 @@ def factor_tied(system: System, ends: Ends) -> bool:
         if raised > 1e-4:
             return False
         copy(spare.reshape(-1), matrix.reshape(-1))
-        matrix[0] *= 1.0 + raised
+        for k in range(matrix.shape[1]):
+            matrix[0, k] *= 1.0 + raised
         raised *= 30.0
     return True
 
