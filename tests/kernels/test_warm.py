@@ -119,3 +119,30 @@ def test_one_that_is_stopped_while_it_compiles_leaves_nothing_locked(tmp_path, h
         compiling.communicate(timeout=60)
         assert compiling.returncode != 0
         assert other.take()
+
+
+JOB = """
+import toolpace as tp
+from toolpace import demo
+from toolpace.kernels.jit import KERNELS
+from toolpace.kernels.signatures import from_text, read_signatures
+
+machine = tp.Machine.load(demo.MACHINE)
+toolpath = tp.read_text(demo.spiral_program(60, machine), machine)
+trajectory = tp.plan(tp.Path.fit(toolpath, machine=machine), machine)
+trajectory.usage()
+tp.verify(trajectory, machine, toolpath)
+listed = {name: [tuple(map(from_text, kinds))] for name, kinds in read_signatures().items()}
+called = {name: kernel.signatures for name, kernel in KERNELS.items() if kernel.signatures}
+print(len(called))
+for name in called:
+    if called[name] != listed.get(name):
+        print(name, called[name])
+"""
+
+
+def test_a_job_calls_each_kernel_with_the_one_signature_that_is_listed():
+    done = subprocess.run([sys.executable, "-c", JOB], capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    count, *others = done.stdout.splitlines()
+    assert int(count) > 30 and others == []
