@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from toolpace.kernels import cache
-from toolpace.kernels.cache import COMPLETE, DIGEST, SUFFIX, UNUSED, Store
+from toolpace.kernels import store as kept
+from toolpace.kernels.store import COMPLETE, DIGEST, SUFFIX, UNUSED, Store
 
-SOURCES = Path(cache.__file__).parent
+SOURCES = Path(kept.__file__).parent
 
 FORWARD = """
 import toolpace as tp
@@ -32,10 +32,10 @@ print(tip.tobytes().hex(), sum(stats.cache_hits.values()))
 @pytest.fixture(autouse=True)
 def fresh(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """No folder is chosen yet, nothing has been warned of; nor are they after the test."""
-    monkeypatch.setattr(cache, "_warned", functools.cache(list))
-    cache.store.cache_clear()
+    monkeypatch.setattr(kept, "_warned", functools.cache(list))
+    kept.store.cache_clear()
     yield
-    cache.store.cache_clear()
+    kept.store.cache_clear()
 
 
 def environment(**folders: Path) -> dict[str, str]:
@@ -131,37 +131,37 @@ def test_folders_of_other_sources_go_when_unused_for_long(tmp_path):
 def test_folders_are_tried_in_order(tmp_path, monkeypatch, capsys):
     for name in ("TOOLPACE_CACHE", "XDG_CACHE_HOME", "HOME"):
         monkeypatch.setenv(name, str(tmp_path / name))
-    assert cache.bases() == [tmp_path / "TOOLPACE_CACHE", tmp_path / "XDG_CACHE_HOME", tmp_path / "HOME" / ".cache"]
-    assert cache.store().folder == tmp_path / "TOOLPACE_CACHE" / "toolpace" / cache.key()
+    assert kept.bases() == [tmp_path / "TOOLPACE_CACHE", tmp_path / "XDG_CACHE_HOME", tmp_path / "HOME" / ".cache"]
+    assert kept.store().folder == tmp_path / "TOOLPACE_CACHE" / "toolpace" / kept.key()
     assert capsys.readouterr().err == ""
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("TOOLPACE_CACHE", str(tmp_path / "file" / "below"))
-    cache.store.cache_clear()
-    assert cache.store().folder == tmp_path / "XDG_CACHE_HOME" / "toolpace" / cache.key()
+    kept.store.cache_clear()
+    assert kept.store().folder == tmp_path / "XDG_CACHE_HOME" / "toolpace" / kept.key()
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "not a directory" in said and str(tmp_path / "XDG_CACHE_HOME") in said
 
 
 def test_a_complete_folder_need_not_be_writable(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("TOOLPACE_CACHE", str(tmp_path))
-    made = Store(tmp_path / "toolpace" / cache.key())
+    made = Store(tmp_path / "toolpace" / kept.key())
     made.save("a.kernel", b"machine code")
     made.mark_complete()
-    monkeypatch.setattr(cache, "_why_unusable", lambda folder: "read-only file system")
-    assert cache.store().folder == made.folder and capsys.readouterr().err == ""
+    monkeypatch.setattr(kept, "_why_unusable", lambda folder: "read-only file system")
+    assert kept.store().folder == made.folder and capsys.readouterr().err == ""
 
 
 def test_without_any_folder_a_temporary_one_serves_the_process(tmp_path, monkeypatch, capsys):
     (tmp_path / "file").write_text("in the way")
     for name in ("TOOLPACE_CACHE", "XDG_CACHE_HOME", "HOME"):
         monkeypatch.setenv(name, str(tmp_path / "file" / name))
-    store = cache.store()
+    store = kept.store()
     assert not store.kept and store.folder is not None
     store.save("a.kernel", b"machine code")
     assert store.load("a.kernel") == b"machine code"
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and said.startswith("warning: ")
-    cache._remove(store.folder.parent.parent, os.getpid())
+    kept._remove(store.folder.parent.parent, os.getpid())
     assert not store.folder.parent.parent.exists()
 
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from toolpace.kernels import signatures, warm
-from toolpace.kernels.cache import SUFFIX
+from toolpace.kernels import order, signatures
 from toolpace.kernels.jit import KERNELS, called_by
 from toolpace.kernels.lock import FileLock
+from toolpace.kernels.store import SUFFIX
 
 LISTED = signatures.read_signatures()
 
@@ -37,7 +37,7 @@ print(len(shared), warm.is_warm(), told == sorted(told))
 
 @pytest.fixture(scope="module", autouse=True)
 def kernels() -> None:
-    warm.import_kernels()
+    order.import_kernels()
 
 
 @pytest.fixture(scope="module")
@@ -70,17 +70,17 @@ def test_a_type_is_read_as_it_was_written():
 
 
 def test_a_kernel_is_given_out_after_all_that_it_calls():
-    work = warm.Work(LISTED)
-    order: list[str] = []
+    work = order.Work(LISTED)
+    given: list[str] = []
     while (name := work.take()) is not None:
-        assert warm.callees_and_parts(name, set(LISTED))[0] <= set(order)
-        order.append(name)
+        assert order.callees_and_parts(name, set(LISTED))[0] <= set(given)
+        given.append(name)
         work.finish(name)
-    assert sorted(order) == sorted(LISTED) and not work.left
+    assert sorted(given) == sorted(LISTED) and not work.left
 
 
 def test_a_kernel_that_a_worker_gave_back_is_given_out_again(smallest):
-    work = warm.Work({name: LISTED[name] for name in smallest[:1]})
+    work = order.Work({name: LISTED[name] for name in smallest[:1]})
     assert work.take() == smallest[0]
     work.give_back(smallest[0])
     assert work.take() == smallest[0]

@@ -1,0 +1,219 @@
+"""Where compiled kernels are kept: one file a kernel and signature, in a folder of exactly these sources.
+
+numba's own cache looks at the file of the function only: after an edit in another file that the function inlines,
+stale machine code would run. It falls back to a folder beside the sources where its own cannot be written, and raises
+where a file is damaged. Here the folder is named after a hash of all that the machine code depends on, a file that is
+not whole is made anew, and where no folder can be written, each process compiles for itself. Each of these is told
+once, in one line on standard error.
+
+The folder lies in TOOLPACE_CACHE, XDG_CACHE_HOME or ~/.cache, the first of them that can be used. One that is complete
+need not be writable: it may be made once for all users of a machine. Folders of other sources, unused for a month, are
+removed when a new one is complete.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import functools
+import hashlib
+import os
+import platform
+import shutil
+import sys
+import tempfile
+import time
+import uuid
+from pathlib import Path
+
+import llvmlite
+import numba
+import numpy as np
+from llvmlite import binding
+from numba.core import config
+
+COMPLETE = "complete"
+"""A file that lists the others with their sizes: all kernels of a first run are there."""
+SUFFIX = ".kernel"
+DIGEST = 32
+"""Bytes of the checksum that a file begins with."""
+UNUSED = 30 * 86400.0
+"""Age from which a folder of other sources is removed [s]."""
+ABANDONED = 3600.0
+"""Age from which nobody is writing a file any more [s]."""
+
+
+def key() -> str:
+    """Hash of all that the machine code depends on: kernels, compiler, interpreter, processor, settings."""
+    settings = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "ENABLE_AVX", "CPU_NAME", "CPU_FEATURES")
+    parts = [numba.__version__, llvmlite.__version__, np.__version__, sys.version, platform.machine(), sys.platform]
+    parts += [binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()]
+    parts += [str(getattr(config, setting, None)) for setting in settings]
+    digest = hashlib.sha256("\n".join(parts).encode())
+    home = Path(__file__).parent
+    for source in sorted(home.rglob("*.py")):
+        digest.update(f"\n{source.relative_to(home).as_posix()}\n".encode())
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+class Store:
+    """A folder of compiled kernels; without one, nothing is found and nothing kept."""
+
+    def __init__(self, folder: Path | None, kept: bool = True) -> None:
+        """Take the folder, and whether it outlives this process."""
+        self.folder, self.kept = folder, kept
+        self.writable = folder is not None
+
+    def load(self, file: str) -> bytes | None:
+        """What was saved under a name; None where nothing was, or where it is not whole."""
+        if self.folder is None:
+            return None
+        try:
+            content = (self.folder / file).read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            self.damaged(file, reason(error))
+            return None
+        if hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
+            self.damaged(file, "damaged")
+            return None
+        return content[DIGEST:]
+
+    def save(self, file: str, data: bytes) -> None:
+        """Keep some data under a name, whole or not at all, whoever else writes it; give up keeping where it fails."""
+        if self.folder is None or not self.writable:
+            return
+        part = self.folder / f"{file}.{uuid.uuid4().hex[:12]}"
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            part.write_bytes(hashlib.sha256(data).digest() + data)
+            part.replace(self.folder / file)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                part.unlink()
+            warn(f"compiled kernels cannot be kept in {self.folder} ({reason(error)}); the next run compiles again")
+            self.writable = False
+
+    def damaged(self, file: str, why: str) -> None:
+        """Say that a file is of no use, and have it made anew."""
+        warn(f"{file} in {self.folder} is {why}; compiled again")
+        with contextlib.suppress(OSError):
+            if self.folder is not None:
+                (self.folder / file).unlink()
+
+    def files(self) -> dict[str, int]:
+        """Names of what is kept, with sizes [bytes]."""
+        if self.folder is None:
+            return {}
+        try:
+            return {each.name: each.stat().st_size for each in self.folder.glob(f"*{SUFFIX}")}
+        except OSError:
+            return {}
+
+    def complete(self) -> bool:
+        """Whether all that `mark_complete` found is there still."""
+        if self.folder is None:
+            return False
+        try:
+            rows = [line.split() for line in (self.folder / COMPLETE).read_text("ascii").splitlines()]
+            listed = {file: int(size) for size, file in rows}
+        except (OSError, ValueError):
+            return False
+        there = self.files()
+        whole = bool(listed) and all(there.get(file) == size for file, size in listed.items())
+        if whole:
+            with contextlib.suppress(OSError):
+                os.utime(self.folder / COMPLETE)
+        return whole
+
+    def mark_complete(self) -> None:
+        """List what is there as all that a first run needs, and remove what other sources have left long ago."""
+        if self.folder is None:
+            return
+        part = self.folder / f"{COMPLETE}.{uuid.uuid4().hex[:12]}"
+        with contextlib.suppress(OSError):
+            part.write_text("".join(f"{size} {file}\n" for file, size in sorted(self.files().items())), "ascii")
+            part.replace(self.folder / COMPLETE)
+        with contextlib.suppress(OSError):
+            for other in self.folder.parent.iterdir():
+                if other != self.folder and _is_unused(other):
+                    shutil.rmtree(other, ignore_errors=True)
+            for part in self.folder.glob(f"*{SUFFIX}.*"):  # of processes that were killed while they wrote
+                if time.time() - part.stat().st_mtime > ABANDONED:
+                    part.unlink()
+
+
+def _is_unused(folder: Path) -> bool:
+    """Whether a folder is one of compiled kernels, and nobody has used it for long."""
+    name = folder.name
+    if len(name) != 16 or not set(name) <= set("0123456789abcdef") or not folder.is_dir():
+        return False
+    used = [each.stat().st_mtime for each in (folder, folder / COMPLETE) if each.exists()]
+    return time.time() - max(used) > UNUSED
+
+
+@functools.cache
+def store() -> Store:
+    """The folder that this process takes, chosen when the first kernel is called for."""
+    name, failed = key(), ""
+    for base in bases():
+        found = Store(base / "toolpace" / name)
+        why = "" if found.complete() else _why_unusable(base / "toolpace" / name)
+        if not why:
+            if failed:
+                warn(f"compiled kernels cannot be kept in {failed}; they are in {base}")
+            return found
+        failed = failed or f"{base} ({why})"
+    warn(f"compiled kernels cannot be kept in {failed or 'any folder'}; every run compiles them again")
+    try:
+        base = Path(tempfile.mkdtemp(prefix="toolpace-"))
+    except OSError:
+        return Store(None, kept=False)
+    atexit.register(_remove, base, os.getpid())
+    return Store(base / "toolpace" / name, kept=False)
+
+
+def bases() -> list[Path]:
+    """Folders to keep compiled kernels in, the first to be tried first."""
+    named = [Path(named) for each in ("TOOLPACE_CACHE", "XDG_CACHE_HOME") if (named := os.environ.get(each))]
+    with contextlib.suppress(RuntimeError):  # there may be no home
+        named.append(Path.home() / ".cache")
+    return [base.absolute() for base in named]
+
+
+def _why_unusable(folder: Path) -> str:
+    """Why nothing can be written into a folder; empty where something can."""
+    part = folder / uuid.uuid4().hex[:12]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        part.write_bytes(bytes(1 << 16))
+    except OSError as error:
+        return reason(error)
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink()
+    return ""
+
+
+def _remove(base: Path, owner: int) -> None:
+    if os.getpid() == owner:
+        shutil.rmtree(base, ignore_errors=True)
+
+
+def reason(error: OSError) -> str:
+    """What the system says of a failure, in a few words."""
+    return (error.strerror or type(error).__name__).lower()
+
+
+@functools.cache
+def _warned() -> list[str]:
+    return []
+
+
+def warn(message: str) -> None:
+    """Say on standard error, once a process, that something about the cache is not as it should be."""
+    if not _warned():
+        print(f"warning: {message}", file=sys.stderr, flush=True)
+    _warned().append(message)
