@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
-    from toolpace.motion import Motion
+    from toolpace.motion import Motion, Usage
     from toolpace.path.path import Path
     from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import OpenPlace, Trajectory
-    from toolpace.usage import Usage
     from toolpace.workers import Progress, Workers
 
 __all__ = [
@@ -122,7 +121,7 @@ _HOME = {
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",
-    "Usage": "usage",
+    "Usage": "motion",
     "Verification": "judge",
     "Workers": "workers",
     "apply_feed": "reading",

@@ -15,9 +15,8 @@ from toolpace.description import counted, named, one_line
 from toolpace.errors import UsageError
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion import Motion, joint_motion, limit_ratios
+from toolpace.motion import Motion, Usage, jerk_jumps, joint_motion, limit_ratios
 from toolpace.setpoints import SetPoints
-from toolpace.usage import Usage, jerk_jumps
 
 BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
