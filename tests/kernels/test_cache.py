@@ -86,12 +86,14 @@ def test_a_full_disk_is_told_once_and_done_without(tmp_path, capsys, monkeypatch
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     store = Store(tmp_path)
+    store.save("before.kernel", b"kept")
     monkeypatch.setattr(Path, "write_bytes", full)
     store.save("a.kernel", b"machine code")
     store.save("b.kernel", b"machine code")
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "no space left on device" in said
-    assert store.load("a.kernel") is None and not list(tmp_path.iterdir())
+    assert store.load("a.kernel") is None and [each.name for each in tmp_path.iterdir()] == ["before.kernel"]
+    assert store.load("before.kernel") == b"kept"  # what was kept serves on
 
 
 def test_complete_until_something_is_gone_or_cut(tmp_path):

@@ -21,7 +21,7 @@ def toolpath(tip: np.ndarray, axis: np.ndarray, feed: np.ndarray | float = 0.05,
     feeds = np.broadcast_to(feed, n).astype(float).copy()
     still = np.zeros(n)
     tips = np.broadcast_to(tip, (n, 3)).astype(float).copy()
-    return ToolPath(tips, axis, feeds, still, np.arange(1, n + 1), stop, still.copy(), source="part.cls", **more)  # type: ignore[arg-type]
+    return ToolPath(tips, axis, feeds, still, np.arange(1, n + 1), stop, still.copy(), source="part.cls", **more)
 
 
 def cone(tilt: np.ndarray | float, azimuth: np.ndarray) -> np.ndarray:
