@@ -63,7 +63,7 @@ def minimise(problem: Problem, first: np.ndarray) -> tuple[np.ndarray, str]:
     """Coefficients and IPOPT's word for how it ended."""
     count, n = len(problem.node), len(first)
     expand, offset = ends(problem, first)
-    place = (np.repeat(np.arange(count), 3), (problem.node[:, None] + np.arange(3)).ravel())
+    place = (np.repeat(np.arange(count), 4), (problem.first[:, None] + np.arange(4)).ravel())
     maps = [sparse.csc_matrix((problem.basis[:, d].ravel(), place), shape=(count, n)) for d in range(3)]
     y = ca.SX.sym("y", expand.shape[1])
     u = [dm(m @ expand) @ y + m @ offset for m in maps]

@@ -26,5 +26,5 @@ def mesh_problem(
 
 def objective(problem: Problem, c: np.ndarray) -> float:
     """Time as the problem sums it over its nodes [s]."""
-    z = np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.node[:, None] + np.arange(3)])
+    z = np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.first[:, None] + np.arange(4)])
     return float((problem.weight / np.sqrt(z)).sum())

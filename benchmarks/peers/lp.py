@@ -31,7 +31,7 @@ def solve(axis_path: AxisPath, limits: Limits, n: int) -> Outcome:
     first = start_from(problem, s, z, 1.0)
     expand, _ = ends(problem, first)
     count, half = len(problem.node), problem.rows.shape[1] // 2
-    place = (np.repeat(np.arange(count), 3), (problem.node[:, None] + np.arange(3)).ravel())
+    place = (np.repeat(np.arange(count), 4), (problem.first[:, None] + np.arange(4)).ravel())
     shape = (count, len(first))
     maps = [sparse.csr_matrix((problem.basis[:, d].ravel(), place), shape=shape) @ expand for d in range(3)]
     scale = maps[0] @ np.ones(expand.shape[1])

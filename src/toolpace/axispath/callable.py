@@ -29,6 +29,7 @@ class CallableRun(AxisRun):
         # a caller's function may remember what it was asked last
         self.f, self.lock = f, Lock()
         self.cap = SpeedCap(speed_cap, self.lock)
+        self.smooth_cap = not callable(speed_cap)
         self.s0, self.s1, self.breaks = s0, s1, breaks[(breaks > s0) & (breaks < s1)]
         places = np.asarray(hints, dtype=float).ravel()
         places = places[(places > s0) & (places < s1)]

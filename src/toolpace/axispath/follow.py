@@ -16,7 +16,7 @@ from toolpace.toolpath import ToolPath
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.path.path import Path
-    from toolpace.path.run import PathRun
+    from toolpace.path.run import PathJet, PathRun
 
 
 GRID = 401
@@ -144,23 +144,36 @@ class FollowRun(AxisRun):
         kinks = run.breaks[1:-1] if run.third_jumps else np.empty(0)
         self.breaks = np.union1d(run.block_start[1:-1][jumps], kinks)
 
+    smooth_cap = True
+
     def evaluate(self, s: Floats) -> Floats:
+        return self._joints(self.run.evaluate(s), s)
+
+    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
         jet = self.run.evaluate(s)
+        return self._joints(jet, s), self._cap(jet, s)
+
+    def speed_cap(self, s: Floats) -> Floats:
+        return self._cap(self.run.evaluate(s), s)
+
+    def block_at(self, s: Floats) -> Ints:
+        return self.run.block_at(s)
+
+    def _joints(self, jet: PathJet, s: Floats) -> Floats:
+        """(4, n, joints) of the tip and tool axis, or the rotary joints, in a jet at s (n,)."""
         rotary = jet.rotary
         if rotary is None:
             assert jet.axis is not None and self.branch is not None
             rotary = self.machine.rotary_jets(jet.axis, self.branch.near(s))
         return self.machine.linear_jets(jet.tip, rotary)
 
-    def speed_cap(self, s: Floats) -> Floats:
+    def _cap(self, jet: PathJet, s: Floats) -> Floats:
+        """(n,) the cap at s (n,), from the jet there."""
         block = self.run.block_index(s)
         feed = self.run.feed[block]
         cap: Floats = self.pace[block]
         if np.isfinite(feed).any():
-            speed = np.linalg.norm(self.run.evaluate(s).tip[1], axis=1)
+            speed = np.linalg.norm(jet.tip[1], axis=1)
             with np.errstate(divide="ignore", invalid="ignore"):
                 cap = np.minimum(cap, np.where(speed > 0.0, feed / speed, np.inf))
         return cap
-
-    def block_at(self, s: Floats) -> Ints:
-        return self.run.block_at(s)

@@ -21,6 +21,8 @@ class AxisRun(ABC):
     """(h,) parameter values between which the run is smooth on the scale of a mesh cell; may be empty."""
     dwell: float = 0.0
     """Time to wait at the end [s]."""
+    smooth_cap: bool = False
+    """Whether the speed cap is as smooth as the path between breaks."""
     blocks: int = 0
     """Number of blocks of a program that it follows; 0 where there is no program."""
 
@@ -35,6 +37,10 @@ class AxisRun(ABC):
     @abstractmethod
     def speed_cap(self, s: Floats) -> Floats:
         """(n,) most ds/dt that feed and block times allow, from the right at a break; inf without a cap."""
+
+    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
+        """Both of these: the path (4, n, joints) and the cap (n,) on ds/dt."""
+        return self.evaluate(s), self.speed_cap(s)
 
     def block_at(self, s: Floats) -> Ints:
         """(n,) line number of the block at s; 0 where there is no program."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.kernels.motion import usage
+from toolpace.kernels.motion import between_nodes, usage
+from toolpace.kernels.optimal import first_guess
 from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
@@ -15,23 +18,136 @@ from toolpace.workers import Workers
 
 CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""
+KEPT_CELLS = 20_000
+"""Cells of a mesh up to which the path at its probes is kept from one look to the next."""
+UNLIKE = 1e-6
+"""Share of a limit up to which the path may differ from what its derivatives at the nodes tell of it."""
+FASTER = 4.0
+"""How much of the z at steady speed a motion may have."""
 
 
-def cell_peaks(
-    run: AxisRun, limits: Limits, law: SplineLaw, cells: Ints | None = None, workers: Workers | None = None
-) -> Floats:
-    """(n, 3) largest usage in the given cells of the spline (default: in all), by speed, acceleration and jerk."""
-    wanted = np.arange(len(law.nodes) - 1) if cells is None else cells
+@dataclass(frozen=True)
+class Peaks:
+    """Largest usage of limits cell by cell, by speed, acceleration and jerk, and where."""
 
-    def of_part(first: int) -> Floats:
-        return peaks_of(run, limits, law, wanted[first : first + CHUNK])
+    used: Floats
+    """(n, 3) value over limit."""
+    place: Floats
+    """(n, 3) as shares of the cells."""
 
-    parts = (workers or Workers()).each(of_part, range(0, len(wanted), CHUNK))
-    return np.concatenate(parts) if parts else np.empty((0, 3))
+
+class Look:
+    """Looks between the nodes of one mesh.
+
+    The path is asked at the nodes and in the middle of the cells. Where the middle, and what the positions gain, are as
+    the derivatives at the nodes say, these tell the path at all probes; elsewhere it is asked at each of them.
+    """
+
+    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats) -> None:
+        self.run, self.limits, self.nodes = run, limits, nodes
+        self._kept: dict[int, tuple[Floats, Floats]] = {}
+        """By the first cell of a chunk: three derivatives (3, n k, m) of the path, and caps (n k,) on ds/dt."""
+
+    def peaks(self, law: SplineLaw, workers: Workers | None = None) -> Peaks:
+        """The peaks in all cells."""
+        last = len(self.nodes) - 1
+
+        def of_chunk(first: int) -> Peaks:
+            which = np.arange(first, min(first + CHUNK, last))
+            path = self._kept.get(first) or self._path(which, law.inside)
+            if last <= KEPT_CELLS:
+                self._kept[first] = path
+            return self._of(which, law, *path)
+
+        return joined((workers or Workers()).each(of_chunk, range(0, last, CHUNK)))
+
+    def peaks_in(self, law: SplineLaw, cells: Ints, workers: Workers | None = None) -> Peaks:
+        """The peaks in some cells, the path being asked at every probe."""
+
+        def of_part(first: int) -> Peaks:
+            which = cells[first : first + CHUNK]
+            return self._of(which, law, *self._asked(which, law.inside))
+
+        return joined((workers or Workers()).each(of_part, range(0, len(cells), CHUNK)))
+
+    def _path(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
+        """Derivatives and caps at the shares `inside` of the cells `which`, which follow each other."""
+        limits, nodes = self.limits, self.nodes[which[0] : which[-1] + 2]
+        of_joints = limits.velocity, limits.acceleration, limits.jerk
+        length, count = np.diff(nodes), len(nodes)
+        broken = np.flatnonzero(np.isin(nodes, self.run.breaks))
+        s = np.concatenate([nodes, nodes[:-1] + length / 2.0, np.nextafter(nodes[broken], -np.inf)])
+        q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
+        middle, cap_middle = np.ascontiguousarray(q[:, count : 2 * count - 1]), cap[count : 2 * count - 1].copy()
+        high, cap_high = q[:, :count].copy(), cap[:count].copy()
+        high[:, broken], cap_high[broken] = q[:, 2 * count - 1 :], cap[2 * count - 1 :]
+        ends = np.ascontiguousarray(q[:, : count - 1]), np.ascontiguousarray(high[:, 1:])
+
+        fastest, steady, _ = first_guess.pointwise(middle, *of_joints, cap_middle)
+        z = np.minimum(fastest, FASTER * steady)
+        unlike = ~(between_nodes.unlike(*ends, middle, length, np.where(z < np.inf, z, 0.0), *of_joints) <= UNLIKE)
+        unlike[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, count - 2)] |= ~np.isin(self.run.breaks, nodes)
+        out = np.empty((3, len(which) * len(inside), q.shape[2]))
+        between_nodes.path_between(np.arange(len(which)), *ends, length, inside, out)
+        if self.run.smooth_cap:
+            caps = caps_between(cap[: count - 1], cap_middle, cap_high[1:], inside).ravel()
+        else:
+            caps = self.run.speed_cap(np.clip(probes(nodes, inside), self.run.s0, self.run.s1))
+        if unlike.any():
+            at = (np.flatnonzero(unlike)[:, None] * len(inside) + np.arange(len(inside))).ravel()
+            out[:, at], caps[at] = self._asked(which[unlike], inside)
+        return out, caps
+
+    def _asked(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
+        """Derivatives and caps at the shares `inside` of some cells, asked at each."""
+        s = probes(np.stack([self.nodes[which], self.nodes[which + 1]], axis=1), inside)
+        q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
+        return np.ascontiguousarray(q[1:]), cap
+
+    def _of(self, which: Ints, law: SplineLaw, q: Floats, cap: Floats) -> Peaks:
+        """The peaks in cells whose path is known."""
+        limits = self.limits
+        return Peaks(
+            *usage.spline_peaks(
+                which, q, cap, law.nodes, law.cells, law.inside, limits.velocity, limits.acceleration, limits.jerk
+            )
+        )
+
+
+def probes(nodes: Floats, inside: Floats) -> Floats:
+    """(n k,) places at the shares `inside` (k,) of cells, their ends taken from inside.
+
+    The cells are those between nodes (n + 1,), or given by both their ends (n, 2).
+    """
+    low, high = (nodes[:-1], nodes[1:]) if nodes.ndim == 1 else (nodes[:, 0], nodes[:, 1])
+    s = low[:, None] + (high - low)[:, None] * inside
+    s[:, -1] = np.nextafter(high, -np.inf)
+    return np.asarray(s.ravel())
+
+
+def caps_between(low: Floats, middle: Floats, high: Floats, inside: Floats) -> Floats:
+    """(n, k) caps on ds/dt at the shares `inside` of cells, from those at both ends and in the middle (n,).
+
+    A feed over the speed of the tip: the square of its inverse is interpolated.
+    """
+    a, b, c = (np.square(1.0 / cap)[:, None] for cap in (low, middle, high))
+    x = inside
+    square = a * (1.0 - x) * (1.0 - 2.0 * x) + b * 4.0 * x * (1.0 - x) + c * x * (2.0 * x - 1.0)
+    # between three values above zero a parabola may fall below
+    least = np.minimum(np.minimum(a, b), c)
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / np.sqrt(np.maximum(square, least)))
+
+
+def joined(parts: list[Peaks]) -> Peaks:
+    """The peaks of parts one after the other."""
+    if not parts:
+        return Peaks(np.empty((0, 3)), np.empty((0, 3)))
+    return Peaks(np.concatenate([part.used for part in parts]), np.concatenate([part.place for part in parts]))
 
 
 def peaks_of(run: AxisRun, limits: Limits, law: SplineLaw | LinearLaw, cells: Ints) -> Floats:
-    """(n, 3) the same for a law of either planner, worked out in one piece."""
+    """(n, 3) largest usage in the given cells of a law, by speed, acceleration and jerk."""
     m = len(limits)
     state, right = law.states_within(cells)
     of_cell = usage.peaks(law.inside, limit_ratios(run, limits, state, right))

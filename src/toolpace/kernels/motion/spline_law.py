@@ -127,16 +127,19 @@ def _rest(start: float, h: float, v: float, t: float, forth: float, out: Floats,
 
 
 @jit()
-def _inside(node: float, cell: Floats, x: float, out: Floats, i: int) -> None:
-    """State at a distance x into a cell."""
-    z = _z(cell, x)
-    v = np.sqrt(z)
+def inside_cell(cell: Floats, x: float) -> tuple[float, float, float]:
+    """ds/dt, d2s/dt2 and d3s/dt3 at a distance x into a cell."""
+    v = np.sqrt(_z(cell, x))
     slope = cell[1] + x * (2.0 * cell[2] + x * 3.0 * cell[3])
     curve = 2.0 * cell[2] + 6.0 * x * cell[3]
+    return v, slope / 2.0, curve * v / 2.0
+
+
+@jit()
+def _inside(node: float, cell: Floats, x: float, out: Floats, i: int) -> None:
+    """State at a distance x into a cell."""
     out[0, i] = node + x
-    out[1, i] = v
-    out[2, i] = slope / 2.0
-    out[3, i] = curve * v / 2.0
+    out[1, i], out[2, i], out[3, i] = inside_cell(cell, x)
 
 
 @jit()

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
+from toolpace.kernels.motion.spline_law import inside_cell
+
+SPEED, ACCELERATION, JERK = 0, 1, 2
+"""Kinds of limits; the feed is one of speed."""
+HIGH = 0.9
+"""Usage from which it matters how high a peak goes between probes."""
 
 
 @jit()
@@ -24,6 +30,18 @@ def ratios(q: Floats, state: Floats, cap: Floats, velocity: Floats, acceleration
     return out
 
 
+@jit(inline=True)
+def summit(x0: float, x1: float, x2: float, y0: float, y1: float, y2: float) -> tuple[float, float]:
+    """Height and place of the top of the parabola through three points, the middle one being the highest."""
+    h0, h1 = x1 - x0, x2 - x1
+    rise0, rise1 = (y1 - y0) / h0, (y2 - y1) / h1
+    bend = (rise1 - rise0) / (h0 + h1)
+    if not bend < 0.0:
+        return y1, x1
+    slope = rise0 + bend * h0
+    return y1 - slope * slope / (4.0 * bend), x1 - slope / (2.0 * bend)
+
+
 @jit()
 def peaks(place: Floats, ratio: Floats) -> Floats:
     """(cells, columns) largest value in each cell of samples at `place` (k,) in it; ratio (cells * k, columns).
@@ -38,15 +56,66 @@ def peaks(place: Floats, ratio: Floats) -> Floats:
             best = 0.0
             for i in range(k):
                 value = ratio[c * k + i, col]
-                if 0 < i < k - 1 and value > 0.9:
+                if 0 < i < k - 1 and value > HIGH:
                     before, after = ratio[c * k + i - 1, col], ratio[c * k + i + 1, col]
                     if value >= before and value >= after:
-                        h0, h1 = place[i] - place[i - 1], place[i + 1] - place[i]
-                        rise0, rise1 = (value - before) / h0, (after - value) / h1
-                        bend = (rise1 - rise0) / (h0 + h1)
-                        if bend < 0.0:
-                            slope = rise0 + bend * h0
-                            value -= slope * slope / (4.0 * bend)
+                        value, _ = summit(place[i - 1], place[i], place[i + 1], before, value, after)
                 best = max(best, value)
             out[c, col] = best
     return out
+
+
+@jit()
+def spline_peaks(
+    which: Ints, q: Floats, cap: Floats, nodes: Floats, cells: Floats, inside: Floats, velocity: Floats,
+    acceleration: Floats, jerk: Floats,
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """(n, 3) largest usage of speed, acceleration and jerk in some cells of a spline of z, and where, as a share of it.
+
+    Parameters: which (n,) cells; q (3, n k, m) q', q'', q''' and cap (n k,) on ds/dt at the shares `inside` (k,) of
+    each of them; nodes (N,) and cells (N - 1, 4) of the spline. A peak between probes is told by the parabola through
+    three of them.
+    """
+    n, k, m = len(which), len(inside), q.shape[2]
+    peak, place = np.zeros((n, 3)), np.full((n, 3), 0.5)
+    speed, speed2, speed3 = np.empty(k), np.empty(k), np.empty(k)
+    rise, both, bend = np.empty(k), np.empty(k), np.empty(k)
+    value = np.empty(k)
+    for i in range(n):
+        cell, low = which[i], i * k
+        length = nodes[cell + 1] - nodes[cell]
+        for p in range(k):
+            v, a, j = inside_cell(cells[cell], inside[p] * length)
+            speed[p], speed2[p], speed3[p] = v, v * v, v * v * v
+            rise[p], both[p], bend[p] = a, 3.0 * v * a, j
+            value[p] = v / cap[low + p]
+        highest(value, inside, SPEED, peak[i], place[i])
+        for axis in range(m):
+            for p in range(k):
+                value[p] = abs(q[0, low + p, axis] * speed[p]) / velocity[axis]
+            highest(value, inside, SPEED, peak[i], place[i])
+            for p in range(k):
+                value[p] = abs(q[1, low + p, axis] * speed2[p] + q[0, low + p, axis] * rise[p]) / acceleration[axis]
+            highest(value, inside, ACCELERATION, peak[i], place[i])
+            for p in range(k):
+                third = q[2, low + p, axis] * speed3[p] + q[1, low + p, axis] * both[p]
+                value[p] = abs(third + q[0, low + p, axis] * bend[p]) / jerk[axis]
+            highest(value, inside, JERK, peak[i], place[i])
+    return peak, place
+
+
+@jit()
+def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Floats) -> None:
+    """Raise the peak (3,) of a kind, and set its place (3,), where the values (k,) at shares `inside` go higher."""
+    k = len(value)
+    most = 0.0
+    for p in range(k):
+        most = max(most, value[p])
+    if most <= HIGH and not most > peak[kind] and not np.isnan(value.sum()):
+        return
+    for p in range(k):
+        top, at = value[p], inside[p]
+        if 0 < p < k - 1 and top > HIGH and top >= value[p - 1] and top >= value[p + 1]:
+            top, at = summit(inside[p - 1], at, inside[p + 1], value[p - 1], top, value[p + 1])
+        if top > peak[kind] or np.isnan(top):
+            peak[kind], place[kind] = top, at

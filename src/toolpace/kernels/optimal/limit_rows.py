@@ -11,11 +11,11 @@ from toolpace.kernels.jit import jit
 
 
 class PointRows(NamedTuple):
-    """A problem by points: the nodes of its mesh, on both sides where the run has a break."""
+    """A problem by points: the nodes of its mesh, on both sides where the run has a break, and places between them."""
 
     basis: Floats
-    """(points, 3, 3) z, z', z'' of a point from its three coefficients; row d gives the d-th derivative."""
-    node: Ints
+    """(points, 3, 4) z, z', z'' of a point from its four coefficients; row d gives the d-th derivative."""
+    first: Ints
     """(points,) the first of those coefficients, ascending."""
     weight: Floats
     """(points,) of the pace 1 / sqrt(z) in the time."""
@@ -50,14 +50,15 @@ def usage(points: PointRows, c: Floats) -> tuple[Floats, Floats]:
 
     Infinite where z is not positive.
     """
-    basis, node, cap, rows = points.basis, points.node, points.cap, points.rows
+    basis, first, cap, rows = points.basis, points.first, points.cap, points.rows
     n, count = rows.shape[0], rows.shape[1]
     used, z = np.zeros((n, 3)), np.empty(n)
     for p in range(n):
-        k = node[p]
-        u0 = basis[p, 0, 0] * c[k] + basis[p, 0, 1] * c[k + 1] + basis[p, 0, 2] * c[k + 2]
-        u1 = basis[p, 1, 0] * c[k] + basis[p, 1, 1] * c[k + 1] + basis[p, 1, 2] * c[k + 2]
-        u2 = basis[p, 2, 0] * c[k] + basis[p, 2, 1] * c[k + 1] + basis[p, 2, 2] * c[k + 2]
+        k = first[p]
+        c0, c1, c2, c3 = c[k], c[k + 1], c[k + 2], c[k + 3]
+        u0 = basis[p, 0, 0] * c0 + basis[p, 0, 1] * c1 + basis[p, 0, 2] * c2 + basis[p, 0, 3] * c3
+        u1 = basis[p, 1, 0] * c0 + basis[p, 1, 1] * c1 + basis[p, 1, 2] * c2 + basis[p, 1, 3] * c3
+        u2 = basis[p, 2, 0] * c0 + basis[p, 2, 1] * c1 + basis[p, 2, 2] * c2 + basis[p, 2, 3] * c3
         z[p] = u0
         if not u0 > 0.0:
             used[p] = np.inf

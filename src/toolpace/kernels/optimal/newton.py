@@ -1,7 +1,7 @@
 """Newton systems over the coefficients of a cubic spline: sums over points, and the ends of a run.
 
-A point at knot k sees the coefficients k, k + 1, k + 2 through its basis (3, 3): row d gives the d-th derivative of z
-there. So a Newton matrix has five diagonals, stored as (3, n) for `pentadiagonal`. At an end at rest
+A point sees w coefficients through its basis (3, w), three at a knot and four inside a cell: row d gives the d-th
+derivative of z there. So a Newton matrix has five or seven diagonals, stored as (w, n) for `banded`. At an end at rest
 the two outermost coefficients are tied to each other, at an end in motion both are given.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
-from toolpace.kernels.optimal.pentadiagonal import factor, solve
+from toolpace.kernels.optimal.banded import factor, solve
 
 REST, MOVING = 0, 1
 
@@ -34,9 +34,9 @@ class System(NamedTuple):
     """A Newton system over n coefficients, and what a predictor and a corrector make of its right-hand side."""
 
     matrix: Floats
-    """(3, n) its diagonals; after `factor_tied` its factors."""
+    """(w, n) its diagonals; after `factor_tied` its factors."""
     spare: Floats
-    """(3, n) the matrix as it was before it was factored."""
+    """(w, n) the matrix as it was before it was factored."""
     rhs: Floats
     """(n,) the predictor's right-hand side: for a centring of zero."""
     centring: Floats
@@ -48,9 +48,9 @@ class System(NamedTuple):
 
 
 @jit(inline=True)
-def system_of(n: int) -> System:
-    """Room for the system of n coefficients."""
-    matrix, spare, rhs, centring = np.empty((3, n)), np.empty((3, n)), np.empty(n), np.empty(n)
+def system_of(n: int, width: int) -> System:
+    """Room for the system of n coefficients, of which a point sees `width`."""
+    matrix, spare, rhs, centring = np.empty((width, n)), np.empty((width, n)), np.empty(n), np.empty(n)
     return System(matrix, spare, rhs, centring, np.empty(n), np.empty(n))
 
 
@@ -58,7 +58,10 @@ def system_of(n: int) -> System:
 def add_curvature(
     basis: Floats, p: int, k: int, curvature: tuple[float, float, float, float, float, float], matrix: Floats
 ) -> None:
-    """Add to the matrix the second derivatives by (z, z', z'') of the point p at knot k: 00, 01, 02, 11, 12, 22."""
+    """Add to the matrix the second derivatives by (z, z', z'') of the point p, whose coefficients begin at k.
+
+    They are 00, 01, 02, 11, 12, 22.
+    """
     m00, m01, m02, m11, m12, m22 = curvature
     for i in range(3):
         e0, e1, e2 = basis[p, 0, i], basis[p, 1, i], basis[p, 2, i]
@@ -70,8 +73,22 @@ def add_curvature(
 
 
 @jit()
+def add_curvature_inside(
+    basis: Floats, p: int, k: int, curvature: tuple[float, float, float, float, float, float], matrix: Floats
+) -> None:
+    """The same by the fourth coefficient of the point."""
+    m00, m01, m02, m11, m12, m22 = curvature
+    e0, e1, e2 = basis[p, 0, 3], basis[p, 1, 3], basis[p, 2, 3]
+    t0 = e0 * m00 + e1 * m01 + e2 * m02
+    t1 = e0 * m01 + e1 * m11 + e2 * m12
+    t2 = e0 * m02 + e1 * m12 + e2 * m22
+    for i in range(4):
+        matrix[3 - i, k + i] += t0 * basis[p, 0, i] + t1 * basis[p, 1, i] + t2 * basis[p, 2, i]
+
+
+@jit()
 def add_slope(basis: Floats, p: int, k: int, slope: tuple[float, float, float], vector: Floats) -> None:
-    """Add to the vector the first derivatives by (z, z', z'') of the point p at knot k."""
+    """Add to the vector the first derivatives by (z, z', z'') of the point p, whose coefficients begin at k."""
     g0, g1, g2 = slope
     for i in range(3):
         vector[k + i] += basis[p, 0, i] * g0 + basis[p, 1, i] * g1 + basis[p, 2, i] * g2
@@ -83,22 +100,36 @@ def tie_matrix(matrix: Floats, ends: Ends) -> None:
 
     At rest c_1 = ratio[0] c_0, so c_0 is eliminated; in motion c_0 and c_1 are given. The last two likewise.
     """
-    diagonal, first, second = matrix[0], matrix[1], matrix[2]
-    n = len(diagonal)
+    diagonal, first = matrix[0], matrix[1]
+    width, n = matrix.shape
     if ends.end[0] == REST:
         a = 1.0 / ends.ratio[0]
         diagonal[1] += 2.0 * a * first[0] + a * a * diagonal[0]
-        first[1] += a * second[0]
+        for i in range(2, width):
+            matrix[i - 1, 1] += a * matrix[i, 0]
     else:
-        diagonal[1], first[1], second[1] = 1.0, 0.0, 0.0
-    diagonal[0], first[0], second[0] = 1.0, 0.0, 0.0
+        _take_out(matrix, 1)
+    _take_out(matrix, 0)
     if ends.end[1] == REST:
         a = 1.0 / ends.ratio[1]
         diagonal[n - 2] += 2.0 * a * first[n - 2] + a * a * diagonal[n - 1]
-        first[n - 3] += a * second[n - 3]
+        for i in range(2, width):
+            matrix[i - 1, n - 1 - i] += a * matrix[i, n - 1 - i]
     else:
-        diagonal[n - 2], first[n - 3], second[n - 4] = 1.0, 0.0, 0.0
-    diagonal[n - 1], first[n - 2], second[n - 3] = 1.0, 0.0, 0.0
+        _take_out(matrix, n - 2)
+    _take_out(matrix, n - 1)
+
+
+@jit(inline=True)
+def _take_out(matrix: Floats, k: int) -> None:
+    """Make row and column k those of the identity."""
+    width, n = matrix.shape
+    matrix[0, k] = 1.0
+    for i in range(1, width):
+        if k + i < n:
+            matrix[i, k] = 0.0
+        if k - i >= 0:
+            matrix[i, k - i] = 0.0
 
 
 @jit()

@@ -1,6 +1,6 @@
 """The core of the optimal planner: a primal-dual interior-point method for the speed along a path.
 
-Unknown is z(s) = (ds/dt)^2, a cubic spline with coefficients c, judged at points that lie on its knots:
+Unknown is z(s) = (ds/dt)^2, a cubic spline with coefficients c, judged at points on its knots and between them:
 
     minimise    sum_p w_p / sqrt(z_p)
     subject to  z_p <= cap_p                                             velocity, feed
@@ -9,8 +9,8 @@ Unknown is z(s) = (ds/dt)^2, a cubic spline with coefficients c, judged at point
 
 The right side of a jerk row is convex where it would have to be concave; its tangent at the current z lies below it,
 so a Newton step that respects the tangent stays feasible, and no outer loop is needed. All rows of a point touch
-three coefficients: they are collapsed into a 3 x 3 moment matrix in (z, z', z''), and the Newton matrix has five
-diagonals. Predictor and corrector follow Mehrotra (1992). A start outside the constraints is met by `relief`, an
+three coefficients, or four between knots: they are collapsed into a 3 x 3 moment matrix in (z, z', z''), and the Newton
+matrix has seven diagonals. Predictor and corrector follow Mehrotra (1992). A start outside the constraints is met by `relief`, an
 amount by which the rows of a point are relaxed; it shrinks to nothing with the steps taken.
 """
 
@@ -37,8 +37,13 @@ from toolpace.kernels.optimal.tiles import advance
 
 OPTIMAL, STALLED, BROKEN = 0, 1, 2
 BACK_OFF = 0.99
-ROUNDING = 300.0
-"""The gradient is a difference of large numbers: its tolerance, as a multiple of that of the gap."""
+BALANCE = 0.1
+"""Least share of the gradient that the gap keeps up with: where products of slack and multiplier run ahead of it, the
+point comes to lie next to its limits long before it is the best there, and steps are short."""
+STEEP = 0.3
+"""Tolerance of the gradient, a difference of large numbers, as a multiple of the root of that of the gap."""
+RELIEVED = 1e-3
+"""Share of the reliefs that may still stand at the end, as a multiple of the same tolerance."""
 
 
 @jit()
@@ -48,12 +53,12 @@ def maximise_speed(
     """Coefficients of the fastest z within the rows.
 
     Parameters: c (n,) start with z > 0 at all points, overwritten by the result; relief (points, 3) of cap,
-    acceleration and jerk rows, positive where the start breaks one; spread, the first gap, and tolerance of gap and
-    gradient, relative to the time.
+    acceleration and jerk rows, positive where the start breaks one; spread, the first gap, and tolerance of the gap,
+    relative to the time.
     Returns c, status, steps, and gap and scaled gradient relative to the time.
     """
     tiles, caps = in_tiles(points.rows), caps_of(points, relief)
-    steps, system, gradient = steps_of(tiles), system_of(len(c)), np.empty(len(c))
+    steps, system, gradient = steps_of(tiles), system_of(len(c), points.basis.shape[2]), np.empty(len(c))
     products = tiles.points * (2 * points.rows.shape[1] + 1)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     solver_rows.states(points, c, caps, tau, tiles.at)
@@ -63,12 +68,13 @@ def maximise_speed(
     for number in range(most_steps):
         gap, time = solver_rows.newton_system(points, tiles, caps, tau, system, gradient)
         residual = _scaled(gradient, c, ends)
-        if gap < tolerance * time and residual < ROUNDING * tolerance * time and tau < 1e-9:
+        flat = residual < STEEP * np.sqrt(tolerance) * time
+        if gap < tolerance * time and flat and tau < RELIEVED * tolerance:
             return c, OPTIMAL, number, gap / time, residual / time
         if not factor_tied(system, ends):
             return c, BROKEN, number, gap / time, residual / time
         left = _predictor(points, ends, tiles, caps, tau, steps, gap, system)
-        centre = product_aimed_at(gap, products, left)
+        centre = max(product_aimed_at(gap, products, left), BALANCE * residual / products)
         go, go_dual = _corrector(points, ends, tiles, caps, tau, steps, centre, system)
         if not (go > 0.0 and go_dual > 0.0):
             return c, BROKEN, number, gap / time, residual / time

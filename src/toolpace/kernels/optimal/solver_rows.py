@@ -36,7 +36,7 @@ from toolpace.kernels.optimal.multipliers import (
     set_bounds,
     share_left,
 )
-from toolpace.kernels.optimal.newton import System, add_curvature, add_slope
+from toolpace.kernels.optimal.newton import System, add_curvature, add_curvature_inside, add_slope
 from toolpace.kernels.optimal.tiles import TILE, tiled
 
 MOST_FALL = 0.6
@@ -64,7 +64,7 @@ class Caps(NamedTuple):
 @jit(inline=True)
 def caps_of(points: PointRows, relief: Floats) -> Caps:
     """The caps of a problem with relief (points, 3), their multipliers still zero."""
-    n = len(points.node)
+    n = len(points.first)
     weight = tiled(points.weight.reshape(n, 1)).reshape(-1, TILE)
     cap = tiled(points.cap.reshape(n, 1)).reshape(-1, TILE)
     return Caps(weight, cap, tiled(relief), np.zeros_like(cap), np.zeros_like(cap))
@@ -73,11 +73,14 @@ def caps_of(points: PointRows, relief: Floats) -> Caps:
 @jit()
 def spread(points: PointRows, c: Floats, out: Floats) -> None:
     """out (tiles, 3 or more, TILE): z, z', z'' at the points from the coefficients c."""
-    basis, node = points.basis, points.node
-    for p in range(len(node)):
-        k = node[p]
+    basis, first = points.basis, points.first
+    for p in range(len(first)):
+        k = first[p]
         for d in range(3):
             out[p // TILE, d, p % TILE] = basis[p, d, 0] * c[k] + basis[p, d, 1] * c[k + 1] + basis[p, d, 2] * c[k + 2]
+        if basis[p, 2, 3] != 0.0:
+            for d in range(3):
+                out[p // TILE, d, p % TILE] += basis[p, d, 3] * c[k + 3]
 
 
 @jit(reorder=True)
@@ -86,7 +89,7 @@ def states(points: PointRows, c: Floats, caps: Caps, tau: float, at: Floats) -> 
     relief = caps.relief
     spread(points, c, at)
     for t in range(len(at)):
-        for p in range(min(TILE, len(points.node) - t * TILE)):
+        for p in range(min(TILE, len(points.first) - t * TILE)):
             pace = 1.0 / np.sqrt(at[t, Z, p])
             at[t, LIMIT, p], at[t, FALL, p] = pace, 0.5 * pace / at[t, Z, p]
             at[t, EXTRA, p], at[t, EXTRA_JERK, p] = tau * relief[t, ACCELERATION, p], tau * relief[t, JERK, p]
@@ -120,7 +123,7 @@ def newton_system(
     points: PointRows, tiles: RowTiles, caps: Caps, tau: float, system: System, gradient: Floats
 ) -> tuple[float, float]:
     """Newton matrix, right-hand side for a centring of zero, gradient (n,) of the Lagrangian; returns gap and time."""
-    basis, node, rows, at, dual = points.basis, points.node, tiles.rows, tiles.at, tiles.dual
+    basis, first, rows, at, dual = points.basis, points.first, tiles.rows, tiles.at, tiles.dual
     weight, cap, relief, dual_cap = caps.weight, caps.cap, caps.relief, caps.dual
     matrix, rhs = system.matrix, system.rhs
     half = rows.shape[1] // 2
@@ -129,7 +132,7 @@ def newton_system(
     gradient[:] = 0.0
     sums, bounds, gaps, times = np.empty((13, TILE)), np.empty((BOUNDS, TILE)), np.zeros(TILE), np.zeros(TILE)
     for t in range(len(rows)):
-        lanes = min(TILE, len(node) - t * TILE)
+        lanes = min(TILE, len(first) - t * TILE)
         set_bounds(at[t], lanes, bounds)
         sums[:] = 0.0
         for i in range(2 * half):
@@ -172,11 +175,16 @@ def newton_system(
             times[p] += w * at[t, LIMIT, p]
         for p in range(lanes):
             point = t * TILE + p
-            k = node[point]
+            k = first[point]
             curvature = (sums[M00, p], sums[M01, p], sums[M02, p], sums[M11, p], sums[M12, p], sums[M22, p])
             add_curvature(basis, point, k, curvature, matrix)
             add_slope(basis, point, k, (-sums[G0, p], -sums[G1, p], -sums[G2, p]), rhs)
             add_slope(basis, point, k, (sums[L0, p], sums[L1, p], sums[L2, p]), gradient)
+            e0, e1, e2 = basis[point, 0, 3], basis[point, 1, 3], basis[point, 2, 3]
+            if e2 != 0.0:
+                add_curvature_inside(basis, point, k, curvature, matrix)
+                rhs[k + 3] -= e0 * sums[G0, p] + e1 * sums[G1, p] + e2 * sums[G2, p]
+                gradient[k + 3] += e0 * sums[L0, p] + e1 * sums[L1, p] + e2 * sums[L2, p]
     return float(gaps.sum()), float(times.sum())
 
 
@@ -192,14 +200,14 @@ def predict(
 
     Returns the share of the gap that the longest such step leaves.
     """
-    basis, node, rows, at, dual = points.basis, points.node, tiles.rows, tiles.at, tiles.dual
+    basis, first, rows, at, dual = points.basis, points.first, tiles.rows, tiles.at, tiles.dual
     cap, relief, dual_cap, centring, second = caps.cap, caps.relief, caps.dual, system.centring, system.second
     half = rows.shape[1] // 2
     centring[:] = 0.0
     second[:] = 0.0
     sums, bounds, lane = np.empty((6, TILE)), np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
     for t in range(len(rows)):
-        lanes = min(TILE, len(node) - t * TILE)
+        lanes = min(TILE, len(first) - t * TILE)
         set_bounds(at[t], lanes, bounds)
         for p in range(lanes):
             move = affine[t, 0, p]
@@ -240,8 +248,13 @@ def predict(
                 sums[C2, p] += (above - below) * r2
         for p in range(lanes):
             point = t * TILE + p
-            add_slope(basis, point, node[point], (sums[A0, p], sums[A1, p], sums[A2, p]), centring)
-            add_slope(basis, point, node[point], (sums[C0, p], sums[C1, p], sums[C2, p]), second)
+            k = first[point]
+            add_slope(basis, point, k, (sums[A0, p], sums[A1, p], sums[A2, p]), centring)
+            add_slope(basis, point, k, (sums[C0, p], sums[C1, p], sums[C2, p]), second)
+            e0, e1, e2 = basis[point, 0, 3], basis[point, 1, 3], basis[point, 2, 3]
+            if e2 != 0.0:
+                centring[k + 3] += e0 * sums[A0, p] + e1 * sums[A1, p] + e2 * sums[A2, p]
+                second[k + 3] += e0 * sums[C0, p] + e1 * sums[C1, p] + e2 * sums[C2, p]
     return share_left(gap, lane[FALLS].max(), lane[GROWS].max(), lane[LINEAR].sum(), lane[SQUARE].sum())
 
 

@@ -29,7 +29,7 @@ from toolpace.planning.bound.relaxation import (
 )
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.guess import highest_of, ramp_time, steady_speed
-from toolpace.planning.optimal.problem import OnMesh, discretise, node_weights
+from toolpace.planning.optimal.problem import OnMesh, discretise, weights
 from toolpace.workers import UNTOLD, Progress, Workers
 
 PIECE = 4_000
@@ -90,7 +90,7 @@ class JoinedPieces:
         """The bound of the whole."""
         law = self.law
         mesh = OnMesh(law.nodes, law.rest, self.ends)
-        weight = node_weights(law.nodes, law.rest)
+        weight = weights(law.nodes, law.rest)
         pace = 1.0 / np.sqrt(law.z_at_nodes())
         n = len(weight)
         # the rows have been gathered

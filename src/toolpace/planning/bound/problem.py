@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
+from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
 from toolpace.planning.optimal.problem import Problem
@@ -30,11 +31,11 @@ class Knots:
     def __init__(self, problem: Problem) -> None:
         node, n = problem.node, len(problem.nodes)
         self.first = np.searchsorted(node, np.arange(n + 1))
-        self.basis = np.ascontiguousarray(problem.basis[self.first[:-1]])
+        self.basis = cubic_spline.basis_at_knots(problem.nodes)
         self.weight = np.asarray(np.bincount(node, problem.weight, n), dtype=np.float64)
         self.price = np.zeros(n + 2)
         """(n + 2,) of the coefficients, where what surrounds a part is priced."""
-        by = problem.lowered[node]
+        by = problem.lowered
         self.cap = np.minimum.reduceat(problem.cap * by[:, 0] ** 2, self.first[:-1])
         self.rows = problem.rows.copy()
         half = self.rows.shape[1] // 2

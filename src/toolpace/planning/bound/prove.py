@@ -160,6 +160,6 @@ def to_gain(problem: Problem, c: Floats, place: Place) -> float:
         best = solve(piece, slower(piece, mine, START_LOSS), START_SPREAD)
     except Stalled:
         return 0.0
-    basis, place_of = piece.basis[:, 0], piece.node[:, None] + np.arange(3)
+    basis, place_of = piece.basis[:, 0], piece.first[:, None] + np.arange(4)
     paces = [np.einsum("pj,pj->p", basis, of[place_of]) ** -0.5 for of in (mine, best)]
     return max(float(piece.weight @ (paces[0] - paces[1])), 0.0)

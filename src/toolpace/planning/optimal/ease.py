@@ -10,9 +10,10 @@ from toolpace.planning.guarantee import GUARANTEE
 from toolpace.planning.optimal.dips import without_dips
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import LIMITS, Stalled
+from toolpace.planning.peaks import Look
 from toolpace.workers import Workers
 
-MOST_EASED = 300
+MOST_EASED = 40
 """Places that may pass the guarantee for easing to be worth a thought."""
 EASE_BY = 1.05
 """How far the motion is slowed down about a place, as a multiple of what the place needs."""
@@ -24,38 +25,46 @@ CLOSER_CELLS, CLOSER = 20, 1000
 """Cells that are looked at again, and how closely: what all is slowed down for shall not hide between probes."""
 
 
-def within_guarantee(meshed: MeshedRun, law: SplineLaw, workers: Workers) -> SplineLaw:
-    """The law within the guarantee: slowed down about the places that pass it, so gently that nothing else does.
+def within_guarantee(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: Workers) -> SplineLaw:
+    """The law, with its peaks (cells, 3), within the guarantee: slowed down about the places that pass it.
 
-    Where that does not do, or is no better, it is slowed down as a whole; with an end in motion it cannot be: Stalled.
+    That is done so gently that nothing else passes. Where that does not do, or is no better, it is slowed down as a whole; with an end in motion it cannot be: Stalled.
     One that could not be solved, and so uses no limit anywhere, is sped up.
     """
-    law = without_dips(law)
-    peak = meshed.peaks(law, workers=workers)
+    look = meshed.look
+    if law.dips().any():
+        law = without_dips(law)
+        look = Look(meshed.run, meshed.limits, law.nodes)
+        peak = look.peaks(law, workers).used
     rests = law.rest[0] > 0.0 and law.rest[1] > 0.0
     if peak.max() <= GUARANTEE:
         unused = rests and 0.0 < slowing_factor(peak) < TOO_SLOW
-        return law.slowed(closer(meshed, law, peak, workers)) if unused else law
+        return law.slowed(closer(look, law, peak, workers)) if unused else law
     finite = bool(np.isfinite(peak).all())
-    slowed = law.slowed(max(1.0, closer(meshed, law, peak, workers))) if finite and rests else None
-    if finite:
-        eased = SplineLaw(law.nodes, law.c * easing(law, peak, meshed.ramp), law.rest)
-        better = slowed is None or eased.duration < slowed.duration
-        if better and not eased.dips().any() and meshed.peaks(eased, workers=workers).max() <= GUARANTEE:
-            return eased
+    slowed = law.slowed(max(1.0, closer(look, law, peak, workers))) if finite and rests else None
+    gently = eased(look, law, peak, meshed.ramp, workers) if finite else None
+    if gently is not None and (slowed is None or gently.duration < slowed.duration):
+        return gently
     if slowed is None:
         cell, kind = divmod(int(np.nan_to_num(peak, nan=np.inf).argmax()), peak.shape[1])
         raise Stalled(float(law.nodes[cell]), LIMITS[kind])
     return slowed
 
 
-def closer(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: Workers) -> float:
+def eased(look: Look, law: SplineLaw, peak: Floats, ramp: float, workers: Workers) -> SplineLaw | None:
+    """The law slowed down about its peaks (cells, 3) above the guarantee; None where that is not enough."""
+    gently = SplineLaw(law.nodes, law.c * easing(law, peak, ramp), law.rest)
+    within = not gently.dips().any() and look.peaks(gently, workers).used.max() <= GUARANTEE
+    return gently if within else None
+
+
+def closer(look: Look, law: SplineLaw, peak: Floats, workers: Workers) -> float:
     """By how much z must be divided as the cells with the highest peaks (cells, 3) show that are looked at closely."""
     used = np.stack([peak[:, 0] ** 2, peak[:, 1], peak[:, 2] ** (2.0 / 3.0)], axis=1).max(axis=1)
     highest = np.argsort(-used)[:CLOSER_CELLS]
     fine = SplineLaw(law.nodes, law.c, law.rest)
     fine.inside = np.linspace(0.0, 1.0, CLOSER)
-    return max(slowing_factor(peak), slowing_factor(meshed.peaks(fine, highest, workers)))
+    return max(slowing_factor(peak), slowing_factor(look.peaks_in(fine, highest, workers).used))
 
 
 def slowing_factor(peak: Floats) -> float:

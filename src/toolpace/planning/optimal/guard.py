@@ -8,10 +8,11 @@ from toolpace.arrays import Bools, Floats, Ints
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import ALLOWED
 from toolpace.planning.optimal.dips import too_short
-from toolpace.planning.optimal.ease import within_guarantee, worth
+from toolpace.planning.optimal.ease import eased, within_guarantee, worth
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, slower
 from toolpace.planning.optimal.windows import mend, solve_run, stretches
+from toolpace.planning.peaks import Peaks
 from toolpace.workers import UNTOLD, Progress, Workers
 
 START_LOSS = 0.03
@@ -21,19 +22,24 @@ WARM_SPREAD = 0.03
 MOST_PASSED = 1.5
 """Usage beyond which a start is slowed down no further."""
 REFINE_ROUNDS = 6
-"""Rounds in which cells are cut; what passes a limit then is lowered only, lest the mesh grow without end."""
+"""Rounds in which cells are cut, lest the mesh grow without end."""
 LEAST_CELL = 1e-5
 """Time of a cell, as a share of that in which an acceleration builds up, below which it is cut no further."""
-REFINE_ABOVE = 1.003
-"""Usage between nodes from which a cell is cut rather than its limits lowered."""
-QUARTER_ABOVE = 1.05
-"""The same, from which it is cut into four."""
+REFINE_ABOVE, QUARTER_ABOVE = 1.05, 1.5
+"""Usage between nodes from which a cell is cut in two, or in four: too long for the path or the motion in it."""
 MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
-OVERSHOOT = 1.2
-URGE = 1.3
-MOST_OVERSHOOT = 6.0
-"""How far a limit is lowered, as a multiple of how far it was passed; by how much more after each round; at most."""
+SHARE, MOST_LOWERED = 0.3, 4e-4
+"""How far a limit is lowered where it gets a row, as a share of what it was passed by, and at most: on either side of
+the row about a fourth is left."""
+PATIENCE = 3
+"""Rounds after which limits are lowered in full, and no rows left out."""
+MOST_USED = 3
+"""Rows of a kind that a point keeps in the rounds before: a solution is at hand, and the next look misses nothing."""
+EASED_BY = 1e-5
+"""Share of the duration that easing may cost: less is not worth another round."""
+URGE, MOST_URGE = 1.3, 6.0
+"""By how much more after each further round, and at most."""
 MOST_MENDED = 0.3
 """Share of the nodes beyond which mending is no cheaper than solving anew."""
 
@@ -45,41 +51,61 @@ def guarded(
 
     repeat
       look between the nodes:  nothing passed?  done
-      cut the cells that pass a limit by far (unless the mesh is fixed);  lower the limits of the others
+      cut the cells that pass a limit by far (unless the mesh is fixed);  put rows where the others pass one most
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
     slow the best one down to the guarantee
     """
-    peak = meshed.peaks(law, workers=workers)
-    best, least = law, worth(law, peak, meshed.ramp)
+    peaks = meshed.look.peaks(law, workers)
+    now = worth(law, peaks.used, meshed.ramp)
+    best, least = (meshed, law, peaks.used), now
     for number in range(MOST_ROUNDS):
         dips = law.dips()
-        wrong = (peak.max(axis=1) > ALLOWED) | dips
-        if not wrong.any():
-            return within_guarantee(meshed, law, workers)
-        loss = START_LOSS + 1.0 - 1.0 / min(float(peak.max()), MOST_PASSED)
-        parts = np.where(dips, 4, 1 if fixed or number >= REFINE_ROUNDS else halves(peak))
+        if not dips.any() and now <= (1.0 + EASED_BY) * law.duration:
+            gently = eased(meshed.look, law, peaks.used, meshed.ramp, workers)
+            if gently is not None:
+                return gently
+        wrong = (peaks.used.max(axis=1) > ALLOWED) | dips
+        loss = START_LOSS + 1.0 - 1.0 / min(float(peaks.used.max()), MOST_PASSED)
+        parts = np.where(dips, 4, 1 if fixed or number >= REFINE_ROUNDS else halves(peaks.used))
         parts[(np.diff(law.times) < meshed.ramp * LEAST_CELL) | too_short(law.nodes)] = 1
-        meshed, c = meshed.cut(law, parts)
-        wrong = np.repeat(wrong, parts)
-        peak = np.repeat(np.where(parts[:, None] > 1, 1.0, peak), parts, axis=0)
-        meshed.tighten(peak, min(OVERSHOOT * URGE ** max(number - 2, 0), MOST_OVERSHOOT), reach=1 + number // 3)
+        urge = URGE ** (number - PATIENCE) if number >= PATIENCE else 0.0
+        meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, wrong, urge)
+        meshed.rows_kept = None if urge else MOST_USED
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
-            c, moved = resolve(meshed, c, wrong, loss, workers, halfway)
+            c, _ = resolve(meshed, c, wrong, loss, workers, halfway)
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
-        peak[moved] = meshed.peaks(law, moved, workers)
-        now = worth(law, peak, meshed.ramp)
+        peaks = meshed.look.peaks(law, workers)
+        now = worth(law, peaks.used, meshed.ramp)
         if now < least:
-            best, least = law, now
-    return within_guarantee(meshed, best, workers)
+            best, least = (meshed, law, peaks.used), now
+    return within_guarantee(*best, workers)
 
 
-def halves(peak: Floats) -> Ints:
+def cut_and_held(
+    meshed: MeshedRun, law: SplineLaw, peaks: Peaks, parts: Ints, wrong: Bools, urge: float
+) -> tuple[MeshedRun, Floats, Bools]:
+    """The run with its cells cut in so many parts (cells,), and rows where those pass a limit that are not.
+
+    Returns with it the coefficients of the same law, and which cells are wrong.
+    """
+    meshed, c = meshed.cut(law, parts)
+    wrong = np.repeat(wrong, parts)
+    used = np.repeat(np.where(parts[:, None] > 1, 1.0, peaks.used), parts, axis=0)
+    held = Peaks(used, np.repeat(peaks.place, parts, axis=0))
+    if urge:
+        meshed.hold(held, wrong, min(urge, MOST_URGE), np.inf, reach=1)
+    else:
+        meshed.hold(held, wrong, SHARE, MOST_LOWERED, reach=0)
+    return meshed, c, wrong
+
+
+def halves(used: Floats) -> Ints:
     """Parts into which the cells of these peaks (cells, 3) are cut."""
-    worst = peak.max(axis=1)
+    worst = used.max(axis=1)
     return np.where(worst > QUARTER_ABOVE, 4, np.where(worst > REFINE_ABOVE, 2, 1))
 
 

@@ -49,9 +49,9 @@ class OnMesh:
         return newton.Ends(self.end, self.ratio, self.fixed)
 
 
-def node_weights(nodes: Floats, rest: tuple[float, float]) -> Floats:
-    """(n,) of the pace 1 / sqrt(z) at the nodes in the time of a run."""
-    cell = np.diff(nodes)
+def weights(places: Floats, rest: tuple[float, float]) -> Floats:
+    """(n,) of the pace 1 / sqrt(z) at places (n,) in the time of a run: by trapezoids between them."""
+    cell = np.diff(places)
     weight: Floats = (np.concatenate([[0.0], cell]) + np.concatenate([cell, [0.0]])) / 2.0
     weight[0] += 3.0 * rest[0]
     weight[-1] += 3.0 * rest[1]
@@ -59,29 +59,56 @@ def node_weights(nodes: Floats, rest: tuple[float, float]) -> Floats:
 
 
 class Problem(OnMesh):
-    """A run on a mesh, as the core takes it: rows at the nodes, on both sides where the run has a break."""
+    """A run on a mesh, as the core takes it: rows at the nodes, on both sides of a break, and at places between them."""
 
     def __init__(self, nodes: Floats, rest: tuple[float, float], node: Ints, ends: tuple[EndState, EndState]) -> None:
         super().__init__(nodes, rest, ends)
         self.node = node
-        self.basis = cubic_spline.basis_at_knots(nodes)[node]
-        self.weight = (node_weights(nodes, rest) / np.bincount(node))[node]
+        """(points,) of each point its node, or the one before it; ascending."""
+        self.inside = np.zeros(len(node), dtype=np.bool_)
+        """(points,) those between two nodes."""
+        self.place = nodes[node]
+        """(points,) s."""
+        self.first, self.basis = as_cells(nodes, node, with_fourth(cubic_spline.basis_at_knots(nodes))[node])
+        self.weight = (weights(nodes, rest) / np.bincount(node))[node]
         self.cap = np.empty(0)
+        self.most = np.inf
+        """What no cap on z is above."""
         self.rows = np.empty((0, 0, 3))
-        self.lowered = np.ones((len(nodes), 3))
+        self.lowered = np.ones((len(node), 3))
+        """(points, 3) by what the limits of speed, acceleration and jerk have been divided."""
 
     def as_points(self) -> limit_rows.PointRows:
         """The rows as the kernels take them."""
-        return limit_rows.PointRows(self.basis, self.node, self.weight, self.cap, self.rows)
+        return limit_rows.PointRows(self.basis, self.first, self.weight, self.cap, self.rows)
 
-    def lower(self, by: Floats) -> None:
-        """Divide the limits at the nodes by the factors (nodes, 3) of speed, acceleration and jerk."""
-        self.lowered = self.lowered * by
+    def lower(self, by: Floats, between: Floats | None = None) -> None:
+        """Divide limits by factors of speed, acceleration and jerk: (nodes, 3) at nodes, (k, 3) at places between."""
         half = self.rows.shape[1] // 2
         at_point = by[self.node]
+        at_point[self.inside] = 1.0 if between is None else between
+        self.lowered = self.lowered * at_point
         self.cap /= at_point[:, 0] ** 2
         self.rows[:, :half] *= at_point[:, 1, None, None]
         self.rows[:, half:] *= at_point[:, 2, None, None]
+
+    def of_most_used(self, c: Floats, most: int) -> Problem:
+        """The problem with no more than so many rows of acceleration, and of jerk, at each point: those that c uses most.
+
+        A point has a row for each joint, and hardly ever are more than two of a kind near their limits at once.
+        """
+        half = self.rows.shape[1] // 2
+        if half <= most:
+            return self
+        state = np.einsum("pdj,pj->pd", self.basis, c[self.first[:, None] + np.arange(4)])
+        used = -np.abs(np.einsum("prd,pd->pr", self.rows, state))
+        rows = [
+            np.take_along_axis(self.rows[:, kind], np.argpartition(used[:, kind], most, axis=1)[:, :most, None], axis=1)
+            for kind in (slice(0, half), slice(half, 2 * half))
+        ]
+        part = copy(self)
+        part.rows = np.concatenate(rows, axis=1)
+        return part
 
     def stretch(self, low: int, high: int) -> Problem:
         """The part between two nodes, in motion at its ends where they are not those of the run.
@@ -89,10 +116,12 @@ class Problem(OnMesh):
         There the two outermost coefficients are given, so that everything outside stays as it is.
         """
         part = copy(self)
-        mine = slice(*np.searchsorted(self.node, [low, high + 1]))
-        part.nodes, part.lowered = self.nodes[low : high + 1], self.lowered[low : high + 1]
-        part.node, part.basis, part.weight = self.node[mine] - low, self.basis[mine], self.weight[mine]
-        part.cap, part.rows = self.cap[mine], self.rows[mine]
+        first, last, beyond = np.searchsorted(self.node, [low, high, high + 1])
+        mine = slice(first, last + np.count_nonzero(~self.inside[last:beyond]))
+        part.nodes, part.lowered = self.nodes[low : high + 1], self.lowered[mine]
+        part.node, part.inside, part.place = self.node[mine] - low, self.inside[mine], self.place[mine]
+        part.first, part.basis = as_cells(part.nodes, self.first[mine] - low, self.basis[mine])
+        part.cap, part.rows, part.weight = self.cap[mine], self.rows[mine], self.weight[mine]
         part.end = np.where([low == 0, high == len(self.nodes) - 1], self.end, newton.MOVING)
         return part
 
@@ -126,8 +155,60 @@ def discretise(
             problem.rows[here & (ahead == 0.0), :half] = 0.0
     if highest is None:
         highest = max(highest_of(steady, run.s1 - run.s0), start.speed**2, end.speed**2)
-    problem.cap = np.minimum(cap, HIGHEST * highest)
+    problem.most = HIGHEST * highest
+    problem.cap = np.minimum(cap, problem.most)
     return problem
+
+
+def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Floats) -> Problem:
+    """The problem with the rows of further places (k,) between its nodes, ascending."""
+    if not len(places):
+        return problem
+    q = np.ascontiguousarray(run.evaluate(places))
+    cap, _, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(places))
+    rows = limit_rows.rows_of(q, np.zeros(len(places)), limits.acceleration, limits.jerk)
+    cell = np.searchsorted(problem.nodes, places, side="right") - 1
+    inside = np.concatenate([problem.inside, np.ones(len(places), dtype=np.bool_)])
+    node, place = np.concatenate([problem.node, cell]), np.concatenate([problem.place, places])
+    order = np.lexsort((place, inside, node))
+    more = copy(problem)
+    more.node, more.inside, more.place = node[order], inside[order], place[order]
+    more.first = np.concatenate([problem.first, cell])[order]
+    more.basis = np.concatenate([problem.basis, basis_between(problem.nodes, cell, places)])[order]
+    more.cap = np.concatenate([problem.cap, np.minimum(cap, problem.most)])[order]
+    more.rows = np.concatenate([problem.rows, rows])[order]
+    more.lowered = np.concatenate([problem.lowered, np.ones((len(places), 3))])[order]
+    # both sides of a break are one place
+    new = np.concatenate([[True], np.diff(more.place) > 0.0])
+    own = np.cumsum(new) - 1
+    more.weight = (weights(more.place[new], problem.rest) / np.bincount(own))[own]
+    return more
+
+
+def with_fourth(basis: Floats, before: bool = False) -> Floats:
+    """(points, 3, 4) the basis (points, 3, 3) at knots with a zero for the coefficient behind, or `before`, them."""
+    none = np.zeros((len(basis), 3, 1))
+    return np.concatenate([none, basis] if before else [basis, none], axis=2)
+
+
+def as_cells(nodes: Floats, first: Ints, basis: Floats) -> tuple[Ints, Floats]:
+    """First coefficients (points,) and basis (points, 3, 4), points at the last node being the end of the last cell."""
+    at_end = np.searchsorted(first, len(nodes) - 1)
+    if at_end < len(first):
+        basis = np.concatenate([basis[:at_end], with_fourth(basis[at_end:, :, :3], before=True)])
+    return np.minimum(first, len(nodes) - 2), np.ascontiguousarray(basis)
+
+
+def basis_between(nodes: Floats, cell: Ints, place: Floats) -> Floats:
+    """(k, 3, 4) z, z', z'' at places (k,) in cells (k,) from four coefficients: a cell's third derivative is constant."""
+    ends = cubic_spline.basis_at_knots(nodes)
+    left, right = with_fourth(ends[cell]), with_fourth(ends[cell + 1], before=True)
+    x = (place - nodes[cell])[:, None]
+    third = (right[:, 2] - left[:, 2]) / np.diff(nodes)[cell][:, None]
+    z2 = left[:, 2] + x * third
+    z1 = left[:, 1] + x * (left[:, 2] + x / 2.0 * third)
+    z0 = left[:, 0] + x * (left[:, 1] + x / 2.0 * (left[:, 2] + x / 3.0 * third))
+    return np.stack([z0, z1, z2], axis=1)
 
 
 def sides(nodes: Floats, breaks: Floats) -> tuple[Ints, Floats, npt.NDArray[np.bool_]]:

@@ -70,7 +70,7 @@ def solve_run(meshed: MeshedRun, c: Floats, spread: float, workers: Workers, pro
             break
         count //= 2
     if count <= 1:
-        return solve(meshed.problem(0, last), c, spread)
+        return solve(meshed.problem(0, last, c), c, spread)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
     begin = c
     for parts, loss, gap, told in (
@@ -79,7 +79,7 @@ def solve_run(meshed: MeshedRun, c: Floats, spread: float, workers: Workers, pro
         c, _, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
         if stuck:
             # an end in motion may leave no way to so slow a border
-            return solve(meshed.problem(0, last), begin, spread)
+            return solve(meshed.problem(0, last, begin), begin, spread)
     return c
 
 
@@ -130,7 +130,7 @@ def mend_one(
     meshed: MeshedRun, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float
 ) -> None:
     """Set the coefficients in `out` that lie inside one stretch of nodes, from those in c. Raises Stalled."""
-    piece = meshed.problem(part.low, part.high)
+    piece = meshed.problem(part.low, part.high, c)
     mine = c[part.low : part.high + 3]
     taper = part.first - part.low, part.high - part.last
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)

@@ -1,0 +1,65 @@
+"""A path between the nodes of a mesh, from its derivatives at them: q' as the quintic that both ends determine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.jit import jit
+
+
+@jit()
+def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside: Floats, out: Floats) -> None:
+    """Set q', q'', q''' at the shares `inside` (k,) of some cells.
+
+    Parameters: which (n,) cells; low and high (4, N, m) position and derivatives at the beginning and at the end of each
+    cell of the mesh, and length (N,) of it; out (3, n k, m). The error of q' is of the sixth order of the length.
+    """
+    k, m = len(inside), low.shape[2]
+    for i in range(len(which)):
+        cell = which[i]
+        h = length[cell]
+        for axis in range(m):
+            # over x in [0, 1]: values and derivatives at both ends
+            f0, d0, c0 = low[1, cell, axis], h * low[2, cell, axis], h * h * low[3, cell, axis]
+            f1, d1, c1 = high[1, cell, axis], h * high[2, cell, axis], h * h * high[3, cell, axis]
+            rise, slope, bend = f1 - f0 - d0 - 0.5 * c0, d1 - d0 - c0, c1 - c0
+            a3 = 10.0 * rise - 4.0 * slope + 0.5 * bend
+            a4 = -15.0 * rise + 7.0 * slope - bend
+            a5 = 6.0 * rise - 3.0 * slope + 0.5 * bend
+            for p in range(k):
+                x = inside[p]
+                at = i * k + p
+                out[0, at, axis] = f0 + x * (d0 + x * (0.5 * c0 + x * (a3 + x * (a4 + x * a5))))
+                out[1, at, axis] = (d0 + x * (c0 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))) / h
+                out[2, at, axis] = (c0 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5))) / (h * h)
+
+
+@jit()
+def unlike(
+    low: Floats, high: Floats, middle: Floats, length: Floats, z: Floats, velocity: Floats, acceleration: Floats,
+    jerk: Floats,
+) -> Floats:  # fmt: skip
+    """(N,) largest share of a limit, at (ds/dt)^2 = z (N,), by which the path is unlike that quintic in each cell.
+
+    From its derivatives in the middle, and from what its positions gain between ends and middle. Parameters: low,
+    middle and high (4, N, m) position and derivatives; length (N,) of the cells.
+    """
+    out = np.zeros(len(length))
+    half, told = np.array([0.5]), np.empty((3, 1, low.shape[2]))
+    rounding = 16.0 * np.finfo(np.float64).eps
+    for i in range(len(length)):
+        h, v = length[i], np.sqrt(z[i])
+        path_between(np.array([i]), low, high, length, half, told)
+        for axis in range(low.shape[2]):
+            by = abs(middle[1, i, axis] - told[0, 0, axis]) * v / velocity[axis]
+            by = max(by, abs(middle[2, i, axis] - told[1, 0, axis]) * v**2 / acceleration[axis])
+            by = max(by, abs(middle[3, i, axis] - told[2, 0, axis]) * v**3 / jerk[axis])
+            whole = h / 2.0 * (low[1, i, axis] + high[1, i, axis])
+            whole += h**2 / 10.0 * (low[2, i, axis] - high[2, i, axis])
+            whole += h**3 / 120.0 * (low[3, i, axis] + high[3, i, axis])
+            size = abs(low[0, i, axis]) + abs(high[0, i, axis])
+            gain = max(abs(high[0, i, axis] - low[0, i, axis] - whole) - rounding * size, 0.0) * v / h
+            by = max(by, gain / velocity[axis], gain * v / h / acceleration[axis], gain * (v / h) ** 2 / jerk[axis])
+            out[i] = max(out[i], by)
+    return out
