@@ -25,7 +25,7 @@ REFINE_ROUNDS = 6
 """Rounds in which cells are cut, lest the mesh grow without end."""
 LEAST_CELL = 1e-5
 """Time of a cell, as a share of that in which an acceleration builds up, below which it is cut no further."""
-REFINE_ABOVE, QUARTER_ABOVE = 1.05, 1.5
+REFINE_ABOVE, QUARTER_ABOVE = 1.01, 1.05
 """Usage between nodes from which a cell is cut in two, or in four: too long for the path or the motion in it."""
 MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
@@ -33,9 +33,9 @@ SHARE, MOST_LOWERED = 0.3, 4e-4
 """How far a limit is lowered where it gets a row, as a share of what it was passed by, and at most: on either side of
 the row about a fourth is left."""
 PATIENCE = 3
-"""Rounds after which limits are lowered in full, and no rows left out."""
+"""Rounds after which limits are lowered in full."""
 MOST_USED = 3
-"""Rows of a kind that a point keeps in the rounds before: a solution is at hand, and the next look misses nothing."""
+"""Rows of a kind that a point keeps where a whole run is solved again: the next look misses nothing."""
 EASED_BY = 1e-5
 """Share of the duration that easing may cost: less is not worth another round."""
 URGE, MOST_URGE = 1.3, 6.0
@@ -68,9 +68,8 @@ def guarded(
         loss = START_LOSS + 1.0 - 1.0 / min(float(peaks.used.max()), MOST_PASSED)
         parts = np.where(dips, 4, 1 if fixed or number >= REFINE_ROUNDS else halves(peaks.used))
         parts[(np.diff(law.times) < meshed.ramp * LEAST_CELL) | too_short(law.nodes)] = 1
-        urge = URGE ** (number - PATIENCE) if number >= PATIENCE else 0.0
+        urge = min(URGE ** max(number - PATIENCE, 0), MOST_URGE)
         meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, wrong, urge)
-        meshed.rows_kept = None if urge else MOST_USED
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
@@ -95,11 +94,8 @@ def cut_and_held(
     meshed, c = meshed.cut(law, parts)
     wrong = np.repeat(wrong, parts)
     used = np.repeat(np.where(parts[:, None] > 1, 1.0, peaks.used), parts, axis=0)
-    held = Peaks(used, np.repeat(peaks.place, parts, axis=0))
-    if urge:
-        meshed.hold(held, wrong, min(urge, MOST_URGE), np.inf, reach=1)
-    else:
-        meshed.hold(held, wrong, SHARE, MOST_LOWERED, reach=0)
+    fresh = np.repeat(parts > 1, parts)
+    meshed.hold(Peaks(used, np.repeat(peaks.place, parts, axis=0)), wrong, fresh, urge)
     return meshed, c, wrong
 
 
@@ -125,4 +121,4 @@ def resolve(
             for low, high, _, _ in solved:
                 moved[max(low - 1, 0) : high + 1] = True
             return mended, np.flatnonzero(moved)
-    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress), everything
+    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, MOST_USED), everything

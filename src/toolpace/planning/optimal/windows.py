@@ -10,6 +10,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.kernels.optimal import newton
 from toolpace.planning.optimal.meshed_run import MeshedRun
+from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, slower, solve
 from toolpace.workers import UNTOLD, Progress, Workers
 
@@ -54,14 +55,28 @@ def stretches(meshed: MeshedRun, cells: Bools, ramps: float = MEND_RAMPS) -> lis
     return merged
 
 
-def solve_run(meshed: MeshedRun, c: Floats, spread: float, workers: Workers, progress: Progress = UNTOLD) -> Floats:
+def solve_run(
+    meshed: MeshedRun,
+    c: Floats,
+    spread: float,
+    workers: Workers,
+    progress: Progress = UNTOLD,
+    most_used: int | None = None,
+) -> Floats:
     """The fastest z of a run, from the start c with a first gap of `spread`; a long run is solved window by window.
+
+    `most_used`: in one piece a point keeps so many rows of a kind, those that c uses most.
 
     What happens at one place of a run is of no matter further away than the machine needs to stop and start again.
     So the windows are solved with their borders left as they start, slow; then a wide stretch over each border is
     solved, between nodes that are at their best already. Raises Stalled.
     """
     last = len(meshed.nodes) - 1
+
+    def whole(c: Floats) -> Problem:
+        problem = meshed.problem(0, last)
+        return problem if most_used is None else problem.of_most_used(c, most_used)
+
     count = int(np.ceil(last / WINDOW)) if meshed.is_long else 1
     while count > 1:
         border = np.linspace(0, last, count + 1).astype(np.int64)
@@ -70,7 +85,7 @@ def solve_run(meshed: MeshedRun, c: Floats, spread: float, workers: Workers, pro
             break
         count //= 2
     if count <= 1:
-        return solve(meshed.problem(0, last, c), c, spread)
+        return solve(whole(c), c, spread)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
     begin = c
     for parts, loss, gap, told in (
@@ -79,7 +94,7 @@ def solve_run(meshed: MeshedRun, c: Floats, spread: float, workers: Workers, pro
         c, _, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
         if stuck:
             # an end in motion may leave no way to so slow a border
-            return solve(meshed.problem(0, last, begin), begin, spread)
+            return solve(whole(begin), begin, spread)
     return c
 
 
@@ -130,7 +145,7 @@ def mend_one(
     meshed: MeshedRun, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float
 ) -> None:
     """Set the coefficients in `out` that lie inside one stretch of nodes, from those in c. Raises Stalled."""
-    piece = meshed.problem(part.low, part.high, c)
+    piece = meshed.problem(part.low, part.high)
     mine = c[part.low : part.high + 3]
     taper = part.first - part.low, part.high - part.last
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
