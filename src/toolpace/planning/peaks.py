@@ -83,8 +83,9 @@ class Look:
         high[:, broken], cap_high[broken] = q[:, 2 * count - 1 :], cap[2 * count - 1 :]
         ends = np.ascontiguousarray(q[:, : count - 1]), np.ascontiguousarray(high[:, 1:])
 
-        fastest, steady, _ = first_guess.pointwise(middle, *of_joints, cap_middle)
-        z = np.minimum(fastest, FASTER * steady)
+        fastest, steady, _ = first_guess.pointwise(np.ascontiguousarray(q), *of_joints, cap)
+        z = np.minimum(fastest, FASTER * steady)[: 2 * count - 1]
+        z = np.maximum(np.maximum(z[: count - 1], z[1:count]), z[count:])
         unlike = ~(between_nodes.unlike(*ends, middle, length, np.where(z < np.inf, z, 0.0), *of_joints) <= UNLIKE)
         unlike[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, count - 2)] |= ~np.isin(self.run.breaks, nodes)
         out = np.empty((3, len(which) * len(inside), q.shape[2]))

@@ -10,8 +10,10 @@ from toolpace.kernels.motion.spline_law import inside_cell
 
 SPEED, ACCELERATION, JERK = 0, 1, 2
 """Kinds of limits; the feed is one of speed."""
-HIGH = 0.9
-"""Usage from which it matters how high a peak goes between probes."""
+HIGH, NEAR_LIMIT = 0.9, 0.999
+"""Usage from which it matters how high a peak goes between probes, and from which it is looked at closer."""
+CLOSER, CLOSER_LOOKS = 0.35, 12
+"""Share of the space between probes in which a peak is looked for again, on either side, and at how many places."""
 
 
 @jit()
@@ -96,26 +98,69 @@ def spline_peaks(
             highest(value, inside, SPEED, peak[i], place[i])
             for p in range(k):
                 value[p] = abs(q[1, low + p, axis] * speed2[p] + q[0, low + p, axis] * rise[p]) / acceleration[axis]
-            highest(value, inside, ACCELERATION, peak[i], place[i])
+            if highest(value, inside, ACCELERATION, peak[i], place[i]):
+                closer(cells[cell], length, inside, q, low, axis, acceleration[axis], ACCELERATION, peak[i], place[i])
             for p in range(k):
                 third = q[2, low + p, axis] * speed3[p] + q[1, low + p, axis] * both[p]
                 value[p] = abs(third + q[0, low + p, axis] * bend[p]) / jerk[axis]
-            highest(value, inside, JERK, peak[i], place[i])
+            if highest(value, inside, JERK, peak[i], place[i]):
+                closer(cells[cell], length, inside, q, low, axis, jerk[axis], JERK, peak[i], place[i])
     return peak, place
 
 
 @jit()
-def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Floats) -> None:
-    """Raise the peak (3,) of a kind, and set its place (3,), where the values (k,) at shares `inside` go higher."""
-    k = len(value)
+def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Floats) -> bool:
+    """Raise the peak (3,) of a kind, and set its place (3,), where the values (k,) at shares `inside` go higher.
+
+    Returns whether there is a top between them that is worth a closer look.
+    """
+    k, raised = len(value), False
     most = 0.0
     for p in range(k):
         most = max(most, value[p])
     if most <= HIGH and not most > peak[kind] and not np.isnan(value.sum()):
-        return
+        return False
     for p in range(k):
         top, at = value[p], inside[p]
         if 0 < p < k - 1 and top > HIGH and top >= value[p - 1] and top >= value[p + 1]:
             top, at = summit(inside[p - 1], at, inside[p + 1], value[p - 1], top, value[p + 1])
         if top > peak[kind] or np.isnan(top):
             peak[kind], place[kind] = top, at
+            raised = True
+    return raised and peak[kind] > NEAR_LIMIT
+
+
+@jit()
+def closer(
+    cell: Floats, length: float, inside: Floats, q: Floats, low: int, axis: int, limit: float, kind: int,
+    peak: Floats, place: Floats,
+) -> None:  # fmt: skip
+    """Raise the peak (3,) of acceleration or jerk of one axis at places about the one where it has been found.
+
+    Parameters: cell (4,) polynomial of z; q (3, n k, m) derivatives of the path, those of this cell from `low` on. The
+    path is interpolated between its probes, z is not: it is z that changes quickly.
+    """
+    k, at = len(inside), place[kind]
+    p = 1
+    while p < k - 2 and inside[p] < at:
+        p += 1
+    if abs(inside[p - 1] - at) < abs(inside[p] - at):
+        p = max(p - 1, 1)
+    x0, x1, x2 = inside[p - 1], inside[p], inside[p + 1]
+    reach = CLOSER * (x2 - x0)
+    for i in range(-CLOSER_LOOKS, CLOSER_LOOKS + 1):
+        x = min(max(at + reach * i / CLOSER_LOOKS, x0), x2)
+        b0 = (x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2))
+        b1 = (x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2))
+        b2 = (x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1))
+        o = low + p
+        q1 = b0 * q[0, o - 1, axis] + b1 * q[0, o, axis] + b2 * q[0, o + 1, axis]
+        q2 = b0 * q[1, o - 1, axis] + b1 * q[1, o, axis] + b2 * q[1, o + 1, axis]
+        q3 = b0 * q[2, o - 1, axis] + b1 * q[2, o, axis] + b2 * q[2, o + 1, axis]
+        v, a, j = inside_cell(cell, x * length)
+        if kind == ACCELERATION:
+            value = abs(q2 * v * v + q1 * a) / limit
+        else:
+            value = abs(q3 * v * v * v + 3.0 * q2 * v * a + q1 * j) / limit
+        if value > peak[kind]:
+            peak[kind], place[kind] = value, x

@@ -42,6 +42,8 @@ BALANCE = 0.1
 point comes to lie next to its limits long before it is the best there, and steps are short."""
 STEEP = 0.3
 """Tolerance of the gradient, a difference of large numbers, as a multiple of the root of that of the gap."""
+LOST = 1e6
+"""Gap relative to the time from which there is no way back: there is no motion within the rows."""
 RELIEVED = 1e-3
 """Share of the reliefs that may still stand at the end, as a multiple of the same tolerance."""
 
@@ -71,7 +73,7 @@ def maximise_speed(
         flat = residual < STEEP * np.sqrt(tolerance) * time
         if gap < tolerance * time and flat and tau < RELIEVED * tolerance:
             return c, OPTIMAL, number, gap / time, residual / time
-        if not factor_tied(system, ends):
+        if gap > LOST * time or not factor_tied(system, ends):
             return c, BROKEN, number, gap / time, residual / time
         left = _predictor(points, ends, tiles, caps, tau, steps, gap, system)
         centre = max(product_aimed_at(gap, products, left), BALANCE * residual / products)

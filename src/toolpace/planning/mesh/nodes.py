@@ -17,7 +17,7 @@ CELLS_A_HINT = 2.0
 """Fewest cells between two hints of a run, such as the knots of a fitted path."""
 FEWEST_CELLS = 150
 DEFAULT_CELLS = 1500
-MOST_CELLS = 20_000
+MOST_CELLS = 4_000
 """Fewest cells of a run, with hints and without, and most, unless it has many hints or turns."""
 CELLS_A_PLACE = 20
 """Most cells for each hint, or for each of the places that it takes to tell the speed between them."""
@@ -27,6 +27,10 @@ EVEN_SHARE = 0.25
 """Nodes that lie evenly along the run, as a share of the others: a fifth of all, for what the guess does not see."""
 ONE_PLACE = 1e-4
 """Share of a cell up to which breaks are one place: cells that short spoil the spline, and nothing happens in them."""
+
+
+SHORTEST = 1e5
+"""Shortest cell of a first mesh, as a multiple of the rounding of s: a spline over shorter ones is noise."""
 
 
 def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: int | None) -> tuple[Floats, Guess]:
@@ -54,9 +58,18 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     measure = np.concatenate([[0.0], np.cumsum(count)])
     wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
     nodes = spread_nodes(run, rough, measure, wanted, ends, step)
-    nodes = with_breaks(nodes, rough.detail, 0.0)
+    nodes = apart(with_breaks(nodes, rough.detail, 0.0))
     knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
     return with_breaks(nodes, knots), rough
+
+
+def apart(nodes: Floats) -> Floats:
+    """The nodes without those that lie closer to the one before, or to the end, than numbers tell well."""
+    least = SHORTEST * float(np.spacing(np.abs(nodes).max()))
+    inner = nodes[1:-1]
+    # cells of a grid of that length: of each the first node
+    inner = inner[np.diff(np.floor((inner - nodes[0]) / least), prepend=0.0) > 0.0]
+    return np.concatenate([nodes[:1], inner[nodes[-1] - inner > least], nodes[-1:]])
 
 
 def even_in_time(t: Floats, ends: tuple[float, float], step: float) -> Floats:
