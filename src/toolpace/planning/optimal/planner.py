@@ -4,7 +4,7 @@ of a run between two states:
   nodes of s, close together where a first idea of the motion is quick to change
   z = (ds/dt)^2, a cubic spline over them:  the fastest within the limits at the nodes        (an interior point)
   repeat while z passes a limit between nodes, or falls too far there                              (the guard)
-      cut the cells that pass it by far, lower the limits of the others, and solve again around them
+      cut the cells that pass it by far, put rows where the others pass it most, and solve again around them
   what is left above the guarantee: slow down about it
   multipliers of the limits: no z on these nodes takes less time than ...                             (the bound)
 """
