@@ -115,7 +115,8 @@ def advance(
     below = NO_PLACE  # least share of the way between the poses at which the line's pose j is reached
     j, cells, segments = 0, 0, len(line) - 1
     while True:
-        while i < last and high[i] < j:
+        # What ends at a pose of the line belongs to the way before it, what begins there to the way after it.
+        while i < last and (high[i] < j or (high[i] == j and low[i] < j)):
             i += 1
         if below > 1.0:
             if i >= last:
@@ -124,11 +125,11 @@ def advance(
         if j >= segments:
             break
         cells += 1
-        here = i < last and low[i] <= j + 1.0
+        here = i < last and (low[i] < j + 1 or j == segments - 1)
         if below <= 1.0 or (here and low[i] <= j):
             size = free_part(rows, radius, balls, levels, k, after, j)
             if size > 0:
-                if i < last and low[i] <= j + size:
+                if i < last and low[i] < j + size:
                     below = 0.0
                 if end > last and high[end - 1] >= j:
                     high[end - 1] = j + size
