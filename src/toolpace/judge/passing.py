@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
 from toolpace.judge.alignment import Alignment
@@ -20,6 +19,8 @@ HIDDEN = 2
 """Steps of a dwell that sampling may hide: its first and its last."""
 PASSING = 0.01
 """Share of a time step to which it is known when a place is passed."""
+CREEP = 1e-3
+"""Share of the first step out of rest that counts as standing still in a dwell."""
 
 
 @dataclass(frozen=True)
@@ -62,12 +63,14 @@ class Passing:
         stops = np.flatnonzero(asked)
         if not len(stops):
             return []
-        runs = still_runs(self.points, machine, dt)
+        # The step that holds a rest for an instant is at most the first one out of rest; within a dwell nothing moves.
+        rests = still_runs(self.points, machine, dt, 1.0 + TOLERANCE)
+        waits = still_runs(self.points, machine, dt, CREEP)
         found, at = np.zeros(len(stops)), np.zeros(len(stops))
         known = 0.0  # the set-point up to which standing still has been counted
         for k, stop in enumerate(stops):
             need = max(float(dwell[stop]) / dt - HIDDEN, 1.0)
-            begin, most = self.longest(self.line[stop], runs, known, need - 1e-6)
+            begin, most = self.longest(self.line[stop], waits if dwell[stop] > 0.0 else rests, known, need - 1e-6)
             found[k], at[k] = most * dt, self.points.t[min(int(begin), len(self.points) - 1)]
             if dwell[stop] > 0.0:
                 known = max(known, begin + min(most, need))
@@ -123,17 +126,11 @@ class Passing:
         return k + min((time - float(t[k])) / float(t[k + 1] - t[k]), 1.0)
 
 
-def still_runs(points: SetPoints, machine: Machine, dt: float) -> Ints:
-    """(k, 2) first and last set-point of each stretch in which no step is longer than the first two out of rest."""
-    still = still_steps(points, machine, dt)
+def still_runs(points: SetPoints, machine: Machine, dt: float, share: float) -> Ints:
+    """(k, 2) first and last set-point of each stretch in which no step is longer than a share of the first one out of
+    rest."""
+    rounding = 8.0 * float(np.finfo(np.float64).eps) * np.maximum(np.abs(points.q).max(axis=0), 1.0)
+    most = share * still_step(machine.limits, dt) + rounding
+    still = (np.abs(np.diff(points.q, axis=0)) <= most).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(np.int8)))
     return np.column_stack((edges[::2], edges[1::2]))
-
-
-def still_steps(points: SetPoints, machine: Machine, dt: float) -> npt.NDArray[np.bool_]:
-    """(n - 1,) whether a step is no longer than the first one out of rest can be, twice over."""
-    most = 8.0 * still_step(machine.limits, dt) + 8.0 * float(np.finfo(np.float64).eps) * np.maximum(
-        np.abs(points.q).max(axis=0), 1.0
-    )
-    still: npt.NDArray[np.bool_] = (np.abs(np.diff(points.q, axis=0)) <= most).all(axis=1)
-    return still

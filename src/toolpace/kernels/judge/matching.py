@@ -32,7 +32,8 @@ def both_ways(
     """Places reached from the start (begin, low, high) from which the end is reached too.
 
     `from_end`, `end_low`, `end_high` are those reached on both rows turned round, whose last place is `last`. Written
-    to `into`, `into_low`, `into_high`. Returns how many intervals there are; where that is more than there is room
+    to `into`, `into_low`, `into_high`. Where an interval of one only touches one of the other, at a pose between two
+    ways of different radius, they share no place unless there is no other. Returns how many intervals there are; where that is more than there is room
     for, only as many as fit are written.
     """
     n, count, room = len(begin) - 1, 0, len(into_low)
@@ -40,10 +41,13 @@ def both_ways(
     for k in range(n):
         i, stop = begin[k], begin[k + 1]
         j, least = from_end[n - k] - 1, from_end[n - 1 - k]
+        touch = -1.0
         while i < stop and j >= least:
             a, b = last - end_high[j], last - end_low[j]
             start, finish = max(low[i], a), min(high[i], b)
-            if start <= finish:
+            if start == finish and low[i] < high[i] and a < b:
+                touch = start
+            elif start <= finish:
                 if count < room:
                     into_low[count], into_high[count] = start, finish
                 count += 1
@@ -51,6 +55,10 @@ def both_ways(
                 i += 1
             else:
                 j -= 1
+        if count == into[k] and touch >= 0.0:
+            if count < room:
+                into_low[count], into_high[count] = touch, touch
+            count += 1
         into[k + 1] = count
     return count
 
