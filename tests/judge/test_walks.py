@@ -1,4 +1,4 @@
-"""The judge on random programs that confuse a matching: no false alarm, and no miss of what is wrong by a known amount."""
+"""The judge on random programs that confuse a matching: no false alarm, and no miss of a known amount."""
 
 from __future__ import annotations
 
@@ -88,7 +88,8 @@ def off_the_line(seed):
         poses = walk.poses.copy()
         poses[i] += r.choice([0.002, 0.02, 0.5]) * (0.5 * (poses[i - 1] + poses[i + 1]) - poses[i])
         walk = replace(walk, poses=poses)
-    walk = replace(walk, seconds=1.2 * np.maximum(walk.seconds, least_seconds(walk.poses, np.full(len(walk.poses), 0.05))))
+    seconds = least_seconds(walk.poses, np.full(len(walk.poses), 0.05))
+    walk = replace(walk, seconds=1.2 * np.maximum(walk.seconds, seconds))
     found, points = findings(program, walk)
     off = {name for name in found if name.startswith(NEAR)}
     if oracle(program, points, 1.0 - CLEAR):
@@ -165,10 +166,8 @@ def _with_a_stop_on_the_way(program, walk):
         rotary=np.ascontiguousarray(poses[:, 3:]),
     )
     seconds = np.insert(walk.seconds, k, walk.seconds[k])
-    walk = replace(
-        walk, poses=poses, seconds=2.0 * seconds, dwell=np.insert(walk.dwell, k, 0.0), block=np.insert(walk.block, k, walk.block[k])
-    )  # fmt: skip
-    return program, walk, k
+    dwell, block = np.insert(walk.dwell, k, 0.0), np.insert(walk.block, k, walk.block[k])
+    return program, replace(walk, poses=poses, seconds=2.0 * seconds, dwell=dwell, block=block), k
 
 
 @pytest.mark.parametrize("part", range(4))

@@ -1,4 +1,4 @@
-"""Programs as rows of poses, by seed, of the habits that confuse a matching; and motions along them, right and wrong."""
+"""Programs as rows of poses, by seed, of habits that confuse a matching; and motions along them, right and wrong."""
 
 from __future__ import annotations
 

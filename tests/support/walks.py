@@ -102,7 +102,7 @@ def random_poses(r, kind):
         turn[:, 0] = np.arange(n) * r.uniform(0.5, 2.0)
         tip[:, 0] = np.arange(n) * r.choice([0.0, 1e-6, size])
         tilt = r.choice([0.3 * AXIS, 2.0 * AXIS, 0.02])
-    poses = np.hstack((tip, turn + [0.3, tilt]))
+    poses = np.hstack((tip, turn + np.array([0.3, tilt])))
     return poses[np.concatenate(([True], np.abs(np.diff(poses, axis=0)).max(axis=1) > 1e-9))]
 
 
@@ -140,7 +140,7 @@ def set_points(walk, wobble=0.0, phase=0.0):
         poses[here] += (smooth_step(np.minimum(2.0 * share[here], 2.0 - 2.0 * share[here])))[:, None] * displacement
     place = way - 1 + share
     for column, size in ((0, TIP), (1, TIP), (2, TIP), (3, AXIS)):
-        poses[:, column] += wobble * size / np.sqrt(3.0) * np.sin(2.0 * place + phase * (column + 1)) * (size == TIP or 1.0)
+        poses[:, column] += wobble * size / np.sqrt(3.0) * np.sin(2.0 * place + phase * (column + 1))
     q = MACHINE.joints_at(np.ascontiguousarray(poses[:, :3]), np.ascontiguousarray(poses[:, 3:]))
     tip, axis = MACHINE.forward(q)
     qd = np.gradient(q, DT, axis=0)
@@ -152,4 +152,5 @@ def set_points(walk, wobble=0.0, phase=0.0):
 def without(walk, i, j):
     """The motion goes from pose i - 1 to pose j at once."""
     keep = np.r_[0:i, j : len(walk.poses)]
-    return replace(walk, poses=walk.poses[keep], seconds=walk.seconds[keep], dwell=walk.dwell[keep], block=walk.block[keep])
+    kept = {name: getattr(walk, name)[keep] for name in ("poses", "seconds", "dwell", "block")}
+    return replace(walk, **kept)

@@ -228,8 +228,9 @@ def _finish(sweep: Sweep) -> Alignment:
     while True:
         low, high = np.empty(room), np.empty(room)
         count = both_ways(
-            sweep.begin, sweep.low, sweep.high, turned.begin, turned.low, turned.high, float(line.last), begin, low, high
-        )
+            sweep.begin, sweep.low, sweep.high, turned.begin, turned.low, turned.high, float(line.last), begin, low,
+            high,
+        )  # fmt: skip
         if count <= room:
             break
         room = int(count)

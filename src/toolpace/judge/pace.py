@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TypeVar
+
 import numpy as np
+import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
 from toolpace.judge.alignment import Alignment
@@ -12,48 +16,81 @@ from toolpace.judge.verification import Check
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
 
+Number = TypeVar("Number", np.float64, np.int64)
 
-def feed_check(
+
+@dataclass(frozen=True)
+class FeedUse:
+    """The speed of the tip over the feeds of the blocks that it can be in."""
+
+    speed: Floats
+    """(n - 1,) mean speed of each step [m/s]."""
+    cap: Floats
+    """(n - 1,) largest feed that may hold [m/s]."""
+    noise: Floats
+    """(n - 1,) rounding of the speed [m/s]."""
+    most: float
+    """Highest speed over the least feed that may hold, with what may hide between set-points."""
+
+    @property
+    def ratio(self) -> Floats:
+        """(n - 1,) speed over the largest feed, at least."""
+        found: Floats = np.where(np.isfinite(self.cap), (self.speed - self.noise) / self.cap, 0.0)
+        return found
+
+    @property
+    def least(self) -> float:
+        """The largest of them: the feed is used to this share at least."""
+        return float(self.ratio.max(initial=0.0))
+
+    def check(self, points: SetPoints) -> Check:
+        """The speed of the tip against the largest feed of the blocks that it can be in, in order."""
+        over = self.ratio
+        k = int(np.argmax(over))
+        ok = bool(over[k] <= 1.0 + TOLERANCE)
+        time, block = float(points.t[k]), int(points.block[k + 1])
+        speed, cap = float(self.speed[k]), float(self.cap[k])
+        return Check("feed", speed, cap, "m/s", ok, time, block, noise=float(self.noise[k]))
+
+
+def feed_use(
     points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints, tip: Floats
-) -> list[Check]:
-    """The speed of the tip against the largest feed of the blocks that it can be in, in order."""
-    ratio = feed_ratio(points, toolpath, motion, there, owner, tip)
-    if ratio is None:
-        return []
-    speed, cap, noise = ratio
-    over = np.where(np.isfinite(cap), (speed - noise) / cap, 0.0)
-    k = int(np.argmax(over))
-    ok = bool(over[k] <= 1.0 + TOLERANCE)
-    time, block = float(points.t[k]), int(points.block[k + 1])
-    return [Check("feed", float(speed[k]), float(cap[k]), "m/s", ok, time, block, noise=float(noise[k]))]
-
-
-def feed_ratio(
-    points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints, tip: Floats
-) -> tuple[Floats, Floats, Floats] | None:
-    """Speed, largest feed and rounding noise of each step (n - 1,) [m/s]; None where the program has no feed."""
-    from toolpace.kernels.judge.matching import largest_between
-
+) -> FeedUse | None:
+    """How fast the tip goes for the feeds of the program; None where it has none."""
     if not np.isfinite(toolpath.feed[1:]).any():
         return None
-    start, feed = _stretches(owner, toolpath.feed)
-    of_row = np.empty(len(motion.poses) - 1)
-    largest_between(there.begin, there.low, there.high, start, feed, of_row)
     moved = np.sqrt(((tip[1:] - tip[:-1]) ** 2).sum(axis=1))
     steps = np.diff(points.t)
+    speed = moved / steps
+    noise = 8.0 * float(np.finfo(np.float64).eps) * max(float(np.abs(tip).max()), 1.0) / steps
+    cap = _largest(toolpath.feed, motion, there, owner)
+    with np.errstate(divide="ignore"):
+        slowest = _largest(1.0 / toolpath.feed, motion, there, owner)
+    # Within a step the speed changes by no more than half of what it does to the next.
+    change = np.abs(np.diff(speed, prepend=speed[0]))
+    change = np.maximum(change, np.append(change[1:], 0.0))
+    moving = np.isfinite(slowest)
+    most = float(((speed + change)[moving] * slowest[moving]).max(initial=0.0))
+    return FeedUse(speed, cap, noise, most)
+
+
+def _largest(value: Floats, motion: MotionRow, there: Alignment, owner: Ints) -> Floats:
+    """(n - 1,) largest value of the blocks that each step of set-points can be in; infinite where it stands still."""
+    from toolpace.kernels.judge.matching import largest_between
+
+    start, of_stretch = _stretches(owner, value)
+    of_row = np.empty(len(motion.poses) - 1)
+    largest_between(there.begin, there.low, there.high, start, of_stretch, of_row)
     # A step of set-points is one or more of the row, or none where they stand still.
     first, last = motion.row[:-1], motion.row[1:]
-    cap = np.full(len(steps), np.inf)
+    found = np.full(len(first), np.inf)
     going = np.flatnonzero(last > first)
     if len(going):
-        cap[going] = np.maximum.reduceat(of_row, first[going])
-    noise = 8.0 * float(np.finfo(np.float64).eps) * max(float(np.abs(tip).max()), 1.0) / steps
-    return moved / steps, cap, noise
+        found[going] = np.maximum.reduceat(of_row, first[going])
+    return found
 
 
-def block_check(
-    points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints
-) -> list[Check]:
+def block_check(points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints) -> list[Check]:
     """Whether the block of each set-point is one of those that it can be in."""
     from toolpace.kernels.judge.matching import named
 
@@ -68,7 +105,7 @@ def block_check(
     k = int(np.argmin(found))
     place = int(there.place[row[k]])
     right = int(toolpath.block[owner[min(place + 1, len(owner) - 1)]])
-    note = f"{wrong} set-points name a block that they are not in; the first one says {points.block[k]}, it is in {right}"
+    note = f"{wrong} set-points name a block that they are not in; the first says {points.block[k]}, it is in {right}"
     return [Check("block column", float(wrong), 0.0, "", False, float(points.t[k]), right, note=note)]
 
 
@@ -80,7 +117,7 @@ def _of_setpoints(there: Alignment, row: Ints) -> tuple[Ints, Floats, Floats]:
     return begin, there.low[at], there.high[at]
 
 
-def _stretches(owner: Ints, value: Floats | Ints) -> tuple[Floats, Floats | Ints]:
+def _stretches(owner: Ints, value: npt.NDArray[Number]) -> tuple[Floats, npt.NDArray[Number]]:
     """Places where stretches of the line with one value begin (r + 1,), and the values (r,).
 
     value[i] holds on the way to program point i.

@@ -56,7 +56,7 @@ class Passing:
         ]
 
     def stops(self, machine: Machine, dt: float) -> list[Check]:
-        """At each program point with a stop a step without motion; at each dwell enough of them, one after the other."""
+        """At each program point with a stop a step of rest; at each dwell enough without motion, one after another."""
         dwell = self.toolpath.dwell
         asked = self.toolpath.stop | (dwell > 0.0)
         asked[[0, -1]] = dwell[[0, -1]] > 0.0
@@ -116,10 +116,12 @@ class Passing:
                 if best >= enough:
                     return begin, best
                 r += 1
-        return (begin, best) if best > 0.0 else (max(self.setpoint(self.back.low[self.back.begin[pose]], latest=False), known), 0.0)
+        if best == 0.0:
+            begin = max(self.setpoint(self.back.first[pose], latest=False), known)
+        return begin, best
 
     def setpoint(self, place: float, *, latest: bool) -> float:
-        """The number of set-points, and the share of the step to the next, that have passed at a place of the motion."""
+        """Steps from set-point to set-point, and a share of the next one, that have passed at a place of the motion."""
         time = float(self.motion.times(np.array([place]), latest=latest)[0])
         t = self.points.t
         k = min(int(np.searchsorted(t, time, side="right")) - 1, len(t) - 2)

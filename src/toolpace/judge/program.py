@@ -9,8 +9,8 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.judge.alignment import Alignment, BothWays, Lost, align
+from toolpace.judge.pace import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passing
-from toolpace.judge.pace import block_check, feed_check
 from toolpace.judge.rows import MotionRow, motion_row, program_line
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
@@ -28,6 +28,8 @@ class ProgramJudgement:
     checks: list[Check]
     tip_deviation: float
     axis_deviation: float
+    feed_use: FeedUse | None = None
+    """Of the tip; None where the program has no feeds, or the motion is not its."""
 
 
 def program_checks(
@@ -50,12 +52,13 @@ def program_checks(
         return judge.lost(found)
     checks = judge.nearness(found)
     passing = Passing(points, toolpath, motion, found.back, np.flatnonzero(np.diff(owner, append=len(toolpath)) > 0))
-    checks += feed_check(points, toolpath, motion, found.there, owner, tip)
+    use = feed_use(points, toolpath, motion, found.there, owner, tip)
+    checks += [use.check(points)] if use is not None else []
     checks += passing.least_times(dt) + passing.stops(machine, dt)
     checks += block_check(points, toolpath, motion, found.there, owner)
     worst_tip = max(float(way.tip.max()) for way in (found.there, found.back)) * tip_tolerance
     worst_axis = max(float(way.axis.max()) for way in (found.there, found.back)) * axis_tolerance
-    return ProgramJudgement(checks, worst_tip, _angle(worst_axis))
+    return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use)
 
 
 @dataclass(frozen=True)

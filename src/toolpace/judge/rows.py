@@ -40,7 +40,7 @@ def program_line(
     start = np.hstack((tip[:1] / tip_tolerance, toolpath.axis[:1] / axis_tolerance))
     if len(tip) == 1:
         return np.ascontiguousarray(np.repeat(start, 2, axis=0)), np.zeros(2, dtype=np.int64)
-    turn = 2.0 * np.arcsin(np.clip(np.sqrt(((toolpath.axis[1:] - toolpath.axis[:-1]) ** 2).sum(axis=1)) / 2.0, 0.0, 1.0))
+    turn = _angles(toolpath.axis[:-1], toolpath.axis[1:])
     if toolpath.rotary is not None:
         turn = np.maximum(turn, np.abs(np.diff(toolpath.rotary, axis=0)).max(axis=1))
     pieces = np.ceil(turn / TURN).astype(np.int64)
@@ -56,6 +56,12 @@ def program_line(
     between_tip[exact] = tip[owner[exact]]
     line = np.vstack((start, np.hstack((between_tip / tip_tolerance, between_axis / axis_tolerance))))
     return np.ascontiguousarray(line), np.concatenate(([0], owner))
+
+
+def _angles(a: Floats, b: Floats) -> Floats:
+    """Angles (n,) between unit vectors (n, 3)."""
+    found: Floats = 2.0 * np.arcsin(np.clip(np.sqrt(((b - a) ** 2).sum(axis=1)) / 2.0, 0.0, 1.0))
+    return found
 
 
 def _shares(owner: Ints, pieces: Ints) -> tuple[Ints, Floats]:
@@ -75,7 +81,7 @@ def _axis_between(toolpath: ToolPath, machine: Machine, owner: Ints, share: Floa
         q[:, columns] = rotary[owner - 1] + share * (rotary[owner] - rotary[owner - 1])
         return machine.forward(q)[1]
     before, after = toolpath.axis[owner - 1], toolpath.axis[owner]
-    angle = 2.0 * np.arcsin(np.clip(np.sqrt(((after - before) ** 2).sum(axis=1)) / 2.0, 0.0, 1.0))[:, None]
+    angle = _angles(before, after)[:, None]
     straight = angle < 1e-9
     sine = np.where(straight, 1.0, np.sin(angle))
     left = np.where(straight, 1.0 - share, np.sin((1.0 - share) * angle) / sine)

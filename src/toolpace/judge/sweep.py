@@ -1,4 +1,4 @@
-"""A sweep along one row of poses: the places of another row that can stand for each pose, in order, as far as it goes."""
+"""A sweep along one row of poses: the places of another that can stand for each, in order, as far as it goes."""
 
 from __future__ import annotations
 

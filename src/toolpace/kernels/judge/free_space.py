@@ -1,10 +1,10 @@
 """Which places of one row of poses can stand for each pose of another, in order along both.
 
-A pose is six numbers: the tip divided by its tolerance, then the tool axis divided by its own. Two poses are near where
-both halves are within a radius. A place of a row is a number: the pose before it, plus the share of the way to the next.
-All pairs of places that are near make up the free space of Alt and Godau (1995): between two neighbours of one row and
-two of the other it is convex, so that on each border of such a cell one interval can be reached, and nothing is lost by
-keeping these alone.
+A pose is six numbers: the tip divided by its tolerance, then the tool axis divided by its own. Two poses are near
+where both halves are within a radius. A place of a row is a number: the pose before it, plus the share of the way to
+the next. All pairs of places that are near make up the free space of Alt and Godau (1995): between two neighbours of
+one row and two of the other it is convex, so that on each border of such a cell one interval can be reached, and
+nothing is lost by keeping these alone.
 """
 
 from __future__ import annotations
@@ -196,7 +196,7 @@ def reach(
     Returns the last pose that has places; -1 for none at all, FULL where the room for intervals ends. task[3] is the
     number of cells that may be looked at, and becomes what is left of it; where it is used up, task[4] becomes 1.
     """
-    k, goal, seek = task[0], task[1], task[2]
+    k, goal, seek = int(task[0]), int(task[1]), int(task[2])
     span = begin[:3].copy()
     task[4] = 0
     if k < 0:

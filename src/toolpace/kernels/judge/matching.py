@@ -33,8 +33,8 @@ def both_ways(
 
     `from_end`, `end_low`, `end_high` are those reached on both rows turned round, whose last place is `last`. Written
     to `into`, `into_low`, `into_high`. Where an interval of one only touches one of the other, at a pose between two
-    ways of different radius, they share no place unless there is no other. Returns how many intervals there are; where that is more than there is room
-    for, only as many as fit are written.
+    ways of different radius, they share no place unless there is no other. Returns how many intervals there are;
+    where that is more than there is room for, only as many as fit are written.
     """
     n, count, room = len(begin) - 1, 0, len(into_low)
     into[0] = 0
