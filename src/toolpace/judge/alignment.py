@@ -17,7 +17,7 @@ from toolpace.judge.sweep import NEVER, Line, OutOfWorkError, Sweep
 
 WORK = 200
 """Cells that may be looked at for each pose of both rows, to find a way on from where the motion left the program."""
-LEAST_WORK = 20_000_000
+LEAST_WORK = 10_000_000
 """The least number of them, in all."""
 MOST_REPAIRS = 100
 """Places at which the motion leaves the program, until it is taken for another program's."""

@@ -20,6 +20,8 @@ SHARE = 0.04
 """By how much the share of time in which a limit binds may differ between set-points and all times."""
 BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
+LOOK = 1e-3
+"""Share by which a peak may be higher than what is said of it: far below a limit, peaks are looked for at places."""
 DWELLS = 1e-9
 """The same for dwells, which are known."""
 KINDS = ("velocity", "acceleration", "jerk")
@@ -63,7 +65,7 @@ class UsageFigures:
                 if order < 2:
                     following = getattr(limits, KINDS[order + 1])[j] * float(_number(usage[KINDS[order + 1]], joint))
                     room = 0.5 * dt * following if math.isfinite(following) else math.inf
-                least = shown / limit * (1.0 - TOLERANCE) - 1e-12
+                least = shown / limit * (1.0 - LOOK) - 1e-12
                 most = min((shown + room) / limit * (1.0 + TOLERANCE) + 1e-9, 1.0 + TOLERANCE)
                 above.append(said)
                 if not least <= said <= most:
