@@ -5,13 +5,14 @@ from __future__ import annotations
 import copy
 import json
 import shutil
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
 import pytest
 
 from toolpace import demo, write
-from toolpace.cli import main
+from toolpace.cli import job, main
 from toolpace.judge.figures import AS_SAID, IN_THE_VERDICT, RECOMPUTED
 
 COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block", "joints")
@@ -318,3 +319,15 @@ def test_any_changed_column_fails(again, capsys, seed):
     again.arrays(change)
     code, said = again.verdict(capsys)
     assert code == 1 and "FAILED" in said
+
+
+def test_exit_code_is_1_above_a_limit():
+    """At a usage above what is promised, however well the set-points do; and where these do not."""
+    usage = write.plan_json.UsageRecord(0.5, {"X": 0.5}, {"X": 0.5}, {"X": 1.0})
+    for kind in ("feed", "velocity", "acceleration", "jerk"):
+        for peak, code in ((1.00009, 0), (1.0002, 1), (np.inf, 1)):
+            over = msgspec.structs.replace(usage, **{kind: peak if kind == "feed" else {"X": peak}})
+            assert job.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=True)) == code
+            assert job.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=False)) == 1
+    unlimited = msgspec.structs.replace(usage, jerk={"X": None})
+    assert job.exit_code(SimpleNamespace(usage=unlimited), SimpleNamespace(ok=True)) == 1

@@ -230,3 +230,32 @@ def test_each_dwell_has_time_of_its_own():
     assert findings(program, walk)[0] == set()
     for wrong in ([0, 0, 0, 0.6, 0, 0], [0, 0.3, 0, 0.1, 0, 0.2], [0, 0.1, 0, 0.29, 0, 0.3], [0.6, 0, 0, 0.3, 0, 0.2]):
         assert "dwell" in findings(program, replace(walk, dwell=np.array(wrong)))[0], wrong
+
+
+@pytest.mark.parametrize("kind", range(4))
+def test_a_deviation_is_reported_at_its_place_and_as_large_as_it_is(kind):
+    """25 micrometres off in the middle of one pass: no more, no less, and nothing else is found wrong behind it."""
+    r = np.random.default_rng(kind)
+    poses = np.tile([0.0, 0.0, 0.0, 0.3, 0.5], (12, 1))
+    poses[:, 0] = np.arange(12) % 2 * 3e-3
+    if kind % 2:
+        poses[:, 1] = np.arange(12) * 1e-5
+    feed = np.concatenate(([np.inf], r.choice([0.02, 0.05, 0.1], 11)))
+    program, walk, _ = random_walk(0)
+    program = replace(
+        program, tip=poses[:, :3].copy(), rotary=poses[:, 3:].copy(), axis=MACHINE.axis_at(poses[:, 3:].copy()),
+        feed=feed, block=np.arange(1, 13), stop=np.arange(12) % 11 == 0, least_time=np.zeros(12), dwell=np.zeros(12),
+    )  # fmt: skip
+    seconds = 1.1 * least_seconds(poses, feed)
+    way = 3 + kind
+    bump = [(way, np.array([0.0, 0.0, 25e-6, 0.0, 0.0]))]
+    walk = replace(walk, poses=poses, seconds=seconds, dwell=np.zeros(12), block=np.arange(1, 13), bumps=bump)
+    points, machine = set_points(walk)
+    found = verify(points, machine, program, TIP, AXIS)
+    assert {check.what for check in found.findings if check.what.startswith(NEAR)} <= {
+        "tip, set-points to program", "tip, program to set-points"
+    }  # fmt: skip
+    assert not {check.what for check in found.findings} & {"feed", "dwell", "stillness at stops", "block column"}
+    assert found.tip_deviation == pytest.approx(25e-6, rel=0.02)
+    worst = next(check for check in found.findings if check.what == "tip, set-points to program")
+    assert worst.block == way + 1 and abs(worst.time - (seconds[: way + 1].sum() - 0.5 * seconds[way])) < 0.01
