@@ -295,3 +295,12 @@ def test_catches_a_wrong_block():
     block[700] += 2
     (found,) = verify(replace(POINTS, block=block), MACHINE, PROGRAM).findings
     assert found.time == POINTS.t[700] and "1 set-points" in found.note
+
+
+def test_the_tolerance_is_that_tolerance():
+    """Three thousandths above it fail, three below it pass: what is granted is a thousandth."""
+    near = {"tip, set-points to program", "tip, program to set-points"}
+    # blocks so short that their chords are the curve
+    points, program = motions.set_points(spacing=5e-5), motions.program(spacing=5e-5)
+    assert near <= failed(moved_tip(points.tip + 1.003 * 10e-6 * UP, points), program=program)
+    assert not near & failed(moved_tip(points.tip + 0.997 * 10e-6 * UP, points), program=program)
