@@ -85,6 +85,8 @@ class SetPoints(ByValue):
                 raise UsageError(f"{source}: holds one array, not set-points; give the setpoints.npz of a plan")
             with archive:
                 names = [f.name for f in fields(cls)]
+                if more := sorted(set(archive.files) - set(names)):
+                    raise UsageError(f"{source}: holds {', '.join(more)} besides set-points; {cure}")
                 if missing := [name for name in names if name not in archive.files]:
                     raise UsageError(f"{source}: not a set-points file: lacks {', '.join(missing)}; {cure}")
                 arrays = {name: archive[name] for name in names}
@@ -98,7 +100,10 @@ class SetPoints(ByValue):
             raise UsageError(f"{source}: damaged or not a set-points file; {cure}") from None
         joints = tuple(str(name) for name in np.atleast_1d(arrays.pop("joints")))
         try:
-            block = np.asarray(arrays.pop("block"), dtype=np.int64)
+            given = np.asarray(arrays.pop("block"))
+            if given.dtype.kind not in "iu":
+                raise UsageError(f"block holds {given.dtype}, not line numbers")
+            block = given.astype(np.int64)
             floats = {name: np.asarray(value, dtype=np.float64) for name, value in arrays.items()}
             return cls(**floats, block=block, joints=joints)
         except (ValueError, TypeError):

@@ -111,7 +111,10 @@ def test_second_order_says_that_jerk_limits_are_not_held(planned, capsys):
     assert "unbounded" in (out / "report.html").read_text(encoding="utf-8")
     assert main(["verify", str(out)]) == 1
     failed = [line for line in capsys.readouterr().out.splitlines() if line.endswith("FAILED ")]
-    assert {line.split()[0] for line in failed} == {"jerk", "rest"}
+    # the positions show it, and so does what plan.json says of the jerk
+    assert {line.split()[0] for line in failed} == {"jerk", "rest", "plan.json"}
+    figures = [" ".join(line.split()[:3]) for line in failed if line.split()[0] == "plan.json"]
+    assert set(figures) <= {"plan.json usage jerk", "plan.json usage"}, figures
 
 
 def test_prove_raises_the_bound_and_says_where_it_stays_open(planned, capsys):

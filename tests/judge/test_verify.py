@@ -261,3 +261,46 @@ def test_cost_grows_in_proportion_to_set_points_and_blocks():
     free = replan(**{kind: 1.01 * peak + 1.0 for kind, peak in PEAKS.items()})
     few, many = ((motions.set_points(dt=4e-4 / n), motions.program(spacing=8e-5 / n)) for n in (1, 8))
     assert order_of_growth(lambda given: verify(given[0], free, given[1]), few, many, 8.0) < NEARLY_LINEAR
+
+
+@pytest.mark.parametrize("far", [1e-6, -1e-6])
+def test_travel_has_no_slack(far):
+    """A micrometre and a microradian beyond the travel are found, on either side, for each joint."""
+    for joint in range(5):
+        model = motions.with_limits(MACHINE)
+        travel = MACHINE.travel.copy()
+        q = POINTS.q[:, joint]
+        travel[joint] = (q.min(), q.max() - far) if far > 0.0 else (q.min() - far, q.max())
+        object.__setattr__(model, "travel", travel)
+        (found,) = verify(POINTS, model, PROGRAM).findings
+        name = "highest position" if far > 0.0 else "lowest position"
+        assert (found.what, found.joint) == (name, MACHINE.joints[joint])
+        travel[joint] = q.min(), q.max()
+        assert verify(POINTS, model, PROGRAM).ok
+
+
+def test_catches_joints_in_another_order():
+    renamed = replace(POINTS, joints=(*POINTS.joints[1:], POINTS.joints[0]))
+    assert failed(renamed) == {"joints"}
+
+
+def test_catches_a_jerk_column_of_another_motion():
+    for qddd in (0.0 * POINTS.qddd, -POINTS.qddd, POINTS.qddd[::-1].copy()):
+        assert failed(replace(POINTS, qddd=qddd)) == {"jerk column"}
+
+
+def test_catches_a_wrong_block():
+    assert failed(replace(POINTS, block=POINTS.block + 1)) == {"block column"}
+    block = POINTS.block.copy()
+    block[700] += 2
+    (found,) = verify(replace(POINTS, block=block), MACHINE, PROGRAM).findings
+    assert found.time == POINTS.t[700] and "1 set-points" in found.note
+
+
+def test_the_tolerance_is_that_tolerance():
+    """Three thousandths above it fail, three below it pass: what is granted is a thousandth."""
+    near = {"tip, set-points to program", "tip, program to set-points"}
+    # blocks so short that their chords are the curve
+    points, program = motions.set_points(spacing=5e-5), motions.program(spacing=5e-5)
+    assert near <= failed(moved_tip(points.tip + 1.003 * 10e-6 * UP, points), program=program)
+    assert not near & failed(moved_tip(points.tip + 0.997 * 10e-6 * UP, points), program=program)

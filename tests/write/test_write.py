@@ -68,8 +68,8 @@ def test_plan_json_keeps_the_contract(tmp_path, program):
     for kind in ("velocity", "acceleration", "jerk"):
         assert set(plan["usage"][kind]) == set(POINTS.joints)
     assert plan["gap"] == pytest.approx(plan["duration_s"] / plan["lower_bound_s"] - 1.0)
-    assert plan["tip_deviation_mm"] == pytest.approx(3e-3)
-    assert plan["axis_deviation_deg"] == pytest.approx(np.degrees(1e-4))
+    assert plan["tip_deviation_mm"] == pytest.approx(result.tip_deviation * 1e3)
+    assert plan["axis_deviation_deg"] == pytest.approx(np.degrees(result.axis_deviation))
     assert (plan["stops"], plan["program"], plan["program_file"]) == (1, "part.ngc", "program.ngc")
     assert (plan["feed"], plan["verified"]) == ("120%", True)
     assert plan["tip_tolerance_mm"] == pytest.approx(0.01)

@@ -99,11 +99,12 @@ def plan_command(
 
 @app.command(name="verify", help_epilogue="")
 def verify_command(directory: options.PlanFolder, /) -> int:
-    """Judge a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel.
+    """Judge a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel, figures.
 
     Nothing of the planner is used: set-points are differentiated, put through the
-    machine's forward kinematics and compared with the program. Exit code 1 if
-    anything fails.
+    machine's forward kinematics and compared with the program; each column and
+    each figure of plan.json is recomputed, or named where only the planner can
+    know it. Exit code 1 if anything fails.
 
     For example:
 
@@ -112,8 +113,8 @@ def verify_command(directory: options.PlanFolder, /) -> int:
     from toolpace.cli import folder, summary
 
     console = new_console()
-    verification = folder.verify_folder(Path(directory), Steps(console))
-    summary.show_verification(console, verification)
+    record, verification = folder.verify_folder(Path(directory), Steps(console))
+    summary.show_verification(console, record, verification)
     return 0 if verification.ok else 1
 
 

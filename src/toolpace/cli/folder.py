@@ -15,12 +15,18 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from toolpace.judge import Verification
+    from toolpace.write import PlanRecord
 
 
-def verify_folder(folder: Path, steps: Steps) -> Verification:
-    """Judge the set-points in a folder against the machine and the program in it."""
+def verify_folder(folder: Path, steps: Steps) -> tuple[PlanRecord, Verification]:
+    """Judge the files in a folder by the machine and the program in it: set-points, figures, and the table if it is
+    there."""
+    import msgspec
+
     from toolpace import write
-    from toolpace.judge import verify
+    from toolpace.judge import verify_plan
+    from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
+    from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
     from toolpace.reading import read
     from toolpace.setpoints import SetPoints
@@ -28,20 +34,33 @@ def verify_folder(folder: Path, steps: Steps) -> Verification:
     if not folder.is_dir():
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
     record = write.read_plan(folder)
+    program = program_in(folder, record)
     with steps.step("reading") as step:
         machine = Machine.load(folder / write.MACHINE)
         setpoints = SetPoints.load(folder / write.SET_POINTS)
-        toolpath = None
-        if record.program_file:
-            toolpath = read(folder / record.program_file, machine, record.dialect, feed=record.feed)
+        toolpath = read(program, machine, record.dialect, feed=record.feed) if program is not None else None
         step.note = f"{len(setpoints)} set-points" + (f", {toolpath.blocks} blocks" if toolpath else "")
-    allowed = {}
-    if record.tip_tolerance_mm is not None:
-        allowed["tip_tolerance"] = record.tip_tolerance_mm * MILLIMETRE
-    if record.axis_tolerance_deg is not None:
-        allowed["axis_tolerance"] = record.axis_tolerance_deg * DEGREE
+    tip, axis = record.tip_tolerance_mm or DEFAULT_TIP_MM, record.axis_tolerance_deg or DEFAULT_AXIS_DEG
     with steps.step("verifying"):
-        return verify(setpoints, machine, toolpath, dt=record.dt_s, **allowed)
+        said = msgspec.to_builtins(record)
+        found = verify_plan(setpoints, machine, toolpath, said, tip * MILLIMETRE, axis * DEGREE)
+        table = folder / write.TABLE
+        return record, with_table(found, table, setpoints, machine) if table.exists() else found
+
+
+def program_in(folder: Path, record: PlanRecord) -> Path | None:
+    """The copy of the program in the folder of a plan; None where plan.json names none. Raises UsageError where it
+    names a file elsewhere, or another than the copy."""
+    name = record.program_file
+    if not name:
+        return None
+    right = f"program{Path(record.program).suffix}"
+    if name != right:
+        raise UsageError(
+            f"{folder / 'plan.json'}: program_file is {name!r}, where the copy of {record.program!r} is {right!r}; "
+            "plan again to write it anew"
+        )
+    return folder / name
 
 
 def run_demo(out: Path, console: Console) -> int:

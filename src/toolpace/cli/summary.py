@@ -8,6 +8,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.planning.guarantee import PROMISED
 from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 
@@ -70,7 +71,7 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     console.print()
     console.print(usage_table(record))
     console.print()
-    line = verdict(verification)
+    line = verdict(record, verification)
     if verification.ok and record.usage.worst > PROMISED:
         more = f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %"
         if None in record.usage.jerk.values():
@@ -135,19 +136,47 @@ def _within(value: float, tolerance: float | None, scale: float, show: Callable[
     return f"off the program by at most {show(value * scale)}{allowed}"
 
 
-def verdict(verification: Verification) -> Text:
-    """One line: passed, or what is worst."""
+def verdict(record: PlanRecord, verification: Verification) -> Text:
+    """Passed, or what is worst, and by which tolerances and options that was judged; wide tolerances in words."""
+    asked = f"within {asked_for(record)}"
+    wide = wider_than_default(record)
+    warning = (f"\nWIDER THAN THE DEFAULT: {wide}", "bold yellow") if wide else ""
     if verification.ok:
         count = len(verification.checks)
         points = f"{verification.set_points} set-points at {format_time(verification.dt)}"
-        return Text.assemble(("VERIFIED", "bold green"), f"  {count} checks on {points}")
+        return Text.assemble(("VERIFIED", "bold green"), f"  {asked}; {count} checks on {points}", warning)
     found = verification.findings
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    return Text.assemble(("FAILED", "bold red"), f"  {found[0]}{more}")
+    return Text.assemble(("FAILED", "bold red"), f"  {found[0]}{more}; judged {asked}", warning)
 
 
-def show_verification(console: Console, verification: Verification) -> None:
-    """Every check, one a row, and the verdict."""
+def asked_for(record: PlanRecord) -> str:
+    """Tolerances, feeds and dialect that a plan was made with: "tip 0.01 mm, axis 0.05 deg, feeds of the program"."""
+    words = []
+    if record.program_file:
+        for part, value, unit in (("tip", record.tip_tolerance_mm, "mm"), ("axis", record.axis_tolerance_deg, "deg")):
+            words.append(f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given")
+        words.append("feeds of the program" if record.feed is None else f"feeds changed to {record.feed}")
+    else:
+        words.append("limits of the machine alone, no program")
+    words += [f"read as {record.dialect}"] if record.dialect else []
+    return ", ".join(words)
+
+
+def wider_than_default(record: PlanRecord) -> str:
+    """The tolerances that are looser than those of a plan without options; empty where none is."""
+    words = []
+    for part, value, usual, unit in (
+        ("tip", record.tip_tolerance_mm, DEFAULT_TIP_MM, "mm"),
+        ("axis", record.axis_tolerance_deg, DEFAULT_AXIS_DEG, "deg"),
+    ):
+        if value is not None and value > usual * (1.0 + 1e-9):
+            words.append(f"{part} tolerance {value:.6g} {unit}, {value / usual:.3g} times {usual:g} {unit}")
+    return "; ".join(words)
+
+
+def show_verification(console: Console, record: PlanRecord, verification: Verification) -> None:
+    """Every check, one a row, what was not checked, and the verdict."""
     table = Table(box=SIMPLE, pad_edge=False)
     for name in ("check", "worst", "allowed", "where", ""):
         table.add_column(name, justify="right" if name in ("worst", "allowed") else "left", overflow="fold")
@@ -155,7 +184,9 @@ def show_verification(console: Console, verification: Verification) -> None:
         style = "" if verdict_ == "ok" else "bold red"
         table.add_row(*(Text(cell, style=style) for cell in (check, worst, limit, where, verdict_)))
     console.print(table)
-    console.print(verdict(verification), soft_wrap=True)
+    console.print(f"as the planner said, held against the other figures only: {', '.join(AS_SAID)}", soft_wrap=True)
+    console.print("not judged: report.html, which is for looking at", soft_wrap=True)
+    console.print(verdict(record, verification), soft_wrap=True)
 
 
 def show_machine(console: Console, machine: Machine) -> None:

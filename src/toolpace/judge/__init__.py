@@ -8,13 +8,17 @@ positions, the tool comes from the machine's forward kinematics, and the way alo
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Protocol
 
 import numpy as np
 
 from toolpace.errors import UsageError
+from toolpace.judge.columns import column_checks
+from toolpace.judge.figures import Figures
 from toolpace.judge.motion import motion_checks, rest_checks, step_check
-from toolpace.judge.program import program_checks
+from toolpace.judge.program import ProgramJudgement, program_checks
 from toolpace.judge.tool import tool_checks
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.limits import Limits
@@ -54,6 +58,38 @@ def verify(
     machine.
     """
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
+    return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt)[0]
+
+
+def verify_plan(
+    points: SetPoints,
+    machine: Machine,
+    toolpath: ToolPath | None,
+    figures: Mapping[str, Any],
+    tip_tolerance: float,
+    axis_tolerance: float,
+) -> Verification:
+    """Judge set-points as `verify` does, and the figures of their plan.json by them.
+
+    Each figure is recomputed, or held against the others where only the planner can know it (judge/figures.py says
+    which). Raises UsageError as `verify` does.
+    """
+    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan)
+    if judged is None:
+        return found
+    checks = Figures(figures, points, machine, toolpath, found, judged.feed_use).checks()
+    return replace(found, checks=found.checks + tuple(checks))
+
+
+def _judged(
+    points: SetPoints,
+    machine: Machine | Limits,
+    toolpath: ToolPath | None,
+    tip_tolerance: float,
+    axis_tolerance: float,
+    dt: float,
+) -> tuple[Verification, ProgramJudgement | None]:
+    """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
     if not isinstance(machine, Limits):
         check_machine(machine, "verify", "a Machine, or Limits")
     limits = machine if isinstance(machine, Limits) else machine.limits
@@ -66,22 +102,31 @@ def verify(
         raise UsageError(f"tolerances must be positive, not {tip_tolerance} m and {axis_tolerance} rad")
     first = _finite(points)
     if first is not None:
-        return Verification((first,), dt, len(points))
+        return Verification((first,), dt, len(points)), None
     step, checks = step_check(points)
     if not checks[0].ok:
-        return Verification(tuple(checks), step, len(points))
+        return Verification(tuple(checks), step, len(points)), None
     units = _units(machine)
     checks += motion_checks(points, limits, units, step)
+    checks += column_checks(points, limits, units, step)
     checks += rest_checks(points, limits, units, step)
-    tip_deviation = axis_deviation = math.nan
+    judged = ProgramJudgement([], math.nan, math.nan)
     if isinstance(machine, Machine):
+        checks += _names(points, machine)
         tip, axis = machine.forward(points.q)
         checks += tool_checks(points, machine, tip, axis)
         if toolpath is not None:
             judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step)
             checks += judged.checks
-            tip_deviation, axis_deviation = judged.tip_deviation, judged.axis_deviation
-    return Verification(tuple(checks), step, len(points), tip_deviation, axis_deviation)
+    return Verification(tuple(checks), step, len(points), judged.tip_deviation, judged.axis_deviation), judged
+
+
+def _names(points: SetPoints, machine: Machine) -> list[Check]:
+    """A failed check if the columns are not named after the machine's joints, in their order."""
+    if points.joints == machine.joints:
+        return []
+    note = f"columns are named {', '.join(points.joints)}, the machine's joints are {', '.join(machine.joints)}"
+    return [Check("joints", 0.0, 0.0, "", False, note=note)]
 
 
 def _units(machine: Machine | Limits) -> list[str]:

@@ -17,9 +17,6 @@ TOLERANCE = 1e-4
 
 EVENNESS = 1e-9
 """Share of the time step by which one step may differ from another: rounding of times that were added up."""
-COLUMN_ROUNDING = 1e-9
-"""Relative error of the set-points' own derivatives, which are worked out, not differenced."""
-
 _KINDS = ("velocity", "acceleration", "jerk")
 """First, second and third derivative."""
 _PER = ("s", "s2", "s3")
@@ -71,7 +68,7 @@ def motion_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
             limit = float(getattr(limits, kind)[j])
             q = points.q[:, j]
             noise = 2.0**order * position_noise(q, points.t, float(np.abs(points.qd[:, j]).max())) / dt**order
-            value, at = _largest_difference(q, points.t, order, dt)
+            value, at = largest_difference(q, points.t, order, dt)
             column = np.abs((points.qd, points.qdd, points.qddd)[order - 1][:, j])
             worst = int(np.argmax(column))
             note = ""
@@ -81,10 +78,10 @@ def motion_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
             time, block = float(points.t[at]), int(points.block[at])
             unit = unit_of(units[j], order)
             checks.append(Check(kind, value, limit, unit, ok, time, block, joint, note, noise=noise))
-    return checks + _column_checks(points, limits, units, dt)
+    return checks
 
 
-def _largest_difference(q: Floats, t: Floats, order: int, dt: float) -> tuple[float, int]:
+def largest_difference(q: Floats, t: Floats, order: int, dt: float) -> tuple[float, int]:
     """Largest |difference| / dt^order and the set-point in its middle; a shorter last step by divided
     differences."""
     n = len(q)
@@ -107,41 +104,6 @@ def _largest_difference(q: Floats, t: Floats, order: int, dt: float) -> tuple[fl
         if tail > value:
             value, at = tail, n - 1
     return value, at
-
-
-def _column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
-    """Whether positions, velocities and accelerations are one another's derivatives, by the trapezoidal rule.
-
-    Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
-    acceleration whose slope is at most J. Where the jerk is too high (which is said already), accelerations may jump:
-    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2.
-    """
-    checks = []
-    steps = np.diff(points.t)
-    shown = [_largest_difference(points.q[:, j], points.t, 3, dt)[0] for j in range(len(points.joints))]
-    for name, below, above, power, share, of_shown in (
-        ("velocity", points.q, points.qd, 3, 12.0, 4.0),
-        ("acceleration", points.qd, points.qdd, 2, 4.0, 1.0),
-    ):
-        for j, joint in enumerate(points.joints):
-            jerk = float(limits.jerk[j])
-            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share
-            if shown[j] > jerk * (1.0 + TOLERANCE):
-                allowed = max(allowed, shown[j] * dt**power / of_shown)
-            if not math.isfinite(allowed) or not len(steps):
-                continue
-            off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))
-            worst = int(np.argmax(off))
-            scale = float(np.abs(below[:, j]).max())
-            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max()))
-            noise += COLUMN_ROUNDING * dt * scale
-            ok = bool(off[worst] <= allowed + noise)
-            if not ok:
-                time, block = float(points.t[worst]), int(points.block[worst])
-                unit = unit_of(units[j], 0 if name == "velocity" else 1)
-                note = f"the {name} column is not the derivative of its neighbour"
-                checks.append(Check(f"{name} column", float(off[worst]), allowed, unit, ok, time, block, joint, note))
-    return checks
 
 
 def rest_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:

@@ -1,110 +1,215 @@
-"""Rows of poses in tolerances: the program as one, the set-points as another, and how they are matched."""
+"""Rows of poses in tolerances: the program as one, and the motion as another."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
+from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
 
-CHORD = 0.02
-"""Most distance of a chord from the arc of the tool axis that it stands for [axis tolerances]; it is angle^2 / 8."""
+CHORD = 5e-4
+"""Most distance of a chord from the curve of motion or tool axis that it stands for [tolerances]."""
+TURN = 0.2
+"""Turn of a joint between two places at which the tool axis is looked at to see how it curves [rad]."""
+MOST_PIECES = 10_000
+"""Most chords for one block."""
+MOST_PARTS = 64
+"""Most chords for the motion between two set-points."""
+UNSEEN = 0.1
+"""Share of a fourth difference by which a cubic through four set-points may miss the motion between them: 0.05 where
+a jerk jumps, 0.065 where an acceleration does."""
+MOST_UNSEEN = 0.5
+"""Most that is granted for it [tolerances]."""
 
 
 def program_line(
     toolpath: ToolPath, machine: Machine, tip_tolerance: float, axis_tolerance: float
 ) -> tuple[Floats, Ints]:
-    """The program as a row of poses (m, 6) in tolerances, and for each the program point that it is or leads
-    to.
+    """The program as a row of poses (m, 6) in tolerances, and for each the program point that it is or leads to.
 
     Where the axis turns on the way, points are put in between (great circle, or rotary joints in proportion)
     until a chord is within CHORD of its arc.
     """
-    tip, axis = toolpath.tip, toolpath.axis
+    tip = toolpath.tip
+    start = np.hstack((tip[:1] / tip_tolerance, toolpath.axis[:1] / axis_tolerance))
     if len(tip) == 1:
-        tip, axis = np.repeat(tip, 2, axis=0), np.repeat(axis, 2, axis=0)
-        pose = np.hstack((tip / tip_tolerance, axis / axis_tolerance))
-        return pose, np.zeros(2, dtype=np.int64)
-    turn = 2.0 * np.arcsin(np.clip(np.sqrt(((axis[1:] - axis[:-1]) ** 2).sum(axis=1)) / 2.0, 0.0, 1.0))
-    rotary = toolpath.rotary
-    if rotary is not None:
-        turn = np.maximum(turn, np.abs(np.diff(rotary, axis=0)).max(axis=1))
-    pieces = np.clip(np.ceil(turn / math.sqrt(8.0 * CHORD * axis_tolerance)), 1, 10_000).astype(np.int64)
-    owner = np.repeat(np.arange(1, len(tip)), pieces)
-    ends = np.cumsum(pieces)
-    share = (np.arange(ends[-1]) - np.repeat(ends - pieces, pieces) + 1.0) / np.repeat(pieces, pieces)
-    share = share[:, None]
-    between_tip = tip[owner - 1] + share * (tip[owner] - tip[owner - 1])
-    if rotary is not None:
-        q = np.zeros((len(owner), len(machine.joints)))
-        columns = [machine.joints.index(name) for name in toolpath.rotary_joints] or list(machine.rotary)
-        q[:, columns] = rotary[owner - 1] + share * (rotary[owner] - rotary[owner - 1])
-        between_axis = machine.forward(q)[1]
-    else:
-        angle = turn[owner - 1][:, None]
-        straight = angle < 1e-9
-        sine = np.where(straight, 1.0, np.sin(angle))
-        before = np.where(straight, 1.0 - share, np.sin((1.0 - share) * angle) / sine)
-        after = np.where(straight, share, np.sin(share * angle) / sine)
-        between_axis = before * axis[owner - 1] + after * axis[owner]
-    exact = np.flatnonzero(share[:, 0] == 1.0)
+        return np.ascontiguousarray(np.repeat(start, 2, axis=0)), np.zeros(2, dtype=np.int64)
+    turn = _angles(toolpath.axis[:-1], toolpath.axis[1:])
+    if toolpath.rotary is not None:
+        turn = np.maximum(turn, np.abs(np.diff(toolpath.rotary, axis=0)).max(axis=1))
+    pieces = np.ceil(turn / TURN).astype(np.int64)
+    # The arc of an angle h is h^2 / 8 from its chord, and the axis turns by no more than both joints do.
+    turning = np.flatnonzero((2.0 * turn) ** 2 > 8.0 * CHORD * axis_tolerance)
+    pieces = np.clip(pieces, 1, MOST_PIECES)
+    if len(turning):
+        pieces[turning] = _pieces(toolpath, machine, turning, pieces[turning], axis_tolerance)
+    owner, share = _shares(np.arange(1, len(tip)), pieces)
+    between_tip = tip[owner - 1] + share[:, None] * (tip[owner] - tip[owner - 1])
+    between_axis = _axis_between(toolpath, machine, owner, share)
+    exact = np.flatnonzero(share == 1.0)
     between_tip[exact] = tip[owner[exact]]
-    if rotary is None:
-        between_axis[exact] = axis[owner[exact]]
-    start_axis = axis[:1]
-    line = np.vstack(
-        (
-            np.hstack((tip[:1] / tip_tolerance, start_axis / axis_tolerance)),
-            np.hstack((between_tip / tip_tolerance, between_axis / axis_tolerance)),
-        )
-    )
+    line = np.vstack((start, np.hstack((between_tip / tip_tolerance, between_axis / axis_tolerance))))
     return np.ascontiguousarray(line), np.concatenate(([0], owner))
 
 
-def running_length(row: Floats) -> Floats:
-    """Running length along a row of poses."""
-    length: Floats = np.concatenate(([0.0], np.cumsum(np.sqrt(((row[1:] - row[:-1]) ** 2).sum(axis=1)))))
-    return length
+def _angles(a: Floats, b: Floats) -> Floats:
+    """Angles (n,) between unit vectors (n, 3)."""
+    found: Floats = 2.0 * np.arcsin(np.clip(np.sqrt(((b - a) ** 2).sum(axis=1)) / 2.0, 0.0, 1.0))
+    return found
 
 
-def bends_of(chain: Floats, t: Floats, dt: float) -> Floats:
-    """Second differences on the steps of the chain, so that a curve sampled coarsely is not taken for its
-    chords.
+def _shares(owner: Ints, pieces: Ints) -> tuple[Ints, Floats]:
+    """Each owner as often as it has pieces, and the share of the way at the end of each piece."""
+    ends = np.cumsum(pieces)
+    share = (np.arange(ends[-1]) - np.repeat(ends - pieces, pieces) + 1.0) / np.repeat(pieces, pieces)
+    return np.repeat(owner, pieces), share
 
-    Between two set-points the motion leaves the chord by u (1 - u) / 2 times the second difference, up to
-    third differences: at 50 mm/s and 5 m/s2 this is 0.6 micrometres, what remains is far less.
-    """
-    second = np.zeros_like(chain)
-    second[1:-1] = chain[2:] - 2.0 * chain[1:-1] + chain[:-2]
-    # Across a pause or a shorter last step the differences mean nothing; there the motion is slow anyway.
-    uneven = np.abs(np.diff(t) - dt) > 1e-6 * dt
-    second[1:-1][uneven[1:] | uneven[:-1]] = 0.0
-    bends: Floats = 0.5 * (second[1:] + second[:-1])
-    return bends
+
+def _axis_between(toolpath: ToolPath, machine: Machine, owner: Ints, share: Floats) -> Floats:
+    """The tool axis (n, 3) a share (n,) of the way to the program points `owner` (n,)."""
+    share = share[:, None]
+    if toolpath.rotary is not None:
+        rotary = toolpath.rotary
+        q = np.zeros((len(owner), len(machine.joints)))
+        columns = [machine.joints.index(name) for name in toolpath.rotary_joints] or list(machine.rotary)
+        q[:, columns] = rotary[owner - 1] + share * (rotary[owner] - rotary[owner - 1])
+        return machine.forward(q)[1]
+    before, after = toolpath.axis[owner - 1], toolpath.axis[owner]
+    angle = _angles(before, after)[:, None]
+    straight = angle < 1e-9
+    sine = np.where(straight, 1.0, np.sin(angle))
+    left = np.where(straight, 1.0 - share, np.sin((1.0 - share) * angle) / sine)
+    right = np.where(straight, share, np.sin(share * angle) / sine)
+    between: Floats = left * before + right * after
+    exact = np.flatnonzero(share[:, 0] == 1.0)
+    between[exact] = after[exact]
+    return between
+
+
+def _pieces(toolpath: ToolPath, machine: Machine, turning: Ints, looks: Ints, axis_tolerance: float) -> Ints:
+    """Chords for each of the ways to the points 1 + `turning`, looked at in `looks` parts and in their middles."""
+    owner, share = _shares(turning + 1, 2 * looks)
+    axis = _axis_between(toolpath, machine, owner, share) / axis_tolerance
+    first = np.concatenate(([0], np.cumsum(2 * looks)[:-1]))
+    start = _axis_between(toolpath, machine, turning + 1, np.zeros(len(turning))) / axis_tolerance
+    ends = axis[first + 2 * looks - 1]
+    # All of it about as straight as a chord, however much a joint turns: the axis is near its pole.
+    chord = start[np.repeat(np.arange(len(turning)), 2 * looks)]
+    chord = chord + share[:, None] * (np.repeat(ends, 2 * looks, axis=0) - chord)
+    away = np.maximum.reduceat(np.sqrt(((axis - chord) ** 2).sum(axis=1)), first)
+    before = np.vstack((axis[:1], axis))[:-1]
+    before[first] = start
+    middle = np.arange(0, len(axis), 2)
+    bulge = np.sqrt(((axis[middle] - 0.5 * (before[middle] + axis[middle + 1])) ** 2).sum(axis=1))
+    bulge = np.maximum.reduceat(bulge, first // 2)
+    pieces = looks * np.maximum(np.ceil(np.sqrt(1.2 * bulge / CHORD)), 1.0)
+    return np.clip(np.where(away <= CHORD, 1, pieces), 1, MOST_PIECES).astype(np.int64)
 
 
 @dataclass(frozen=True)
-class Matched:
-    """Where each pose of one row lies on the other, and how far off, in tolerances."""
+class MotionRow:
+    """The motion as a row of poses: its set-points, those that stand still as one, and places between them."""
 
-    segment: Ints
-    fraction: Floats
-    tip: Floats
-    axis: Floats
+    poses: Floats
+    """(r, 6) in tolerances."""
+    allowance: Floats
+    """(r,) how far the motion may be from where it is thought to be between set-points [tolerances]; 0 at these."""
+    first: Ints
+    """(r,) first set-point that is there, or the one before."""
+    last: Ints
+    """(r,) last set-point that is there."""
+    early: Floats
+    """(r,) when the motion comes there [s]."""
+    late: Floats
+    """(r,) when it leaves [s]."""
+    row: Ints
+    """(n,) the pose of each set-point."""
 
-    @classmethod
-    def empty(cls, n: int) -> Matched:
-        return cls(np.zeros(n, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n))
-
-    @property
-    def arrays(self) -> tuple[Ints, Floats, Floats, Floats]:
-        return self.segment, self.fraction, self.tip, self.axis
-
-    def place(self, place: Floats) -> Floats:
-        """Running length at the matches."""
-        found: Floats = place[self.segment] + self.fraction * (place[self.segment + 1] - place[self.segment])
+    def times(self, place: Floats, *, latest: bool) -> Floats:
+        """The earliest or latest time [s] at places (k,) of the row."""
+        last = len(self.poses) - 1
+        k = np.minimum(np.floor(place).astype(np.int64), last)
+        share, after = place - k, np.minimum(k + 1, last)
+        on_the_way = self.late[k] + share * (self.early[after] - self.late[k])
+        found: Floats = np.where(share == 0.0, (self.late if latest else self.early)[k], on_the_way)
         return found
+
+
+def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> MotionRow:
+    """The row of set-points with `poses` (n, 6).
+
+    Between two set-points the motion is taken as the cubic through four of them, in as many chords as it takes: at
+    50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
+    """
+    n = len(points)
+    parts, unseen, bend = np.ones(n - 1, dtype=np.int64), np.zeros(n - 1), np.zeros((n - 1, 2, 6))
+    inner = _curved(points.q, limits, dt) & (np.abs(np.diff(points.t) - dt) <= 1e-6 * dt)
+    if n >= 6:
+        second = np.zeros((n, 6))
+        second[1:-1] = np.diff(poses, n=2, axis=0)
+        bend[:, 0], bend[:, 1] = second[:-1], second[1:]
+        size = np.maximum(_size(second[:-1]), _size(second[1:]))
+        inner[[0, -2, -1]] = False
+        parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)
+        fourth = _size(np.diff(poses, n=4, axis=0))
+        # Of the step from k to k + 1: all differences that have both of them.
+        padded = np.concatenate((np.repeat(fourth[:1], 3), fourth, np.repeat(fourth[-1:], 3)))
+        around = np.max([padded[shift : shift + n - 1] for shift in range(4)], axis=0)
+        unseen = np.minimum(UNSEEN * around, MOST_UNSEEN)
+    after, share = _shares(np.arange(1, n), parts)
+    k = after - 1
+    u = share[:, None]
+    way = poses[k] + u * (poses[after] - poses[k])
+    way -= u * (1.0 - u) / 6.0 * ((2.0 - u) * bend[k, 0] + (1.0 + u) * bend[k, 1]) * (parts[k] > 1)[:, None]
+    exact = share == 1.0
+    way[exact] = poses[after[exact]]
+    row = np.concatenate((poses[:1], way))
+    allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k])))
+    setpoint = np.concatenate(([0], np.where(exact, after, k)))
+    time = np.concatenate((points.t[:1], points.t[k] + share * (points.t[after] - points.t[k])))
+    time[np.concatenate(([True], exact))] = points.t
+    exact = np.concatenate(([True], exact))
+    return _standing_as_one(row, allowance, setpoint, time, exact)
+
+
+def _standing_as_one(
+    poses: Floats, allowance: Floats, setpoint: Ints, time: Floats, exact: npt.NDArray[np.bool_]
+) -> MotionRow:
+    """The row without poses that are equal to the one before."""
+    kept = np.concatenate(([True], (poses[1:] != poses[:-1]).any(axis=1)))
+    if kept.sum() < 2:
+        kept[-1] = True
+    starts = np.flatnonzero(kept)
+    ends = np.concatenate((starts[1:], [len(poses)])) - 1
+    row = np.cumsum(kept) - 1
+    return MotionRow(
+        poses=np.ascontiguousarray(poses[starts]),
+        allowance=allowance[starts],
+        first=setpoint[starts],
+        last=setpoint[ends],
+        early=time[starts],
+        late=time[ends],
+        row=row[exact],
+    )
+
+
+def _curved(q: Floats, limits: Limits, dt: float) -> npt.NDArray[np.bool_]:
+    """(n - 1,) whether second differences on both sides of a step are those of a motion within its accelerations."""
+    most = limits.acceleration * dt * dt * (1.0 + 1e-3) + 1e-12
+    smooth = np.ones(len(q), dtype=bool)
+    smooth[1:-1] = (np.abs(np.diff(q, n=2, axis=0)) <= most).all(axis=1)
+    both: npt.NDArray[np.bool_] = smooth[1:] & smooth[:-1]
+    return both
+
+
+def _size(poses: Floats) -> Floats:
+    """(n,) the larger of the lengths of tip and axis."""
+    square = np.maximum((poses[:, :3] ** 2).sum(axis=1), (poses[:, 3:] ** 2).sum(axis=1))
+    size: Floats = np.sqrt(square)
+    return size

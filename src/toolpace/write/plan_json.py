@@ -31,7 +31,7 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *jerk)
 
 
-class OpenPlaceRecord(msgspec.Struct, frozen=True):
+class OpenPlaceRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A stretch of the motion where at most so much could be gained."""
 
     from_s: float
@@ -40,8 +40,11 @@ class OpenPlaceRecord(msgspec.Struct, frozen=True):
     block: int
 
 
-class PlanRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """plan.json, key by key. What is not known is null. Keys may be added, never changed or taken away."""
+class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """plan.json, key by key. What is not known is null. Keys may be added, never changed or taken away.
+
+    A key that is not known here is refused: it could not be judged. Each key is listed in judge/figures.py.
+    """
 
     duration_s: float
     lower_bound_s: float | None

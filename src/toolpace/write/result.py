@@ -67,7 +67,7 @@ class PlanResult:
         return f"program{self.program.suffix}" if self.program is not None else ""
 
     def record(self) -> PlanRecord:
-        """The figures of plan.json. Deviations are the larger of what the fit and the judge measured."""
+        """The figures of plan.json. Deviations are what the judge measured, without one what the fit did."""
         trajectory, toolpath, verification = self.trajectory, self.toolpath, self.verification
         usage = trajectory.usage()
         jerk = {joint: value if math.isfinite(value) else None for joint, value in usage.jerk.items()}
@@ -76,7 +76,7 @@ class PlanResult:
         # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
         blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
         source = toolpath.source if toolpath is not None else ""
-        measured = [found for found in (self.path, verification) if found is not None]
+        measured = [found for found in (verification, self.path) if found is not None][:1]
         t = self.setpoints.t
         return PlanRecord(
             duration_s=float(trajectory.duration),

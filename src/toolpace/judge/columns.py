@@ -1,0 +1,90 @@
+"""The columns of derivatives: whether each is the derivative of the one before it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.judge.motion import TOLERANCE, largest_difference, position_noise, unit_of
+from toolpace.judge.verification import Check
+from toolpace.machine.limits import Limits
+from toolpace.setpoints import SetPoints
+
+COLUMN_ROUNDING = 1e-9
+"""Relative error of the set-points' own derivatives, which are worked out, not differenced."""
+WINDOW = 256
+"""Steps over which the column of jerks is compared with the accelerations."""
+JUMPS = 2.0
+"""Jumps of a jerk by its largest value that may hide between set-points in one window."""
+CHANGE = 2.0
+"""Share of the change of the mean jerk from step to step by which the jerk may stray from its mean."""
+
+
+def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
+    """Whether positions, velocities and accelerations are one another's derivatives, by the trapezoidal rule.
+
+    Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
+    acceleration whose slope is at most J. Where the jerk is too high (which is said already), accelerations may jump:
+    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2.
+    """
+    checks = []
+    steps = np.diff(points.t)
+    shown = [largest_difference(points.q[:, j], points.t, 3, dt)[0] for j in range(len(points.joints))]
+    for name, below, above, power, share, of_shown in (
+        ("velocity", points.q, points.qd, 3, 12.0, 4.0),
+        ("acceleration", points.qd, points.qdd, 2, 4.0, 1.0),
+    ):
+        for j, joint in enumerate(points.joints):
+            jerk = float(limits.jerk[j])
+            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share if math.isfinite(jerk) else 0.0
+            if shown[j] > jerk * (1.0 + TOLERANCE) or not math.isfinite(jerk):
+                allowed = max(allowed, shown[j] * dt**power / of_shown)
+            if not len(steps):
+                continue
+            off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))
+            worst = int(np.argmax(off))
+            scale = float(np.abs(below[:, j]).max())
+            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max()))
+            noise += COLUMN_ROUNDING * dt * scale
+            ok = bool(off[worst] <= allowed + noise)
+            if not ok:
+                time, block = float(points.t[worst]), int(points.block[worst])
+                unit = unit_of(units[j], 0 if name == "velocity" else 1)
+                note = f"the {name} column is not the derivative of its neighbour"
+                checks.append(Check(f"{name} column", float(off[worst]), allowed, unit, ok, time, block, joint, note))
+    return checks + _jerk_columns(points, units, steps)
+
+
+def _jerk_columns(points: SetPoints, units: Sequence[str], steps: Floats) -> list[Check]:
+    """Whether the accelerations change as the jerks say.
+
+    A jerk may jump between two set-points, and then the mean of both is not that of the step. By how much, the means
+    of the steps tell: summed over a window, what is off is at most half of what they change, unless the jerk jumps
+    there and back within a step. A column of another motion, of no motion, or turned round, is off by all of the jerk.
+    """
+    checks: list[Check] = []
+    if len(steps) < 2:
+        return checks
+    for j, joint in enumerate(points.joints):
+        mean = np.diff(points.qdd[:, j]) / steps
+        off = np.abs(mean - 0.5 * (points.qddd[1:, j] + points.qddd[:-1, j]))
+        change = np.abs(np.diff(mean, prepend=mean[0]))
+        noise = COLUMN_ROUNDING * float(np.abs(points.qdd[:, j]).max()) / steps + COLUMN_ROUNDING * np.abs(mean).max()
+        largest = float(np.abs(mean).max())
+        starts = np.arange(0, len(steps), WINDOW)
+        found = np.add.reduceat(off, starts)
+        # What changes just before and behind a window may belong to a step in it.
+        total = np.concatenate(([0.0], np.cumsum(change)))
+        around = total[np.minimum(starts + WINDOW + 2, len(steps))] - total[np.maximum(starts - 2, 0)]
+        allowed = CHANGE * around + JUMPS * largest + np.add.reduceat(noise, starts)
+        worst = int(np.argmax(found - allowed))
+        if found[worst] > allowed[worst]:
+            k, count = int(starts[worst]), min(WINDOW, len(steps) - int(starts[worst]))
+            time, block = float(points.t[k]), int(points.block[k])
+            value, limit = float(found[worst]) / count, float(allowed[worst]) / count
+            note = "the jerk column is not the derivative of the accelerations, in the mean of a window"
+            checks.append(Check("jerk column", value, limit, unit_of(units[j], 3), False, time, block, joint, note))
+    return checks

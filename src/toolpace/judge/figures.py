@@ -1,0 +1,163 @@
+"""The figures of plan.json against set-points, machine and program: recomputed, bounded, or named as not checked.
+
+What only the planner can know is held against what else is said; it is listed in AS_SAID, and nothing else is believed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from toolpace.judge.pace import FeedUse
+from toolpace.judge.usage import UsageFigures, wrong
+from toolpace.judge.verification import Check, Verification
+from toolpace.machine.machine import Machine
+from toolpace.setpoints import SetPoints
+from toolpace.toolpath import ToolPath
+
+SAME = 1e-9
+"""Relative difference of figures that are worked out in the same way twice."""
+EARLY = 20
+"""Set-points by which the begin of a place where time could be gained may lie in the block before or behind."""
+DEFAULT_TIP_MM, DEFAULT_AXIS_DEG = 0.01, 0.05
+"""Tolerances that are taken where none are given; wider ones are pointed out."""
+
+RECOMPUTED = (
+    "duration_s", "gap", "blocks", "stops", "usage", "limited_by", "tip_deviation_mm", "axis_deviation_deg", "machine",
+    "dt_s", "set_points", "path_length_mm", "verified", "program_file",
+)  # fmt: skip
+IN_THE_VERDICT = ("tip_tolerance_mm", "axis_tolerance_deg", "feed", "dialect")
+"""What was asked for: judged by, and said with the verdict."""
+AS_SAID = (
+    "lower_bound_s", "continuous_bound_s", "open_places", "mesh_points", "solve_s", "fit_s", "step_s", "planner",
+    "program", "toolpace_version",
+)  # fmt: skip
+"""What only the planner knows: held against the other figures."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The figures of a plan, and what they are judged by."""
+
+    said: Mapping[str, Any]
+    """plan.json, key by key."""
+    points: SetPoints
+    machine: Machine
+    toolpath: ToolPath | None
+    verification: Verification
+    """What the set-points came to."""
+    feed_use: FeedUse | None
+    """Of the tip; None where the program has no feeds, or was not judged."""
+
+    def checks(self) -> list[Check]:
+        """One check a figure, or a group of them."""
+        dt = self.verification.dt
+        usage = UsageFigures(self.said, self.points, self.machine, self.toolpath, self.feed_use, dt)
+        found = self.of_time() + self.of_bounds() + self.of_counts() + usage.of_usage() + self.of_names()
+        return found + self.of_deviations() + usage.of_shares() + self.of_places()
+
+    def same(self, key: str, right: float, unit: str = "", share: float = SAME) -> Check:
+        """A figure that must be what is found."""
+        said = float(self.said[key])
+        ok = abs(said - right) <= share * max(abs(right), 1e-12)
+        return Check(f"plan.json {key}", said, right, unit, ok, note=f"found: {right:.10g}")
+
+    def of_time(self) -> list[Check]:
+        """Duration, time step and number of set-points."""
+        t, said = self.points.t, float(self.said["duration_s"])
+        last, step = float(t[-1]), self.verification.dt
+        ok = last - step < said * (1.0 + 1e-12) and said <= last * (1.0 + 1e-12)
+        checks = [Check("plan.json duration_s", said, last, "s", ok, note="it ends within the last time step")]
+        ok = abs(float(t[0])) <= SAME * step
+        checks.append(Check("begin of time", float(t[0]), 0.0, "s", ok, note="set-points begin at 0"))
+        return [*checks, self.same("dt_s", step, "s"), self.same("set_points", len(t))]
+
+    def of_bounds(self) -> list[Check]:
+        """Bounds lie below the duration, and the gap is what they leave."""
+        said, duration = self.said, float(self.said["duration_s"])
+        checks = []
+        for key in ("lower_bound_s", "continuous_bound_s"):
+            if said[key] is not None:
+                bound = float(said[key])
+                ok = 0.0 < bound <= duration * (1.0 + SAME)
+                checks.append(Check(f"plan.json {key}", bound, duration, "s", ok, note="not above the duration"))
+        if (said["gap"] is None) != (said["lower_bound_s"] is None):
+            checks.append(wrong("gap", "a gap goes with a lower bound, and none with none"))
+        elif said["gap"] is not None:
+            right = duration / float(said["lower_bound_s"]) - 1.0 if said["lower_bound_s"] else math.inf
+            ok = abs(float(said["gap"]) - right) <= 1e-9 * (1.0 + right)
+            checks.append(Check("plan.json gap", float(said["gap"]), right, "", ok, note=f"found: {right:.6g}"))
+        return checks
+
+    def of_counts(self) -> list[Check]:
+        """Blocks and stops of the program, length of the way; numbers and times that cannot be negative."""
+        said, checks = self.said, []
+        if self.toolpath is not None:
+            blocks = self.toolpath.blocks or len(set(self.toolpath.block.tolist()))
+            checks += [self.same("blocks", blocks), self.same("stops", int(self.toolpath.stop[1:-1].sum()))]
+        if said["path_length_mm"] is not None and self.points.has_tool:
+            length = float(np.sqrt((np.diff(self.points.tip, axis=0) ** 2).sum(axis=1)).sum())
+            checks.append(self.same("path_length_mm", length * 1e3, "", 1e-7))
+        else:
+            note = "is not given" if self.points.has_tool else "cannot be found: set-points have no tip and axis"
+            checks.append(wrong("path_length_mm", note))
+        times = {"solve_s": said["solve_s"], "fit_s": said["fit_s"], "mesh_points": said["mesh_points"]}
+        times |= {f"step_s {name}": value for name, value in said["step_s"].items()}
+        bad = [name for name, value in times.items() if not (math.isfinite(value) and value >= 0.0)]
+        checks.append(wrong(", ".join(bad) or "times", "are no times or counts" if bad else "none negative", not bad))
+        return checks
+
+    def of_names(self) -> list[Check]:
+        """The machine, and words that must be there."""
+        said = self.said
+        ok = said["machine"] == self.machine.name
+        checks = [wrong("machine", f"says {said['machine']!r}, machine.toml is of {self.machine.name!r}", ok)]
+        empty = [key for key in ("planner", "toolpace_version", "program") if not str(said[key]).strip()]
+        if empty:
+            checks.append(wrong(", ".join(empty), "is empty"))
+        if said["verified"] is not None:
+            ok = said["verified"] == self.verification.ok
+            checks.append(wrong("verified", f"says {said['verified']}".lower(), ok))
+        return checks
+
+    def of_deviations(self) -> list[Check]:
+        """How far the motion strays, and the tolerances it is judged by."""
+        if self.toolpath is None:
+            return [wrong("program_file", "is empty: there is no program to hold the motion against")]
+        checks = []
+        for part, unit, right in (
+            ("tip", "mm", self.verification.tip_deviation * 1e3),
+            ("axis", "deg", math.degrees(self.verification.axis_deviation)),
+        ):
+            key = f"{part}_deviation_{unit}"
+            if self.said[key] is None or not math.isfinite(right):
+                checks.append(wrong(key, "is not given", self.said[key] is None and not math.isfinite(right)))
+            else:
+                said = float(self.said[key])
+                ok = abs(said - right) <= 1e-6 * right + 1e-9
+                checks.append(Check(f"plan.json {key}", said, right, "", ok, note=f"found: {right:.6g}"))
+            key = f"{part}_tolerance_{unit}"
+            said = self.said[key]
+            if said is None or not (math.isfinite(said) and said > 0.0):
+                checks.append(wrong(key, "is not given: there is nothing to judge by"))
+        return checks
+
+    def of_places(self) -> list[Check]:
+        """Places where time could be gained: in order of time, within the motion, in the block that they name."""
+        places, duration = self.said["open_places"], float(self.said["duration_s"])
+        if not places:
+            return []
+        bad, before = "", 0.0
+        for place in places:
+            start, end, gain_s = (float(place[key]) for key in ("from_s", "to_s", "gain_s"))
+            if not (before - SAME <= start <= end <= duration * (1.0 + SAME) and 0.0 <= gain_s <= duration):
+                bad = f"from {start:g} s to {end:g} s, gain {gain_s:g} s"
+            before = start
+            k = int(np.searchsorted(self.points.t, start))
+            if int(place["block"]) not in self.points.block[max(k - EARLY, 0) : k + EARLY + 1]:
+                bad = f"block {place['block']} is not passed at {start:g} s"
+        return [wrong("open_places", bad or f"{len(places)} places", not bad)]

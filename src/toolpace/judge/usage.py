@@ -1,0 +1,140 @@
+"""What plan.json says of the use of the limits: peaks over limits, and what holds the motion back for how long."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from toolpace.judge.motion import TOLERANCE
+from toolpace.judge.pace import FeedUse
+from toolpace.judge.verification import Check
+from toolpace.machine.machine import Machine
+from toolpace.setpoints import SetPoints
+from toolpace.toolpath import ToolPath
+
+SHARE = 0.04
+"""By how much the share of time in which a limit binds may differ between set-points and all times."""
+BINDING = 0.995
+"""Share of a limit from which it counts as what holds the motion back."""
+LOOK = 1e-3
+"""Share by which a peak may be higher than what is said of it: far below a limit, peaks are looked for at places."""
+DWELLS = 1e-9
+"""The same for dwells, which are known."""
+KINDS = ("velocity", "acceleration", "jerk")
+
+
+def wrong(key: str, note: str, ok: bool = False) -> Check:
+    """A figure that is no good by itself, or is."""
+    return Check(f"plan.json {key}", 0.0, 0.0, "", ok, note=note)
+
+
+@dataclass(frozen=True)
+class UsageFigures:
+    """The figures of usage, and what they are judged by."""
+
+    said: Mapping[str, Any]
+    """plan.json, key by key."""
+    points: SetPoints
+    machine: Machine
+    toolpath: ToolPath | None
+    feed_use: FeedUse | None
+    """Of the tip; None where the program has no feeds, or was not judged."""
+    dt: float
+    """Time step of the set-points [s]."""
+
+    def of_usage(self) -> list[Check]:
+        """Peaks over limits: not below what the set-points show, not above what can hide between them."""
+        usage, limits, dt = self.said["usage"], self.machine.limits, self.dt
+        checks = []
+        above: list[float] = []
+        values = (self.points.qd, self.points.qdd, self.points.qddd)
+        for order, kind in enumerate(KINDS):
+            if set(usage[kind]) != set(self.machine.joints):
+                checks.append(wrong(f"usage {kind}", f"names {', '.join(usage[kind])}: not the machine's joints"))
+                continue
+            for j, joint in enumerate(self.machine.joints):
+                limit, said = float(getattr(limits, kind)[j]), usage[kind][joint]
+                said = math.inf if said is None else float(said)
+                shown = float(np.abs(values[order][:, j]).max())
+                # Between two set-points a value changes by half a step of the next one, at most.
+                room = math.inf
+                if order < 2:
+                    following = getattr(limits, KINDS[order + 1])[j] * float(_number(usage[KINDS[order + 1]], joint))
+                    room = 0.5 * dt * following if math.isfinite(following) else math.inf
+                least = shown / limit * (1.0 - LOOK) - 1e-12
+                most = min((shown + room) / limit * (1.0 + TOLERANCE) + 1e-9, 1.0 + TOLERANCE)
+                above.append(said)
+                if not least <= said <= most:
+                    note = f"by the set-points {least:.6g} to {most:.6g}"
+                    checks.append(
+                        Check(f"plan.json usage {kind}", said, shown / limit, "", False, joint=joint, note=note)
+                    )
+        checks += self.of_feed()
+        if not checks:
+            worst = max([*above, float(usage["feed"])])
+            checks.append(Check("plan.json usage", worst, 1.0, "", worst <= 1.0 + TOLERANCE, note="of each limit"))
+        return checks
+
+    def of_feed(self) -> list[Check]:
+        """The use of the feed."""
+        said, use = float(self.said["usage"]["feed"]), self.feed_use
+        if self.toolpath is None:
+            return []
+        timed = bool((self.toolpath.least_time > 0.0).any())
+        if use is None:
+            least, most = 0.0, 1.0 if timed else 0.0
+        else:
+            least, most = use.least * (1.0 - TOLERANCE), 1.0 if timed else min(use.most, 1.0)
+        if least - 1e-9 <= said <= most + TOLERANCE:
+            return []
+        note = f"by the set-points {least:.6g} to {most:.6g}"
+        return [Check("plan.json usage feed", said, most, "", False, note=note)]
+
+    def of_shares(self) -> list[Check]:
+        """What holds the motion back, and for which share of the time."""
+        said = {name: float(share) for name, share in self.said["limited_by"].items()}
+        known = ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in self.machine.joints)]
+        strange = [name for name in said if name not in (*known, "dwell", "nothing")]
+        total = sum(said.values())
+        if strange or min(said.values(), default=0.0) < 0.0 or not abs(total - 1.0) <= 1e-6:
+            note = f"names {', '.join(strange)}" if strange else f"shares add up to {total:.6g}, not to 1"
+            return [wrong("limited_by", note)]
+        checks = []
+        if self.toolpath is not None:
+            right = float(self.toolpath.dwell.sum()) / float(self.said["duration_s"])
+            ok = abs(said.get("dwell", 0.0) - right) <= DWELLS
+            checks.append(Check("plan.json limited_by dwell", said.get("dwell", 0.0), right, "", ok))
+        found = self.shares(known)
+        off = {name: abs(said.get(name, 0.0) - found.get(name, 0.0)) for name in known}
+        if self.feed_use is None or (self.toolpath is not None and (self.toolpath.least_time > 0.0).any()):
+            # What a block's least time holds back counts as feed, and does not show in the speed of the tip.
+            del off["feed"]
+        worst = max(off, key=lambda name: off[name])
+        granted = SHARE + 20.0 / len(self.points)
+        note = f"{worst}: says {said.get(worst, 0.0):.4g}, by the set-points {found.get(worst, 0.0):.4g}"
+        return [*checks, Check("plan.json limited_by", off[worst], granted, "", off[worst] <= granted, note=note)]
+
+    def shares(self, names: list[str]) -> dict[str, float]:
+        """The same, by the set-points."""
+        points, limits = self.points, self.machine.limits
+        ratios = [np.zeros(len(points))]
+        if self.feed_use is not None:
+            use = self.feed_use.ratio
+            ratios[0] = np.maximum(np.append(use, 0.0), np.append(0.0, use))
+        kinds = zip((points.qd, points.qdd, points.qddd), (limits.velocity, limits.acceleration, limits.jerk))
+        ratio = np.column_stack([*ratios, *(np.abs(value) / limit for value, limit in kinds)])
+        if None in self.said["usage"]["jerk"].values():
+            ratio = ratio[:, : 1 + 2 * len(limits)]
+        first = ratio.argmax(axis=1)
+        binds = ratio[np.arange(len(first)), first] >= BINDING
+        count = np.bincount(first[binds], minlength=len(names))
+        return {name: float(part) / len(points) for name, part in zip(names, count)}
+
+
+def _number(values: Mapping[str, float | None], joint: str) -> float:
+    value = values.get(joint)
+    return math.inf if value is None else float(value)

@@ -1,0 +1,239 @@
+"""Which places of one row of poses can stand for each pose of another, in order along both.
+
+A pose is six numbers: the tip divided by its tolerance, then the tool axis divided by its own. Two poses are near
+where both halves are within a radius. A place of a row is a number: the pose before it, plus the share of the way to
+the next. All pairs of places that are near make up the free space of Alt and Godau (1995): between two neighbours of
+one row and two of the other it is convex, so that on each border of such a cell one interval can be reached, and
+nothing is lost by keeping these alone.
+"""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.jit import jit
+
+FANOUT = 8
+"""Parts of the row that make up the next larger part of the tree."""
+NO_PLACE = 2.0
+"""Stands for a share that there is not."""
+FULL = -2
+"""No room for more intervals."""
+
+
+@jit()
+def near(poses: Floats, k: int, line: Floats, j: int, radius: float) -> tuple[float, float]:
+    """The shares of the way from pose j of the line to the next that are within the radius of pose k; (2, -1) for none.
+
+    Found from the foot of the perpendicular, so that long ways lose no digits.
+    """
+    low, high = 0.0, 1.0
+    for half in range(0, 6, 3):
+        square, along, still = 0.0, 0.0, 0.0
+        for i in range(half, half + 3):
+            d = line[j + 1, i] - line[j, i]
+            w = poses[k, i] - line[j, i]
+            square += d * d
+            along += w * d
+            still += w * w
+        if square < 1e-200:
+            if still > radius * radius:
+                return NO_PLACE, -1.0
+            continue
+        foot = along / square
+        off = 0.0
+        for i in range(half, half + 3):
+            w = poses[k, i] - line[j, i] - foot * (line[j + 1, i] - line[j, i])
+            off += w * w
+        room = radius * radius - off
+        if room < 0.0:
+            return NO_PLACE, -1.0
+        reach = math.sqrt(room / square)
+        low = max(low, foot - reach)
+        high = min(high, foot + reach)
+    if low > high:
+        return NO_PLACE, -1.0
+    return low, high
+
+
+@jit()
+def encloses(poses: Floats, k: int, radius: float, ball: Floats, b: int) -> bool:
+    """Whether all of part b of the line, within the balls (6 of centre, 2 radii), is within the radius of pose k."""
+    for half in range(2):
+        square = 0.0
+        for i in range(3 * half, 3 * half + 3):
+            square += (poses[k, i] - ball[b, i]) ** 2
+        if math.sqrt(square) + ball[b, 6 + half] > radius:
+            return False
+    return True
+
+
+@jit()
+def free_part(rows: Floats, radius: Floats, balls: Floats, levels: Ints, k: int, after: int, j: int) -> int:
+    """Length of the longest part of the line that begins at j and is wholly near from pose k to pose `after`; 0 for
+    none.
+
+    A ball that holds both poses holds the way between them.
+    """
+    best, size = 0, FANOUT
+    for level in range(len(levels) - 1):
+        if j % size != 0:
+            break
+        b = levels[level] + j // size
+        if b >= levels[level + 1]:
+            break
+        if not encloses(rows, k, radius[k], balls, b) or not encloses(rows, after, radius[after], balls, b):
+            break
+        best = size
+        size *= FANOUT
+    return best
+
+
+@jit()
+def advance(
+    rows: Floats,
+    line: Floats,
+    radius: Floats,
+    extra: Floats,
+    balls: Floats,
+    levels: Ints,
+    k: int,
+    after: int,
+    span: Ints,
+    low: Floats,
+    high: Floats,
+) -> int:
+    """From the places that pose k can stand at to those of the pose `after`: both in intervals, in order.
+
+    The former are low, high[span[0]:span[1]]; the latter are written from span[1] on, and span[2] becomes their end.
+    Returns the cells looked at, or FULL.
+    """
+    first, last, end, room = span[0], span[1], span[1], len(low)
+    wide = max(radius[k], radius[after])
+    i = first
+    below = NO_PLACE  # least share of the way between the poses at which the line's pose j is reached
+    j, cells, segments = 0, 0, len(line) - 1
+    while True:
+        # What ends at a pose of the line belongs to the way before it, what begins there to the way after it.
+        while i < last and (high[i] < j or (high[i] == j and low[i] < j)):
+            i += 1
+        if below > 1.0:
+            if i >= last:
+                break
+            j = max(j, min(int(low[i]), segments - 1))
+        if j >= segments:
+            break
+        cells += 1
+        here = i < last and (low[i] < j + 1 or j == segments - 1)
+        if below <= 1.0 or (here and low[i] <= j):
+            size = free_part(rows, radius, balls, levels, k, after, j)
+            if size > 0:
+                if i < last and low[i] < j + size:
+                    below = 0.0
+                if end > last and high[end - 1] >= j:
+                    high[end - 1] = j + size
+                else:
+                    if end >= room:
+                        return FULL
+                    low[end], high[end] = j, j + size
+                    end += 1
+                j += size
+                continue
+        least, most = near(rows, after, line, j, radius[after] + max(extra[j], extra[j + 1]))
+        if below > 1.0:
+            least = max(least, low[i] - j)
+        if least <= most:
+            if end > last and high[end - 1] >= j + least:
+                high[end - 1] = j + most
+            else:
+                if end >= room:
+                    return FULL
+                low[end], high[end] = j + least, j + most
+                end += 1
+        if after > k:
+            start, stop = near(line, j + 1, rows, k, wide + extra[j + 1])
+        else:
+            start, stop = standing(line, j + 1, rows, k, wide + extra[j + 1])
+        if not here:
+            start = max(start, below)
+        below = start if start <= stop else NO_PLACE
+        j += 1
+    span[2] = end
+    return cells
+
+
+@jit()
+def standing(line: Floats, j: int, rows: Floats, k: int, radius: float) -> tuple[float, float]:
+    """As `near`, for a pose that stays where it is."""
+    for half in range(0, 6, 3):
+        square = 0.0
+        for i in range(half, half + 3):
+            square += (line[j, i] - rows[k, i]) ** 2
+        if square > radius * radius:
+            return NO_PLACE, -1.0
+    return 0.0, 1.0
+
+
+@jit()
+def reach(
+    rows: Floats,
+    line: Floats,
+    radius: Floats,
+    extra: Floats,
+    balls: Floats,
+    levels: Ints,
+    task: Ints,
+    raised: float,
+    begin: Ints,
+    low: Floats,
+    high: Floats,
+) -> int:
+    """Go on from the pose task[0], whose places are known (from none, where it is 0), to task[1] at most.
+
+    Places of pose k are low, high[begin[k]:begin[k + 1]]. From pose task[2] on, `radius` (n,) is first tried as it is
+    and then `raised`, which is written into it: returns at the first pose that is reached with the radius as it was.
+    Returns the last pose that has places; -1 for none at all, FULL where the room for intervals ends. task[3] is the
+    number of cells that may be looked at, and becomes what is left of it; where it is used up, task[4] becomes 1.
+    """
+    k, goal, seek = int(task[0]), int(task[1]), int(task[2])
+    span = begin[:3].copy()
+    task[4] = 0
+    if k < 0:
+        if seek == 0:
+            radius[0] = raised
+        start, stop = standing(line, 0, rows, 0, radius[0] + extra[0])
+        if start > stop:
+            return -1
+        low[0], high[0] = 0.0, 0.0
+        span[0], span[1] = 0, 1
+        if advance(rows, line, radius, extra, balls, levels, 0, 0, span, low, high) == FULL:
+            return FULL
+        for i in range(span[1], span[2]):
+            low[i - 1], high[i - 1] = low[i], high[i]
+        begin[0], begin[1] = 0, span[2] - 1
+        k = 0
+    while k < goal:
+        span[0], span[1] = begin[k], begin[k + 1]
+        cells = advance(rows, line, radius, extra, balls, levels, k, k + 1, span, low, high)
+        if cells == FULL:
+            return FULL
+        found = span[2] > span[1]
+        if k + 1 >= seek:
+            if found:
+                begin[k + 2] = span[2]
+                return k + 1
+            radius[k + 1] = raised
+            cells = advance(rows, line, radius, extra, balls, levels, k, k + 1, span, low, high)
+            if cells == FULL:
+                return FULL
+            found = span[2] > span[1]
+        task[3] -= cells
+        if not found:
+            return k
+        begin[k + 2] = span[2]
+        k += 1
+        if task[3] < 0:
+            task[4] = 1
+            return k
+    return k

@@ -1,0 +1,333 @@
+"""`toolpace verify` believes nothing in the folder of a plan that it can find out, and says what it cannot."""
+
+from __future__ import annotations
+
+import copy
+import json
+import shutil
+from types import SimpleNamespace
+
+import msgspec
+import numpy as np
+import pytest
+
+from toolpace import demo, write
+from toolpace.cli import job, main
+from toolpace.judge.figures import AS_SAID, IN_THE_VERDICT, RECOMPUTED
+
+COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block", "joints")
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory):
+    """A folder with a plan of a part with two dwells and a stop."""
+    folder = tmp_path_factory.mktemp("plan")
+    program = folder / "blade.ngc"
+    lines = demo.spiral_program(120).splitlines()
+    lines.insert(len(lines) // 2, "G4 P0.3")
+    lines.insert(len(lines) // 3, "G4 P0.2")
+    program.write_text("\n".join(lines) + "\n")
+    out = folder / "out"
+    assert main(["plan", str(program), "-m", "xyzac-trunnion", "--out", str(out), "--csv", "--no-report"]) == 0
+    return out
+
+
+@pytest.fixture
+def again(plan, tmp_path):
+    """A copy of it, and how to change it."""
+    folder = tmp_path / "copy"
+    shutil.copytree(plan, folder)
+    (folder / "setpoints.csv").unlink()
+    return Tamper(folder)
+
+
+class Tamper:
+    def __init__(self, folder):
+        self.folder = folder
+
+    def figures(self, change):
+        path = self.folder / "plan.json"
+        said = json.loads(path.read_text())
+        change(said)
+        path.write_text(json.dumps(said))
+
+    def arrays(self, change):
+        path = self.folder / "setpoints.npz"
+        with np.load(path) as archive:
+            arrays = {name: archive[name].copy() for name in archive.files}
+        change(arrays)
+        np.savez(path, **arrays)
+
+    def verdict(self, capsys):
+        capsys.readouterr()
+        code = main(["verify", str(self.folder)])
+        said = capsys.readouterr()
+        return code, said.out + said.err
+
+
+def put(key, value):
+    """Change of a figure, by keys with dots between."""
+
+    def change(said):
+        *way, last = key.split("/")
+        for part in way:
+            said = said[int(part) if isinstance(said, list) else part]
+        said[last] = value(said[last]) if callable(value) else value
+
+    return change
+
+
+def column(name, value):
+    def change(arrays):
+        arrays[name] = value(arrays[name])
+
+    return change
+
+
+def part_of(array, value):
+    """The array with a stretch of it changed."""
+    changed = array.copy()
+    part = slice(len(array) // 4, len(array) // 2)
+    changed[part] = value(changed[part])
+    return changed
+
+
+def times(factor):
+    return lambda value: value * factor
+
+
+FIGURES = {
+    "no program": (put("program_file", ""), "there is no program"),
+    "program elsewhere": (put("program_file", "../out/program.ngc"), "program_file"),
+    "program by its whole path": (put("program_file", "/etc/passwd"), "program_file"),
+    "another file of the folder": (put("program_file", "machine.toml"), "program_file"),
+    "no tip tolerance": (put("tip_tolerance_mm", None), "tip_tolerance_mm"),
+    "no axis tolerance": (put("axis_tolerance_deg", None), "axis_tolerance_deg"),
+    "tip tolerance below zero": (put("tip_tolerance_mm", -1.0), "tolerance"),
+    "tip tolerance too narrow": (put("tip_tolerance_mm", 1e-4), "tip, "),
+    "duration": (put("duration_s", times(1.01)), "duration_s"),
+    "duration by a part in a thousand": (put("duration_s", times(0.999)), "gap|duration_s"),
+    "bound above the duration": (put("lower_bound_s", times(1.2)), "lower_bound_s"),
+    "bound without its gap": (put("lower_bound_s", times(0.99)), "gap"),
+    "no bound": (put("lower_bound_s", None), "gap"),
+    "gap": (put("gap", 0.0), "gap"),
+    "continuous bound": (put("continuous_bound_s", 1e6), "continuous_bound_s"),
+    "usage of a velocity": (put("usage/velocity/X", times(0.9)), "usage velocity of X"),
+    "usage of a velocity, more": (put("usage/velocity/X", times(1.2)), "usage velocity of X"),
+    "usage of an acceleration": (put("usage/acceleration/Z", times(0.5)), "usage acceleration of Z"),
+    "usage of an acceleration, more": (put("usage/acceleration/C", 0.9999), "usage acceleration of C"),
+    "usage of a jerk": (put("usage/jerk/A", times(0.5)), "usage jerk of A"),
+    "jerk above its limit": (put("usage/jerk/C", 1.01), "usage jerk of C"),
+    "jerk unlimited": (put("usage/jerk/C", None), "usage jerk of C"),
+    "usage of the feed": (put("usage/feed", 0.5), "usage feed"),
+    "feed above its limit": (put("usage/feed", 1.01), "usage feed"),
+    "a joint that is none": (lambda said: said["usage"]["jerk"].update(W=0.1), "usage jerk"),
+    "shares of time": (put("limited_by/feed", times(0.5)), "limited_by"),
+    "shares exchanged": (
+        lambda said: said["limited_by"].update(feed=said["limited_by"]["nothing"], nothing=said["limited_by"]["feed"]),
+        "limited_by",
+    ),
+    "a share of nothing known": (lambda said: said["limited_by"].update(magic=0.0), "limited_by"),
+    "the share of dwells": (
+        lambda said: said["limited_by"].update(
+            dwell=said["limited_by"]["dwell"] * 0.9,
+            nothing=said["limited_by"]["nothing"] + 0.1 * said["limited_by"]["dwell"],
+        ),
+        "limited_by dwell",
+    ),
+    "tip deviation": (put("tip_deviation_mm", times(0.9)), "tip_deviation_mm"),
+    "axis deviation": (put("axis_deviation_deg", None), "axis_deviation_deg"),
+    "machine": (put("machine", "another"), "machine"),
+    "blocks": (put("blocks", 7), "blocks"),
+    "stops": (put("stops", 0), "stops"),
+    "set-points": (put("set_points", 10), "set_points"),
+    "time step": (put("dt_s", 2e-3), "dt_s"),
+    "path length": (put("path_length_mm", times(1.001)), "path_length_mm"),
+    "verdict of then": (put("verified", False), "verified"),
+    "feed that is none": (put("feed", "fast"), "feed"),
+    "feed of another plan": (put("feed", "200%"), "usage feed"),
+    "feeds taken away": (put("feed", "none"), "usage feed"),
+    "a lower feed": (put("feed", "50%"), "feed"),
+    "a key too many": (lambda said: said.update(fame=1.0), "fame"),
+    "a time below zero": (put("solve_s", -1.0), "solve_s"),
+    "a step's time below zero": (put("step_s/reading", -1.0), "step_s reading"),
+    "no planner": (put("planner", ""), "planner"),
+}
+"""What is changed in plan.json, and what the verdict names."""
+
+SET_POINTS = {
+    "joints renamed": (column("joints", lambda names: names[::-1].copy()), "joints"),
+    "qddd of nothing": (column("qddd", lambda v: 0.0 * v), "jerk column"),
+    "qddd turned round": (column("qddd", lambda v: -v), "jerk column"),
+    "qddd of one joint": (column("qddd", lambda v: v * [1, 1, 1, 1, 0]), "jerk column of C"),
+    "qddd of nothing for a while": (column("qddd", lambda v: part_of(v, lambda p: 0.0 * p)), "jerk column"),
+    "qddd exchanged": (column("qddd", lambda v: v[:, ::-1].copy()), "jerk column"),
+    "qdd of nothing": (column("qdd", lambda v: 0.0 * v), "acceleration column"),
+    "qd turned round": (column("qd", lambda v: -v), "velocity column"),
+    "block 1": (column("block", lambda v: 0 * v + 1), "block column"),
+    "block by one": (column("block", lambda v: v + 1), "block column"),
+    "block by one for a while": (column("block", lambda v: part_of(v, lambda p: p + 1)), "block column"),
+    "block no number": (column("block", lambda v: v * np.nan), "block"),
+    "block a fraction": (column("block", lambda v: v + 0.5), "block"),
+    "time later": (column("t", lambda v: v + 1.0), "begin of time|duration_s"),
+    "time stretched": (column("t", lambda v: v * 1.01), "duration_s"),
+    "tip elsewhere": (column("tip", lambda v: v + 1e-6), "tip column"),
+    "axis turned": (column("axis", lambda v: v[:, [1, 0, 2]].copy()), "axis column"),
+    "q a little": (column("q", lambda v: v + 1e-7), "column|tip"),
+    "a column too many": (lambda arrays: arrays.update(more=np.zeros(3)), "more"),
+    "no tool": (lambda arrays: arrays.update(tip=np.zeros((0, 3)), axis=np.zeros((0, 3))), "tip|tool"),
+}
+"""What is changed in setpoints.npz, and what the verdict names."""
+
+
+def fails(again, capsys, words):
+    code, said = again.verdict(capsys)
+    assert code in (1, 2)
+    failed = [line for line in said.splitlines() if "FAILED" in line or line.startswith("error: ")]
+    assert any(word in line for line in failed for word in words.split("|")), failed
+    if code == 2:
+        assert len(failed) == 1 and failed[0].startswith("error: ")
+
+
+def test_what_was_planned_is_verified(again, capsys):
+    code, said = again.verdict(capsys)
+    assert code == 0 and "VERIFIED  within tip 0.01 mm, axis 0.05 deg, feeds of the program" in said
+    assert "WIDER" not in said
+    assert f"held against the other figures only: {', '.join(AS_SAID)}" in said
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_changed_figure_fails(again, capsys, name):
+    change, words = FIGURES[name]
+    again.figures(change)
+    fails(again, capsys, words)
+
+
+@pytest.mark.parametrize("name", SET_POINTS)
+def test_a_changed_column_fails(again, capsys, name):
+    change, words = SET_POINTS[name]
+    again.arrays(change)
+    fails(again, capsys, words)
+
+
+def test_wide_tolerances_show_in_the_verdict(again, capsys):
+    again.figures(lambda said: said.update(tip_tolerance_mm=100.0, axis_tolerance_deg=0.1))
+    _, said = again.verdict(capsys)
+    assert "within tip 100 mm, axis 0.1 deg" in said
+    assert "WIDER THAN THE DEFAULT: tip tolerance 100 mm, 1e+04 times 0.01 mm; axis tolerance 0.1 deg" in said
+
+
+def test_a_changed_table_fails(plan, tmp_path, capsys):
+    folder = tmp_path / "copy"
+    shutil.copytree(plan, folder)
+    capsys.readouterr()
+    assert main(["verify", str(folder)]) == 0
+    table = (folder / "setpoints.csv").read_text()
+    lines = table.splitlines(keepends=True)
+    middle = len(lines) // 2
+    cells = lines[middle].split(",")
+    cells[1] = repr(float(cells[1]) + 1e-9)
+    for changed in (
+        [*lines[:middle], ",".join(cells), *lines[middle + 1 :]],
+        lines[:-1],
+        [*lines, lines[-1]],
+        [lines[0].replace("X [mm]", "Y [mm]"), *lines[1:]],
+        [*lines[:-1], "a,b\n"],
+    ):
+        (folder / "setpoints.csv").write_text("".join(changed))
+        capsys.readouterr()
+        assert main(["verify", str(folder)]) == 1
+        assert "setpoints.csv" in capsys.readouterr().out.splitlines()[-1]
+
+
+def test_every_key_is_judged_or_named():
+    keys = {field.name for field in msgspec.structs.fields(write.PlanRecord)}
+    listed = [*RECOMPUTED, *IN_THE_VERDICT, *AS_SAID]
+    assert keys == set(listed) and len(listed) == len(set(listed))
+
+
+def leaves(value, way=()):
+    """All figures of plan.json, with the way to each."""
+    if isinstance(value, dict):
+        for key, each in value.items():
+            yield from leaves(each, (*way, key))
+    elif isinstance(value, list):
+        for k, each in enumerate(value):
+            yield from leaves(each, (*way, k))
+    else:
+        yield way, value
+
+
+def changed(r, value):
+    """Another value of the same kind."""
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int):
+        return value + int(r.choice([-3, -1, 1, 7, 1000]))
+    if isinstance(value, float):
+        return float(value * r.choice([0.0, 0.5, 0.9, 1.1, 2.0, -1.0]) + r.choice([0.0, 1e3]))
+    return f"{value}x" if value is not None else 0.5
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_any_changed_figure_fails_or_is_named_as_not_checked(again, capsys, seed):
+    r = np.random.default_rng(seed)
+    said = json.loads((again.folder / "plan.json").read_text())
+    ways = list(leaves(said))
+    way, value = ways[int(r.integers(len(ways)))]
+    new = changed(r, value)
+    if new == value:
+        return
+    now = copy.deepcopy(said)
+    place = now
+    for key in way[:-1]:
+        place = place[key]
+    place[way[-1]] = new
+    (again.folder / "plan.json").write_text(json.dumps(now))
+    code, out = again.verdict(capsys)
+    if code == 0:
+        verdict = out.splitlines()[-2:]
+        named = way[0] in AS_SAID or (way[0] in IN_THE_VERDICT and any("within" in line for line in verdict))
+        hidden = way[0] == "usage" and way[1] == "jerk" and value <= new <= 1.0001
+        assert named or hidden, (way, value, new)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_any_changed_column_fails(again, capsys, seed):
+    """A column scaled, shifted in time, exchanged or with a value that is far off, in part or as a whole."""
+    r = np.random.default_rng(seed)
+    name = COLUMNS[seed % len(COLUMNS)]
+
+    def change(arrays):
+        value = arrays[name]
+        if name == "joints":
+            arrays[name] = np.roll(value, int(r.integers(1, len(value))))
+            return
+        if value.dtype.kind == "i":
+            arrays[name] = part_of(value, lambda p: p + int(r.choice([-2, -1, 1, 5])))
+            return
+        kind = r.integers(0, 3)
+        largest = np.abs(value).max()
+        if kind == 0:
+            arrays[name] = value * r.choice([0.0, 0.5, -1.0, 2.0])
+        elif kind == 1:
+            arrays[name] = part_of(value, lambda p: p * r.choice([0.0, -1.0]) + 0.01 * largest)
+        else:
+            value[int(r.integers(len(value)))] += 4.0 * largest
+            arrays[name] = value
+
+    again.arrays(change)
+    code, said = again.verdict(capsys)
+    assert code == 1 and "FAILED" in said
+
+
+def test_exit_code_is_1_above_a_limit():
+    """At a usage above what is promised, however well the set-points do; and where these do not."""
+    usage = write.plan_json.UsageRecord(0.5, {"X": 0.5}, {"X": 0.5}, {"X": 1.0})
+    for kind in ("feed", "velocity", "acceleration", "jerk"):
+        for peak, code in ((1.00009, 0), (1.0002, 1), (np.inf, 1)):
+            over = msgspec.structs.replace(usage, **{kind: peak if kind == "feed" else {"X": peak}})
+            assert job.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=True)) == code
+            assert job.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=False)) == 1
+    unlimited = msgspec.structs.replace(usage, jerk={"X": None})
+    assert job.exit_code(SimpleNamespace(usage=unlimited), SimpleNamespace(ok=True)) == 1

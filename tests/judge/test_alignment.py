@@ -1,0 +1,67 @@
+"""The matching against a slow oracle that looks at all pairs: no false alarm, no miss, and the distance it reports."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbed.in_order_distance import distance_of_poses, in_order_distance, within_in_order
+from tests.support.random_rows import HABITS, along, place_on, random_program, spoilt
+from toolpace.judge.alignment import Lost, align
+
+
+def aligned(motion, program, within=1.0):
+    found = align(np.ascontiguousarray(motion), np.ascontiguousarray(program), within, np.zeros(len(motion)))
+    assert not isinstance(found, Lost)
+    return found
+
+
+def case(seed):
+    """A program, and a motion that is right in one half of all cases and may be wrong in the other."""
+    r = np.random.default_rng(seed)
+    program = random_program(r, HABITS[seed % len(HABITS)])
+    motion = along(r, program, within=r.choice([0.3, 0.9, 1.0]), corners=r.random() < 0.5)
+    if seed % 2:
+        motion = spoilt(r, motion)
+    if len(motion) < 2:
+        motion = np.repeat(motion, 2, axis=0)
+    return (motion, program) if r.random() < 0.8 else (program, motion)
+
+
+def agrees_with_the_oracle(seed):
+    motion, program = case(seed)
+    distance = in_order_distance(motion, program, 1e-9)
+    # no false alarm, and no miss, by a part in a million
+    assert not aligned(motion, program, distance * (1.0 + 1e-6) + 1e-12).deviations, seed
+    if distance > 1e-9:
+        assert aligned(motion, program, distance * (1.0 - 1e-6) - 1e-12).deviations, seed
+    found = aligned(motion, program)
+    assert bool(found.deviations) == (not within_in_order(motion, program, 1.0)), seed
+    if found.deviations:
+        # repaired place by place, the distance is one that does, and no wider than it must be
+        worst = max(far for _, far in found.deviations)
+        assert distance * (1.0 - 1e-6) <= worst <= 2.0 * distance, (seed, worst, distance)
+        shown = max(each.max() for way in (found.there, found.back) for each in (way.tip, way.axis))
+        assert shown <= worst * (1.0 + 1e-6), seed
+    places_are_in_order(found, motion, program)
+
+
+def places_are_in_order(found, motion, program):
+    for rows, line, way in ((motion, program, found.there), (program, motion, found.back)):
+        assert (way.first <= way.last).all()
+        assert (np.diff(way.first) >= -1e-4).all() and (np.diff(way.last) >= -1e-4).all()
+        at = place_on(line, way.place)
+        np.testing.assert_allclose(np.maximum(way.tip, way.axis), distance_of_poses(rows, at), atol=1e-9)
+
+
+@pytest.mark.parametrize("part", range(9))
+def test_decides_as_the_oracle_does(part):
+    for seed in range(part, 360, 9):
+        agrees_with_the_oracle(seed)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("part", range(9))
+def test_decides_as_the_oracle_does_on_thousands(part):
+    for seed in range(1000 + part, 5000, 9):
+        agrees_with_the_oracle(seed)
