@@ -70,6 +70,7 @@ def plan_command(
         toolpace plan part.cls -m my-mill.toml --tip-tolerance 5um --feed 120%
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
+        post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
     from toolpace import units
     from toolpace.cli import arguments, job, summary
@@ -79,7 +80,7 @@ def plan_command(
     task = job.Job(
         program=Path(program),
         machine=arguments.machine_named(machine, tool_length),
-        out=arguments.folder_to_write(out or f"{Path(program).stem}-plan"),
+        out=arguments.folder_for_results(arguments.default_folder(program) if out is None else out),
         tip_tolerance=tip,
         axis_tolerance=axis,
         planner=planner,
@@ -149,7 +150,7 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     """
     from toolpace.cli import arguments, folder
 
-    return folder.run_demo(arguments.folder_to_write(out), new_console())
+    return folder.run_demo(arguments.folder_for_results(out), new_console())
 
 
 @app.command(name="study", help_epilogue="")
@@ -157,4 +158,4 @@ def study_command(*, out: options.Results = "toolpace-study") -> int:
     """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours."""
     from toolpace.cli import arguments, folder
 
-    return folder.run_study(arguments.folder_to_write(out), new_console())
+    return folder.run_study(arguments.folder_for_results(out), new_console())

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import difflib
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace import units
 from toolpace.errors import UsageError
+from toolpace.files import folder_to_write
 from toolpace.planning.planner import PLANNERS
+from toolpace.reading.source import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
@@ -66,17 +67,23 @@ def feed_asked(feed: str | None) -> str | None:
     return feed
 
 
-def folder_to_write(out: str) -> Path:
-    """The folder for the results, found writable before work that may take minutes."""
-    folder = Path(out)
-    if folder.exists() and not folder.is_dir():
-        raise UsageError(f"--out {out}: is a file; give a folder to write into")
-    above = folder
-    while not above.exists() and above != above.parent:
-        above = above.parent
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        raise UsageError(f"--out {out}: cannot write into {above}; give another folder")
-    return folder
+def folder_for_results(out: str) -> Path:
+    """The folder for the results, found fit for them before work that may take minutes."""
+    try:
+        folder_to_write(out)
+    except UsageError as error:
+        raise UsageError(f"--out {error}") from None
+    return Path(out)
+
+
+def default_folder(program: str) -> str:
+    """Named after the program; pipes and devices have names that say nothing."""
+    path = Path(program)
+    try:
+        named = path.is_file() or not path.exists()
+    except (OSError, ValueError):
+        named = True
+    return f"{path.stem if named and program != STANDARD_INPUT else 'program'}-plan"
 
 
 def explain(error: CycloptsError, tokens: Sequence[str]) -> str:

@@ -12,7 +12,7 @@ carry out a job:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.path.path import Path as SmoothPath
+    from toolpace.reading import Source
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
@@ -49,10 +50,13 @@ class Job:
     """[s]"""
     csv: bool = False
     report: bool = True
+    source: Source | None = None
+    """The program, where it has been read already; else it is read from its file, once."""
 
 
 def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
+    job = loaded(job)
     warm_up(steps)
     toolpath = read_program(job, steps)
     path = fit_path(job, steps, toolpath)
@@ -63,12 +67,20 @@ def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     return record, verification
 
 
+def loaded(job: Job) -> Job:
+    """The job with its program in memory: what is planned, judged and kept is what was read now."""
+    from toolpace.reading import Source
+
+    return job if job.source is not None else replace(job, source=Source.load(job.program))
+
+
 def read_program(job: Job, steps: Steps) -> ToolPath:
     """The program as a tool path that the machine can reach all points of."""
-    from toolpace.reading import read
+    from toolpace.reading import read_source
 
+    assert job.source is not None
     with steps.step("reading") as step:
-        toolpath = read(job.program, job.machine, job.dialect, feed=job.feed)
+        toolpath = read_source(job.source, job.machine, job.dialect, feed=job.feed)
         skipped = sum(toolpath.skipped.values())
         step.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
     return toolpath
@@ -139,6 +151,7 @@ def write_results(
             path=path,
             verification=verification,
             program=job.program,
+            program_bytes=job.source.data if job.source is not None else None,
             dialect=job.dialect,
             feed=job.feed,
             tip_tolerance=job.tip_tolerance,

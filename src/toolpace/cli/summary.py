@@ -8,6 +8,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.errors import printable
 from toolpace.planning.guarantee import PROMISED
 from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 
@@ -143,7 +144,7 @@ def verdict(verification: Verification) -> Text:
         return Text.assemble(("VERIFIED", "bold green"), f"  {count} checks on {points}")
     found = verification.findings
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    return Text.assemble(("FAILED", "bold red"), f"  {found[0]}{more}")
+    return Text.assemble(("FAILED", "bold red"), f"  {printable(found[0])}{more}")
 
 
 def show_verification(console: Console, verification: Verification) -> None:
@@ -153,7 +154,7 @@ def show_verification(console: Console, verification: Verification) -> None:
         table.add_column(name, justify="right" if name in ("worst", "allowed") else "left", overflow="fold")
     for check, worst, limit, where, verdict_ in verification.rows():
         style = "" if verdict_ == "ok" else "bold red"
-        table.add_row(*(Text(cell, style=style) for cell in (check, worst, limit, where, verdict_)))
+        table.add_row(*(Text(printable(cell), style=style) for cell in (check, worst, limit, where, verdict_)))
     console.print(table)
     console.print(verdict(verification), soft_wrap=True)
 
@@ -163,17 +164,18 @@ def show_machine(console: Console, machine: Machine) -> None:
     from toolpace.machine.table import title
 
     name, _, rest = title(machine.file, machine.kind).partition(": ")
-    note = machine.file.note
+    name, rest, note = printable(name), printable(rest), printable(machine.file.note)
     console.print(Text.assemble((name, "bold"), f"  {note + '; ' if note else ''}{rest}"), soft_wrap=True)
     table = Table(box=SIMPLE, pad_edge=False)
     keys = ("joint", "travel", "velocity", "acceleration", "jerk")
     for key in keys:
         table.add_column(key, justify="left" if key == "joint" else "right", overflow="fold")
     for row in machine.summary():
-        table.add_row(*(row[key] for key in keys))
+        table.add_row(*(Text(printable(row[key])) for key in keys))
     console.print(table)
 
 
 def show_files(console: Console, folder: Path, names: list[str]) -> None:
     """What was written, the report last."""
-    console.print(Text.assemble(("written", "dim"), f"   {folder}: {', '.join(names)}"), soft_wrap=True)
+    line = f"   {printable(str(folder))}: {', '.join(names)}"
+    console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
