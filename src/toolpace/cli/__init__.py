@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 
 __all__ = ["main"]
+
+LONGEST = 1000
+"""Most characters of an error: names may have thousands."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -15,11 +19,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Errors are one line on standard error. Where toolpace itself is at fault, TOOLPACE_DEBUG=1 shows where.
     """
-    from toolpace.cli.ending import ended_by, heard
+    from toolpace.cli.ending import ended_by, heard, in_words
     from toolpace.cli.output import guarded
 
-    tokens = list(sys.argv[1:] if arguments is None else arguments)
-    with guarded() as output, heard():
+    given = sys.argv[1:] if arguments is None else arguments
+    # A hyphen alone would be taken for an option without a name.
+    tokens = ["/dev/stdin" if token == "-" else token for token in given]
+    with guarded() as output, heard(), warnings.catch_warnings():
+        if not sys.warnoptions:
+            # What overflows in a damaged file is found wanting in one line; warnings would stand beside it.
+            warnings.simplefilter("ignore", RuntimeWarning)
         try:
             code = _run(tokens)
             output.flush()
@@ -27,8 +36,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             signal = ended_by(error)
             if signal is None:
                 raise
-            from toolpace.cli.ending import in_words
-
             code = _fail(in_words(signal), 128 + signal)
     if output.failure:
         return _fail(f"standard output: cannot write: {output.failure}", 2)
@@ -64,6 +71,9 @@ def _fail(message: str, code: int) -> int:
     from toolpace.errors import printable
 
     line = "error: " + printable(" ".join(message.split()))
+    if len(line) > LONGEST:
+        # The beginning says where, the end how to cure it.
+        line = f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
     try:
         print(line, file=sys.stderr, flush=True)
     except (OSError, UnicodeError, ValueError, AttributeError):

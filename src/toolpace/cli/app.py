@@ -72,7 +72,6 @@ def plan_command(
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
-    from toolpace import units
     from toolpace.cli import arguments, job, summary
 
     tip, axis = arguments.tolerances(tip_tolerance, axis_tolerance)
@@ -87,7 +86,7 @@ def plan_command(
         prove_within=arguments.time_to_prove(prove_within, planner) if prove else None,
         feed=arguments.feed_asked(feed),
         dialect=dialect,
-        dt=units.parse_time(dt),
+        dt=arguments.time_step(dt),
         csv=csv,
         report=not no_report,
     )
@@ -137,7 +136,7 @@ def machines_command(name: options.OneMachine = None, /, *, toml: options.Toml =
         print(Machine.load(name).to_toml(), end="")
         return 0
     console = new_console()
-    for each in (name,) if name else Machine.names():
+    for each in Machine.names() if name is None else (name,):
         summary.show_machine(console, Machine.load(each))
     return 0
 

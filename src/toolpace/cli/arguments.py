@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,13 +19,19 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 
+TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
+"""Between which tolerances lie [m], [rad]: programs are rounded to more, and beyond nothing of a part is left."""
+TIME_STEPS = (1e-9, 60.0)
+"""[s]"""
+
+
 def planner_named(name: str) -> str:
     """The planner, or an error that names the nearest."""
     if name in PLANNERS:
         return name
     near = difflib.get_close_matches(name.lower(), PLANNERS, n=1, cutoff=0.4)
     hint = f"did you mean '{near[0]}'? " if near else ""
-    raise UsageError(f"unknown planner '{name}'; {hint}known are {', '.join(PLANNERS)}")
+    raise UsageError(f"unknown planner '{name[:40]}'; {hint}known are {', '.join(PLANNERS)}")
 
 
 def machine_named(name: str | None, tool_length: str | None = None) -> Machine:
@@ -48,7 +54,20 @@ def tolerances(tip: str, axis: str) -> tuple[float, float]:
         raise UsageError(f"--tip-tolerance {tip}: a curve needs room to be smooth; give more than zero, like 0.001mm")
     if not radians > 0.0:
         raise UsageError(f"--axis-tolerance {axis}: a curve needs room to be smooth; give more than zero, like 0.01deg")
+    _within("--tip-tolerance", tip, metres, TIP_TOLERANCES, units.format_length)
+    _within("--axis-tolerance", axis, radians, AXIS_TOLERANCES, units.format_angle)
     return metres, radians
+
+
+def time_step(text: str) -> float:
+    """The time between set-points [s]."""
+    return _within("--dt", text, units.parse_time(text), TIME_STEPS, units.format_time)
+
+
+def _within(option: str, text: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> float:
+    if not bounds[0] <= value <= bounds[1]:
+        raise UsageError(f"{option} {text[:40]}: give a value from {show(bounds[0])} to {show(bounds[1])}")
+    return value
 
 
 def time_to_prove(text: str, planner: str) -> float:
@@ -83,7 +102,7 @@ def default_folder(program: str) -> str:
         named = path.is_file() or not path.exists()
     except (OSError, ValueError):
         named = True
-    return f"{path.stem if named and program != STANDARD_INPUT else 'program'}-plan"
+    return f"{path.stem if named and program not in STANDARD_INPUT else 'program'}-plan"
 
 
 def explain(error: CycloptsError, tokens: Sequence[str]) -> str:

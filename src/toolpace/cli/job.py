@@ -59,12 +59,42 @@ def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     job = loaded(job)
     warm_up(steps)
     toolpath = read_program(job, steps)
+    refuse_without_room(job, least_duration(toolpath), "the feeds of the program alone take")
     path = fit_path(job, steps, toolpath)
     trajectory = plan_motion(job, steps, path)
+    refuse_without_room(job, trajectory.duration, "the motion takes")
     setpoints = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(job, steps, setpoints, toolpath)
     record = write_results(job, steps, toolpath, path, trajectory, setpoints, verification)
     return record, verification
+
+
+def least_duration(toolpath: ToolPath) -> float:
+    """What no motion along a program can be shorter than by much [s]: its feeds, least times and dwells."""
+    import numpy as np
+
+    way = np.linalg.norm(np.diff(toolpath.tip, axis=0), axis=1)
+    return float(np.maximum(way / toolpath.feed[1:], toolpath.least_time[1:]).sum() + toolpath.dwell.sum())
+
+
+def refuse_without_room(job: Job, duration: float, what: str) -> None:
+    """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
+    from toolpace.errors import UsageError
+    from toolpace.files import free_disk
+    from toolpace.setpoints import refuse_too_many
+
+    joints = len(job.machine.joints)
+    # A curve may cut corners, so half of the time is what is sure.
+    refuse_too_many(0.5 * duration, job.dt, joints, what + " more than")
+    row = 8 * (4 * joints + 8)
+    # Of a table every figure has about 20 characters; a report has at most 20 MB.
+    wanted = 0.5 * duration / job.dt * row * (1.0 + 2.5 * job.csv) + 5e6
+    free = free_disk(job.out)
+    if wanted > free:
+        raise UsageError(
+            f"--out {job.out}: the results take more than {wanted / 1e9:.3g} GB, and {free / 1e9:.3g} GB are free "
+            "there; give a longer --dt, or a folder on another disk"
+        )
 
 
 def loaded(job: Job) -> Job:

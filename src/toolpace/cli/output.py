@@ -24,7 +24,7 @@ class Output(io.TextIOBase):
         """Why not all of the output was taken; empty where it was, or nobody wants it."""
 
     @property
-    def encoding(self) -> str:
+    def encoding(self) -> str:  # type: ignore[override]
         """Of the stream."""
         return getattr(self.stream, "encoding", None) or "utf-8"
 

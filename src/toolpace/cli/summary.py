@@ -144,7 +144,7 @@ def verdict(verification: Verification) -> Text:
         return Text.assemble(("VERIFIED", "bold green"), f"  {count} checks on {points}")
     found = verification.findings
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    return Text.assemble(("FAILED", "bold red"), f"  {printable(found[0])}{more}")
+    return Text.assemble(("FAILED", "bold red"), f"  {printable(str(found[0]))}{more}")
 
 
 def show_verification(console: Console, verification: Verification) -> None:

@@ -119,7 +119,7 @@ def _refuse_taken(target: Path, given: str) -> None:
     if target == here or target in here.parents:
         where = "the folder you are in" if target == here else "above the folder you are in"
         raise UsageError(f"{given}: is {where}, and results replace a folder as a whole; give one like part-plan")
-    if target == Path(os.path.expanduser("~")).resolve():
+    if target == Path("~").expanduser().resolve():
         raise UsageError(f"{given}: is your home folder; give a folder of its own, like part-plan")
     try:
         mode = target.stat().st_mode
@@ -130,7 +130,9 @@ def _refuse_taken(target: Path, given: str) -> None:
     if not stat.S_ISDIR(mode):
         raise UsageError(f"{given}: is a file; give a folder to write into")
     if os.path.ismount(target):
-        raise UsageError(f"{given}: is where a disk is mounted; give a folder on it, like {given.rstrip('/')}/part-plan")
+        raise UsageError(
+            f"{given}: is where a disk is mounted; give a folder on it, like {given.rstrip('/')}/part-plan"
+        )
     if changed := foreign(target):
         raise UsageError(
             f"{given}: is not replaced, since {changed}; give another folder, or move what you want to keep out of it "

@@ -11,8 +11,6 @@ import json
 import os
 from pathlib import Path
 
-from toolpace.version import __version__
-
 MAIN = ("plan.json", "study.json")
 """Files that can bear a seal."""
 KEY = "seal"
@@ -26,7 +24,7 @@ def write_seal(folder: Path, name: str) -> None:
     """End the JSON object in `folder / name` with a seal over all files of the folder."""
     files = {entry.name: checksum(Path(entry.path)) for entry in sorted(os.scandir(folder), key=_name)}
     files.pop(name)
-    seal = {"toolpace": __version__, "files": files, "sha256": _OPEN}
+    seal = {"files": files, "sha256": _OPEN}
     body = (folder / name).read_text(encoding="utf-8").rstrip().removesuffix("}").rstrip()
     text = f'{body},\n  "{KEY}": {json.dumps(seal)}\n}}\n'
     own = hashlib.sha256(text.encode()).hexdigest()
@@ -62,7 +60,7 @@ def foreign(folder: Path) -> str:
     if seal is None:
         main = next((entry.name for entry in entries if entry.name in MAIN), "")
         if main:
-            return f"its {main} is not as this version of toolpace wrote it"
+            return f"its {main} is not as toolpace wrote it"
         return f"it holds {entries[0].name}, and no plan.json of toolpace"
     name, files = seal
     for entry in entries:

@@ -11,8 +11,8 @@ from typing import IO, NoReturn
 from toolpace.errors import ProgramError
 
 ORDINARY_CONTROLS = frozenset(b"\t\n\v\f\r\x1a")
-STANDARD_INPUT = "-"
-"""Stands for it in place of a path."""
+STANDARD_INPUT = ("-", "/dev/stdin")
+"""What stands for it in place of a path."""
 LARGEST = 1 << 30
 """Most bytes of a program: more is none, or would fill memory many times over before it is planned."""
 PIECE = 1 << 24
@@ -45,8 +45,7 @@ class Source:
     def load(path: str | Path) -> Source:
         """Read a file; ProgramError where it is missing, a folder, empty or not text."""
         name = str(path)
-        if name == STANDARD_INPUT:
-            path, name = Path("/dev/stdin"), "standard input"
+        name = "standard input" if name in STANDARD_INPUT else name
         path = Path(path)
         try:
             data = _bytes(path, name)
@@ -89,7 +88,7 @@ def _bytes(path: Path, name: str) -> bytes:
     if name == "standard input":
         stream = getattr(sys.stdin, "buffer", None)
         if stream is None:
-            raise OSError("it is closed")
+            raise OSError("closed")
         return _all_of(stream, name)
     with path.open("rb") as file:
         return _all_of(file, name)

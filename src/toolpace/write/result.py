@@ -56,7 +56,7 @@ class PlanResult:
     program: Path | None = None
     """The file of the program; a copy of it goes beside the plan."""
     program_bytes: bytes | None = None
-    """What was read from it: a file may change meanwhile, and a pipe is read but once. None: it is read for the copy."""
+    """What was read from it: a file may change meanwhile, a pipe is read but once. None: it is read for the copy."""
     dialect: str | None = None
     """What the program was to be read as, where that was said."""
     feed: str | None = None
