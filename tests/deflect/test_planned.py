@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from toolpace.deflect import planned
+from toolpace.errors import InfeasibleError
 from toolpace.planning.guarantee import PROMISED
 
 
@@ -57,3 +58,10 @@ def test_a_law_that_is_no_faster_is_not_taken(monkeypatch, duration, fine):
 )  # fmt: skip
 def test_a_law_that_begins_in_another_state_is_not_taken(monkeypatch, begin, fine):
     assert taken(monkeypatch, Law(1.0, begin)) == fine
+
+
+def test_where_the_planner_finds_no_motion_the_direct_law_is_taken():
+    def refuse(*given):
+        raise InfeasibleError("no motion")
+
+    assert planned.planned_law(RUN, LIMITS, DIRECT, SimpleNamespace(plan_run=refuse)) is DIRECT

@@ -110,3 +110,11 @@ def test_a_feed_value_leaves_rotations_in_place_and_rapids_as_they_are():
     doubled = apply_feed(before, "200%")
     assert doubled.feed == pytest.approx(2.0 * before.feed)
     assert doubled.least_time == pytest.approx(0.5 * before.least_time)
+
+
+def test_the_path_starts_where_every_axis_has_been_positioned():
+    """Rapids that position one axis after the other are no motion of the path, whichever of them comes last."""
+    for order in ("XYZ", "ZYX", "YZX", "YXZ"):
+        rapids = "".join(f"G0 {letter}5\n" for letter in order)
+        p = read_text(f"{rapids}G1 X10 F600\nM30\n", None, "gcode")
+        assert (p.tip * 1e3).tolist() == [[5, 5, 5], [10, 5, 5]] and p.block.tolist() == [3, 4]
