@@ -21,7 +21,7 @@ def fitted():
         point = f"G1 X{x:.4f} Y{4.0 * np.sin(0.3 * x):.4f} Z{0.5 * np.cos(0.2 * x):.4f}"
         lines += [f"G93 {point} F{30 + k}", "G94"] if k % 7 == 3 else [f"{point} F{200 + 13 * k}"]
         if k == 30:
-            lines.append("G9 G1 X%.4f" % x)
+            lines.append(f"G9 G1 X{x:.4f}")
     toolpath = read_text("\n".join([*lines, "M30", ""]), None, "gcode")
     return toolpath, Path.fit(toolpath, TIP, 1e-3)
 
