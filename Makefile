@@ -4,20 +4,23 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
 SITE ?= out/docs
+# The versions that are tested together; `make test LOCK=` takes the newest that pyproject.toml allows.
+LOCK ?= requirements.lock
+PIP := $(BIN)/pip install --quiet $(if $(LOCK),--constraint $(LOCK))
 
-.PHONY: help demo test check census first-run docs bench clean
+.PHONY: help demo test check census first-run docs lock bench clean
 
 help:  ## what there is to make
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 8
 
-$(VENV)/.base: pyproject.toml
+$(VENV)/.base: pyproject.toml $(LOCK)
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --upgrade pip
-	$(BIN)/pip install --quiet --editable .
+	$(PIP) --editable .
 	@touch $@
 
 $(VENV)/.%: $(VENV)/.base
-	$(BIN)/pip install --quiet --editable ".[$*]"
+	$(PIP) --editable ".[$*]"
 	@touch $@
 
 demo: $(VENV)/.base  ## plan the bundled part on a bundled machine and name the report to open
@@ -41,6 +44,10 @@ census:  ## count modules, circles, long functions; CENSUS=--strict fails where 
 
 first-run: $(VENV)/.base  ## compile all from an empty cache: kernels, specialisations, seconds
 	$(BIN)/python tools/first_run.py
+
+lock: $(VENV)/.base  ## write requirements.lock anew, from the newest versions that pyproject.toml allows
+	$(BIN)/pip install --quiet --upgrade --upgrade-strategy eager --editable ".[png,bench,test,docs,check]"
+	$(BIN)/python tools/lock.py
 
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks

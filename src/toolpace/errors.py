@@ -6,10 +6,21 @@ import difflib
 from collections.abc import Iterable
 
 
+def printable(text: str) -> str:
+    """The text with what cannot be printed written out, as \\x1b: names come from files and callers, and a message
+    that holds one is still one line that moves no terminal's cursor."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in text)
+
+
 class ToolpaceError(Exception):
     """Base of all errors that toolpace raises on purpose; a command ends with `exit_code` and the message alone."""
 
     exit_code = 2
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(printable(message))
 
 
 class UsageError(ToolpaceError):

@@ -14,7 +14,25 @@ from toolpace.arrays import Floats, Ints
 from toolpace.description import named, one_line
 from toolpace.equality import ByValue
 from toolpace.errors import ToolpaceError, UsageError
-from toolpace.files import reason, whole_file
+from toolpace.files import free_memory, reason, whole_file
+from toolpace.units import format_time
+
+COPIES = 3
+"""How often as much memory as set-points take is needed at once, to sample, judge and draw them (2.1 was measured)."""
+
+
+def refuse_too_many(duration: float, dt: float, joints: int, what: str = "the motion takes") -> None:
+    """Raise UsageError where set-points every `dt` [s] of a `duration` [s] would not fit into memory."""
+    row = 8 * (1 + 4 * joints + 6 + 1)
+    wanted, free = duration / dt * row * COPIES, free_memory()
+    if wanted <= free:
+        return
+    least = duration * row * COPIES / free
+    raise UsageError(
+        f"set-points: {what} {format_time(duration)}, that is {duration / dt:.3g} set-points every {dt:g} s, and "
+        f"{wanted / 1e9:.3g} GB of memory, of which {free / 1e9:.3g} GB are free; take a time step of {least:.2g} s or "
+        "more, or split the program"
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,7 +96,7 @@ class SetPoints(ByValue):
         """Read what `save` wrote. Raises UsageError, naming the file, where it is missing, cut short or
         another thing."""
         source = Path(path)
-        cure = "plan again to write it anew"
+        cure = "plan again, into a new folder"
         try:
             archive = np.load(source, allow_pickle=False)
             if not isinstance(archive, np.lib.npyio.NpzFile):
@@ -104,6 +122,8 @@ class SetPoints(ByValue):
             if given.dtype.kind not in "iu":
                 raise UsageError(f"block holds {given.dtype}, not line numbers")
             block = given.astype(np.int64)
+            if any(np.iscomplexobj(value) for value in arrays.values()):
+                raise TypeError
             floats = {name: np.asarray(value, dtype=np.float64) for name, value in arrays.items()}
             return cls(**floats, block=block, joints=joints)
         except (ValueError, TypeError):

@@ -16,7 +16,7 @@ from toolpace.errors import UsageError
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, jerk_jumps, joint_motion, limit_ratios
-from toolpace.setpoints import SetPoints
+from toolpace.setpoints import SetPoints, refuse_too_many
 
 BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
@@ -166,9 +166,13 @@ class Trajectory:
         return (tip, axis) if q.ndim > 1 else (tip[0], axis[0])
 
     def sample(self, dt: float = 1e-3) -> SetPoints:
-        """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest."""
+        """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest.
+
+        Raises UsageError where they would not fit into memory.
+        """
         if not dt > 0.0:
             raise UsageError(f"set-points: the time step is {dt:g} s; it must be positive")
+        refuse_too_many(self.duration, dt, len(self.joints))
         t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
         motion, block = self._motion_in_pieces(t)
         machine = self.axis_path.machine

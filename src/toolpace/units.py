@@ -34,7 +34,9 @@ FEEDS = {
     "m/s": 1.0,
 }
 
-_QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*(\S*)\s*")
+_QUANTITY = re.compile(r"\s*+([-+]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?)\s*+(\S*+)\s*+")
+_SHOWN = 40
+"""Most characters of a text that a message shows."""
 
 
 def parse_length(text: str) -> float:
@@ -62,10 +64,9 @@ def parse_percent(text: str) -> float:
     return _parse(text, {"%": 0.01}, "factor", "120%", positive=True)
 
 
-def _parse(
-    text: str, units: dict[str, float], quantity: str, example: str, *, positive: bool = False
-) -> float:
+def _parse(text: str, units: dict[str, float], quantity: str, example: str, *, positive: bool = False) -> float:
     match = _QUANTITY.fullmatch(text)
+    text = text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
     if match is None:
         raise UsageError(f"'{text}' is not a {quantity}: write a number and a unit, like {example}")
     number, unit = float(match[1]), match[2].lower()
@@ -73,7 +74,7 @@ def _parse(
     if not unit:
         raise UsageError(f"{quantity} '{text}' has no unit: write it like {example} (units: {known})")
     if unit not in units:
-        raise UsageError(f"'{match[2]}' is not a unit of {quantity}: use one of {known}, like {example}")
+        raise UsageError(f"'{match[2][:_SHOWN]}' is not a unit of {quantity}: use one of {known}, like {example}")
     value = number * units[unit]
     if not math.isfinite(value) or value < 0 or (positive and value == 0):
         bound = "above zero" if positive else "zero or more"

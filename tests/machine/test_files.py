@@ -10,7 +10,7 @@ import pytest
 
 from toolpace.errors import MachineError, UsageError
 from toolpace.machine.limits import Limits
-from toolpace.machine.machine import Machine
+from toolpace.machine.machine import FOLDER, Machine
 
 TEXT = Machine.load("xyzac-trunnion").to_toml()
 
@@ -146,3 +146,66 @@ def test_limits() -> None:
         Limits(0.0, 1.0, 1.0, ("X",))
     with pytest.raises(UsageError, match=r"jerk has shape \(3,\) for 2 joints"):
         Limits([1, 1], [1, 1], [1, 1, 1], ("X", "Y"))
+
+
+BEYOND = {
+    "deep": ("velocity = 500", "velocity = " + "[" * 5000 + "]" * 5000, "too deep"),
+    "a far point": ("point = [0, 0, 0]", "point = [1e300, 0, 0]", r"joint A: point = \[1e\+297.*beyond 1000 m"),
+    "no point": ("point = [0, 0, 0]", "point = [nan, 0, 0]", "joint A: point = .*finite"),
+    "too fast": ("velocity = 500", "velocity = 1e300", "joint X: velocity = 1e.300 mm/s; give a number between"),
+    "too slow": ("velocity = 500", "velocity = 1e-300", "joint X: velocity = 1e-300 mm/s; give a number between"),
+    "a long integer": ("velocity = 500", "velocity = " + "9" * 5000, "4300 digits"),
+    "a large integer": ("velocity = 500", "velocity = " + "9" * 400, "out of range"),
+    "no double": ("velocity = 500", "velocity = 1e400", "1e400 is too large"),
+    "minus zero": ("velocity = 500", "velocity = -0.0", "above zero"),
+    "tool": ("tool_length = 150", "tool_length = 1e300", "tool_length is 1e.297 m"),
+    "nose": ("spindle_nose = [0, 0, 220]", "spindle_nose = [0, 0, -inf]", "spindle_nose"),
+    "direction": ("direction = [1, 0, 0]", "direction = [1e300, 0, 0]", "no direction"),
+    "travel": ("travel = [-500, 500]", "travel = [-1e300, 1e300]", "give ends within"),
+    "no travel": ("travel = [-500, 500]", "travel = [nan, 500]", "lower end first"),
+    "cursor": ('name = "xyzac-trunnion"', 'name = "\\u001b[31m"', r"name '\\x1b\[31m' has characters that cannot"),
+    "direction of writing": ('name = "xyzac-trunnion"', 'name = "\\u202ered"', "cannot be printed"),
+    "no name": ('name = "xyzac-trunnion"', 'name = " "', "name is empty"),
+    "a long name": ('name = "xyzac-trunnion"', 'name = "' + "x" * 5000 + '"', "5000 characters; give at most 64"),
+    "note": ('note = "cradle', 'note = "\\u009b31m', r"note '\\x9b31m"),
+    "joint": ("[joints.X]", '[joints."X\\u001b"]', r"joint 'X\\x1b' has"),
+    "no joint": ("[joints.X]", '[joints.""]', "joint is empty"),
+    "a long key": ("jerk = 50000", "j" * 50_000 + " = 5", "unknown key 'j{40}'"),
+    "a large file": ("[units]", "#" + "x" * 200_000 + "\n[units]", "at most 100000"),
+}
+
+
+@pytest.mark.parametrize("case", BEYOND)
+def test_figures_and_names_beyond_all_bounds_are_one_line(case, tmp_path):
+    old, new, says = BEYOND[case]
+    text = (FOLDER / "xyzac-trunnion.toml").read_text()
+    assert old in text
+    file = tmp_path / "mill.toml"
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(MachineError, match=says) as caught:
+        Machine.load(file)
+    message = str(caught.value)
+    assert str(file) in message and message.isprintable() and len(message) < 500
+
+
+@pytest.mark.parametrize("name", ["nul\0", "x" * 5000, "\udcff.toml", "/dev/zero", "/dev/null", "."])
+def test_what_is_no_machine_file_is_one_line(name):
+    with pytest.raises(MachineError) as caught:
+        Machine.load(name)
+    assert str(caught.value).isprintable()
+
+
+def test_odd_names_are_escaped_where_they_are_written():
+    """Machines made by a program are not read from a file; what they write can be."""
+    import tomllib
+
+    from toolpace.machine.file import _quoted
+
+    for name in ("a\x1b[31m", 'a"b\\', "a\nb", "\u202e", "\x7f\x9b", "µ° text"):
+        written = f"name = {_quoted(name)}"
+        assert written.isprintable() and tomllib.loads(written) == {"name": name}
+
+
+def test_a_file_with_a_byte_order_mark_is_read(tmp_path):
+    (tmp_path / "mill.toml").write_bytes(b"\xef\xbb\xbf" + (FOLDER / "xyzac-trunnion.toml").read_bytes())
+    assert Machine.load(tmp_path / "mill.toml").name == "xyzac-trunnion"

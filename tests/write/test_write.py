@@ -82,15 +82,14 @@ def test_an_unknown_bound_is_null(tmp_path, program):
     assert write.read_plan(tmp_path / "o") == record
 
 
-def test_plan_json_is_written_once_and_last(tmp_path, program, monkeypatch):
-    """It tells of the time that the other files took, and is moved into place after all of them."""
-    moved = []
-    replace = Path.replace
-    monkeypatch.setattr(Path, "replace", lambda own, target: (moved.append(Path(target).name), replace(own, target))[1])
+def test_all_files_appear_by_one_rename_plan_json_written_last(tmp_path, program, monkeypatch):
+    """plan.json tells of the time that the other files took, and the folder is put in its place once."""
+    moved, kept = [], (Path.replace, Path.rename)
+    monkeypatch.setattr(Path, "replace", lambda own, to: (moved.append(Path(to).name), kept[0](own, to))[1])
+    monkeypatch.setattr(Path, "rename", lambda own, to: (moved.append(Path(to).name), kept[1](own, to))[1])
     record = everything(tmp_path / "out", program, csv=True, step_s={"reading": 1.0})
     assert set(record.step_s) == {"reading", write.WRITING} and record.step_s[write.WRITING] > 0.0
-    assert moved.count("plan.json") == 2, "once from its temporary name, once from the temporary folder"
-    assert moved[-1] == "plan.json" and {"machine.toml", "setpoints.csv", "program.ngc"} < set(moved)
+    assert moved == ["setpoints.npz", "setpoints.csv", "plan.json", "out"]
 
 
 def test_the_files_are_enough_to_judge_again(tmp_path, program):

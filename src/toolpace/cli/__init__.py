@@ -4,28 +4,54 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 
 __all__ = ["main"]
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C: 128 and the number of the signal, as shells have it."""
+LONGEST = 1000
+"""Most characters of an error: names may have thousands."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return 0 when all is well, 1 when a verification failed, 2 when the input is at fault.
+    """Run the command line; return 0 when all is well, 1 when a verification failed, 2 when the input is at fault,
+    and 128 and the number of the signal, as shells have it, where one ended it.
 
     Errors are one line on standard error. Where toolpace itself is at fault, TOOLPACE_DEBUG=1 shows where.
     """
+    from toolpace.cli.ending import ended_by, heard, in_words
+    from toolpace.cli.output import guarded
+
+    given = sys.argv[1:] if arguments is None else arguments
+    # A hyphen alone would be taken for an option without a name.
+    tokens = ["/dev/stdin" if token == "-" else token for token in given]
+    with guarded() as output, heard(), warnings.catch_warnings():
+        if not sys.warnoptions:
+            # What overflows in a damaged file is found wanting in one line; warnings would stand beside it.
+            warnings.simplefilter("ignore", RuntimeWarning)
+        try:
+            code = _run(tokens)
+            output.flush()
+        except BaseException as error:
+            signal = ended_by(error)
+            if signal is None:
+                raise
+            code = _fail(in_words(signal), 128 + signal)
+    if output.failure:
+        return _fail(f"standard output: cannot write: {output.failure}", 2)
+    return code
+
+
+def _run(tokens: list[str]) -> int:
+    """The command's exit code, with every error that is none of a signal in one line."""
     from cyclopts import CycloptsError
 
     from toolpace.cli.app import app
+    from toolpace.cli.ending import ended_by
     from toolpace.errors import ToolpaceError
 
-    tokens = list(sys.argv[1:] if arguments is None else arguments)
     try:
         code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
-        sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except ToolpaceError as error:
         return _fail(str(error), error.exit_code)
@@ -33,24 +59,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from toolpace.cli.arguments import explain
 
         return _fail(explain(error, tokens), 2)
-    except KeyboardInterrupt:
-        return _fail("interrupted; nothing was written", INTERRUPTED)
-    except BrokenPipeError:
-        # The reader (head, less) has gone; what is still in the buffer must not raise again at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except MemoryError:
         return _fail("out of memory; split the program, or take a longer --dt", 2)
     except Exception as error:
-        from toolpace.workers import interrupted
-
-        if interrupted(error):
-            return _fail("interrupted; nothing was written", INTERRUPTED)
-        if os.environ.get("TOOLPACE_DEBUG"):
+        if ended_by(error) is not None or os.environ.get("TOOLPACE_DEBUG"):
             raise
         return _fail(f"a fault in toolpace itself, {type(error).__name__}: {error}; TOOLPACE_DEBUG=1 shows where", 2)
 
 
 def _fail(message: str, code: int) -> int:
-    print("error: " + " ".join(message.split()), file=sys.stderr)
+    from toolpace.errors import printable
+
+    line = "error: " + printable(" ".join(message.split()))
+    if len(line) > LONGEST:
+        # The beginning says where, the end how to cure it.
+        line = f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
+    try:
+        print(line, file=sys.stderr, flush=True)
+    except (OSError, UnicodeError, ValueError, AttributeError):
+        # Standard error is closed, full, or knows no such letters: the exit code tells.
+        return code
     return code

@@ -70,8 +70,8 @@ def plan_command(
         toolpace plan part.cls -m my-mill.toml --tip-tolerance 5um --feed 120%
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
+        post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
-    from toolpace import units
     from toolpace.cli import arguments, job, summary
 
     tip, axis = arguments.tolerances(tip_tolerance, axis_tolerance)
@@ -79,14 +79,14 @@ def plan_command(
     task = job.Job(
         program=Path(program),
         machine=arguments.machine_named(machine, tool_length),
-        out=arguments.folder_to_write(out or f"{Path(program).stem}-plan"),
+        out=arguments.folder_for_results(arguments.default_folder(program) if out is None else out),
         tip_tolerance=tip,
         axis_tolerance=axis,
         planner=planner,
         prove_within=arguments.time_to_prove(prove_within, planner) if prove else None,
         feed=arguments.feed_asked(feed),
         dialect=dialect,
-        dt=units.parse_time(dt),
+        dt=arguments.time_step(dt),
         csv=csv,
         report=not no_report,
     )
@@ -137,7 +137,7 @@ def machines_command(name: options.OneMachine = None, /, *, toml: options.Toml =
         print(Machine.load(name).to_toml(), end="")
         return 0
     console = new_console()
-    for each in (name,) if name else Machine.names():
+    for each in Machine.names() if name is None else (name,):
         summary.show_machine(console, Machine.load(each))
     return 0
 
@@ -150,7 +150,7 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     """
     from toolpace.cli import arguments, folder
 
-    return folder.run_demo(arguments.folder_to_write(out), new_console())
+    return folder.run_demo(arguments.folder_for_results(out), new_console())
 
 
 @app.command(name="study", help_epilogue="")
@@ -158,4 +158,4 @@ def study_command(*, out: options.Results = "toolpace-study") -> int:
     """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours."""
     from toolpace.cli import arguments, folder
 
-    return folder.run_study(arguments.folder_to_write(out), new_console())
+    return folder.run_study(arguments.folder_for_results(out), new_console())

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import difflib
-import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace import units
 from toolpace.errors import UsageError
+from toolpace.files import folder_to_write
 from toolpace.planning.planner import PLANNERS
+from toolpace.reading.source import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
     from toolpace.machine.machine import Machine
+
+
+TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
+"""Between which tolerances lie [m], [rad]: programs are rounded to more, and beyond nothing of a part is left."""
+TIME_STEPS = (1e-9, 60.0)
+"""[s]"""
 
 
 def planner_named(name: str) -> str:
@@ -24,7 +31,7 @@ def planner_named(name: str) -> str:
         return name
     near = difflib.get_close_matches(name.lower(), PLANNERS, n=1, cutoff=0.4)
     hint = f"did you mean '{near[0]}'? " if near else ""
-    raise UsageError(f"unknown planner '{name}'; {hint}known are {', '.join(PLANNERS)}")
+    raise UsageError(f"unknown planner '{name[:40]}'; {hint}known are {', '.join(PLANNERS)}")
 
 
 def machine_named(name: str | None, tool_length: str | None = None) -> Machine:
@@ -47,7 +54,20 @@ def tolerances(tip: str, axis: str) -> tuple[float, float]:
         raise UsageError(f"--tip-tolerance {tip}: a curve needs room to be smooth; give more than zero, like 0.001mm")
     if not radians > 0.0:
         raise UsageError(f"--axis-tolerance {axis}: a curve needs room to be smooth; give more than zero, like 0.01deg")
+    _within("--tip-tolerance", tip, metres, TIP_TOLERANCES, units.format_length)
+    _within("--axis-tolerance", axis, radians, AXIS_TOLERANCES, units.format_angle)
     return metres, radians
+
+
+def time_step(text: str) -> float:
+    """The time between set-points [s]."""
+    return _within("--dt", text, units.parse_time(text), TIME_STEPS, units.format_time)
+
+
+def _within(option: str, text: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> float:
+    if not bounds[0] <= value <= bounds[1]:
+        raise UsageError(f"{option} {text[:40]}: give a value from {show(bounds[0])} to {show(bounds[1])}")
+    return value
 
 
 def time_to_prove(text: str, planner: str) -> float:
@@ -66,17 +86,23 @@ def feed_asked(feed: str | None) -> str | None:
     return feed
 
 
-def folder_to_write(out: str) -> Path:
-    """The folder for the results, found writable before work that may take minutes."""
-    folder = Path(out)
-    if folder.exists() and not folder.is_dir():
-        raise UsageError(f"--out {out}: is a file; give a folder to write into")
-    above = folder
-    while not above.exists() and above != above.parent:
-        above = above.parent
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        raise UsageError(f"--out {out}: cannot write into {above}; give another folder")
-    return folder
+def folder_for_results(out: str) -> Path:
+    """The folder for the results, found fit for them before work that may take minutes."""
+    try:
+        folder_to_write(out)
+    except UsageError as error:
+        raise UsageError(f"--out {error}") from None
+    return Path(out)
+
+
+def default_folder(program: str) -> str:
+    """Named after the program; pipes and devices have names that say nothing."""
+    path = Path(program)
+    try:
+        named = path.is_file() or not path.exists()
+    except (OSError, ValueError):
+        named = True
+    return f"{path.stem if named and program not in STANDARD_INPUT else 'program'}-plan"
 
 
 def explain(error: CycloptsError, tokens: Sequence[str]) -> str:

@@ -12,7 +12,7 @@ carry out a job:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.path.path import Path as SmoothPath
+    from toolpace.reading import Source
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
@@ -49,26 +50,67 @@ class Job:
     """[s]"""
     csv: bool = False
     report: bool = True
+    source: Source | None = None
+    """The program, where it has been read already; else it is read from its file, once."""
 
 
 def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
+    job = loaded(job)
     warm_up(steps)
     toolpath = read_program(job, steps)
+    refuse_without_room(job, least_duration(toolpath), "the feeds of the program alone take")
     path = fit_path(job, steps, toolpath)
     trajectory = plan_motion(job, steps, path)
+    refuse_without_room(job, trajectory.duration, "the motion takes")
     setpoints = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(job, steps, setpoints, toolpath)
     record = write_results(job, steps, toolpath, path, trajectory, setpoints, verification)
     return record, verification
 
 
+def least_duration(toolpath: ToolPath) -> float:
+    """What no motion along a program can be shorter than by much [s]: its feeds, least times and dwells."""
+    import numpy as np
+
+    way = np.linalg.norm(np.diff(toolpath.tip, axis=0), axis=1)
+    return float(np.maximum(way / toolpath.feed[1:], toolpath.least_time[1:]).sum() + toolpath.dwell.sum())
+
+
+def refuse_without_room(job: Job, duration: float, what: str) -> None:
+    """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
+    from toolpace.errors import UsageError
+    from toolpace.files import free_disk
+    from toolpace.setpoints import refuse_too_many
+
+    joints = len(job.machine.joints)
+    # A curve may cut corners, so half of the time is what is sure.
+    refuse_too_many(0.5 * duration, job.dt, joints, what + " more than")
+    row = 8 * (4 * joints + 8)
+    # Of a table every figure has about 20 characters; a report has at most 20 MB.
+    wanted = 0.5 * duration / job.dt * row * (1.0 + 2.5 * job.csv) + 5e6
+    free = free_disk(job.out)
+    if wanted > free:
+        raise UsageError(
+            f"--out {job.out}: the results take more than {wanted / 1e9:.3g} GB, and {free / 1e9:.3g} GB are free "
+            "there; give a longer --dt, or a folder on another disk"
+        )
+
+
+def loaded(job: Job) -> Job:
+    """The job with its program in memory: what is planned, judged and kept is what was read now."""
+    from toolpace.reading import Source
+
+    return job if job.source is not None else replace(job, source=Source.load(job.program))
+
+
 def read_program(job: Job, steps: Steps) -> ToolPath:
     """The program as a tool path that the machine can reach all points of."""
-    from toolpace.reading import read
+    from toolpace.reading import read_source
 
+    assert job.source is not None
     with steps.step("reading") as step:
-        toolpath = read(job.program, job.machine, job.dialect, feed=job.feed)
+        toolpath = read_source(job.source, job.machine, job.dialect, feed=job.feed)
         skipped = sum(toolpath.skipped.values())
         step.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
     return toolpath
@@ -139,6 +181,7 @@ def write_results(
             path=path,
             verification=verification,
             program=job.program,
+            program_bytes=job.source.data if job.source is not None else None,
             dialect=job.dialect,
             feed=job.feed,
             tip_tolerance=job.tip_tolerance,

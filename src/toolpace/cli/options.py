@@ -9,7 +9,9 @@ from cyclopts import Parameter
 Switch = Parameter(negative="", show_default=False)
 """An option that is there or not."""
 
-Program = Annotated[str, Parameter(help="G-code, APT, CLSF or a table (CSV) of points and tool axes.")]
+Program = Annotated[
+    str, Parameter(help="G-code, APT, CLSF or a table (CSV) of points and tool axes; - is standard input.")
+]
 MachineName = Annotated[
     str | None,
     Parameter(

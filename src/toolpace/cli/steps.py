@@ -18,10 +18,13 @@ WIDTH = 12
 
 
 def new_console() -> Console:
-    """Where people read: colours and bars on a terminal, plain lines elsewhere, however long they are."""
-    console = Console(highlight=False)
+    """Where people read: colours and bars on a terminal, plain lines elsewhere, however long they are.
+
+    Square brackets are what they are: names of files are no markup.
+    """
+    console = Console(highlight=False, markup=False)
     if not console.is_terminal:
-        console = Console(highlight=False, width=100)
+        console = Console(highlight=False, markup=False, width=100)
     return console
 
 

@@ -8,6 +8,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.errors import printable
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.planning.guarantee import PROMISED
 from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
@@ -138,7 +139,7 @@ def _within(value: float, tolerance: float | None, scale: float, show: Callable[
 
 def verdict(record: PlanRecord, verification: Verification) -> Text:
     """Passed, or what is worst, and by which tolerances and options that was judged; wide tolerances in words."""
-    asked = f"within {asked_for(record)}"
+    asked = f"within {printable(asked_for(record))}"
     wide = wider_than_default(record)
     warning = (f"\nWIDER THAN THE DEFAULT: {wide}", "bold yellow") if wide else ""
     if verification.ok:
@@ -147,7 +148,7 @@ def verdict(record: PlanRecord, verification: Verification) -> Text:
         return Text.assemble(("VERIFIED", "bold green"), f"  {asked}; {count} checks on {points}", warning)
     found = verification.findings
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    return Text.assemble(("FAILED", "bold red"), f"  {found[0]}{more}; judged {asked}", warning)
+    return Text.assemble(("FAILED", "bold red"), f"  {printable(str(found[0]))}{more}; judged {asked}", warning)
 
 
 def asked_for(record: PlanRecord) -> str:
@@ -182,7 +183,7 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
         table.add_column(name, justify="right" if name in ("worst", "allowed") else "left", overflow="fold")
     for check, worst, limit, where, verdict_ in verification.rows():
         style = "" if verdict_ == "ok" else "bold red"
-        table.add_row(*(Text(cell, style=style) for cell in (check, worst, limit, where, verdict_)))
+        table.add_row(*(Text(printable(cell), style=style) for cell in (check, worst, limit, where, verdict_)))
     console.print(table)
     console.print(f"as the planner said, held against the other figures only: {', '.join(AS_SAID)}", soft_wrap=True)
     console.print("not judged: report.html, which is for looking at", soft_wrap=True)
@@ -194,17 +195,18 @@ def show_machine(console: Console, machine: Machine) -> None:
     from toolpace.machine.table import title
 
     name, _, rest = title(machine.file, machine.kind).partition(": ")
-    note = machine.file.note
+    name, rest, note = printable(name), printable(rest), printable(machine.file.note)
     console.print(Text.assemble((name, "bold"), f"  {note + '; ' if note else ''}{rest}"), soft_wrap=True)
     table = Table(box=SIMPLE, pad_edge=False)
     keys = ("joint", "travel", "velocity", "acceleration", "jerk")
     for key in keys:
         table.add_column(key, justify="left" if key == "joint" else "right", overflow="fold")
     for row in machine.summary():
-        table.add_row(*(row[key] for key in keys))
+        table.add_row(*(Text(printable(row[key])) for key in keys))
     console.print(table)
 
 
 def show_files(console: Console, folder: Path, names: list[str]) -> None:
     """What was written, the report last."""
-    console.print(Text.assemble(("written", "dim"), f"   {folder}: {', '.join(names)}"), soft_wrap=True)
+    line = f"   {printable(str(folder))}: {', '.join(names)}"
+    console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)

@@ -12,10 +12,13 @@ from typing import Literal, TypeVar
 import msgspec
 
 from toolpace.errors import MachineError, did_you_mean
+from toolpace.machine.figures import LONGEST_NOTE, check_chain, check_joint, check_name, check_place, check_text
 
 Vector = tuple[float, float, float]
 Table = TypeVar("Table", bound=msgspec.Struct)
 
+LONGEST = 100_000
+"""Most characters of a machine file: one has about 1500."""
 LENGTHS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
 
@@ -67,19 +70,27 @@ class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 def read_machine(text: str, source: str) -> MachineFile:
     """Parse and check a machine file; `source` is its name for messages. Raises MachineError."""
+    if len(text) > LONGEST:
+        raise MachineError(f"{source}: has {len(text)} characters; a machine file has at most {LONGEST}")
     try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise MachineError(f"{source}: not a TOML file: {error}") from None
+        raw = tomllib.loads(text, parse_float=_finite)
+    except RecursionError:
+        raise MachineError(f"{source}: not a machine file: tables or arrays lie too deep in each other") from None
+    except ValueError as error:
+        raise MachineError(f"{source}: not a TOML file: {str(error).partition(';')[0][:200]}") from None
     _check_keys(raw, ("name", "note", "units", "chain", "joints"), ("name", "chain", "joints"), "", source)
     units = _convert(raw.get("units", {}), Units, "[units]", source)
     chain = _convert(raw["chain"], ChainFile, "[chain]", source)
     if not isinstance(raw["joints"], dict):
         raise MachineError(f"{source}: joints must be tables such as [joints.X]")
+    for name in raw["joints"]:
+        check_name(name, "the name of a joint", source)
     joints = {name: _convert(value, JointFile, f"[joints.{name}]", source) for name, value in raw["joints"].items()}
     for key in ("name", "note"):
         if not isinstance(raw.get(key, ""), str):
             raise MachineError(f"{source}: {key} must be text in quotes")
+    check_name(raw["name"], "name", source)
+    check_text(raw.get("note", ""), "note", source, LONGEST_NOTE)
     length, angle = LENGTHS[units.length], ANGLES[units.angle]
     chain = msgspec.structs.replace(
         chain,
@@ -87,14 +98,12 @@ def read_machine(text: str, source: str) -> MachineFile:
         workpiece_origin=_scaled(chain.workpiece_origin, length),
         tool_length=chain.tool_length * length,
     )
-    for key in ("spindle_nose", "workpiece_origin", "workpiece_x", "workpiece_z", "tool_axis"):
-        if not all(map(math.isfinite, getattr(chain, key))):
-            raise MachineError(f"{source}: [chain] {key} must be three finite numbers")
-    if not math.isfinite(chain.tool_length):
-        raise MachineError(f"{source}: [chain] tool_length must be a finite number")
+    check_chain(chain, source)
     for name, joint in joints.items():
-        _check_joint(name, joint, source, units)
         scale = length if joint.kind == "linear" else angle
+        place = f"{source}: joint {name}"
+        check_joint(joint, place, units.length if joint.kind == "linear" else units.angle, scale)
+        check_place(_scaled(joint.point, length), "point", place)
         joints[name] = msgspec.structs.replace(
             joint,
             point=_scaled(joint.point, length),
@@ -122,13 +131,21 @@ def write_machine(machine: MachineFile) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _finite(text: str) -> float:
+    """A number of the file; `inf` says that nothing limits, but a number that is too large to be one does not."""
+    value = float(text)
+    if math.isinf(value) and "inf" not in text:
+        raise ValueError(f"number {text[:20]} is too large; correct it, or write inf")
+    return value
+
+
 def _check_keys(
     raw: dict[str, object], known: tuple[str, ...], required: tuple[str, ...], place: str, source: str
 ) -> None:
     where = f"{place} " if place else ""
     for key in raw:
         if key not in known:
-            raise MachineError(f"{source}: {where}unknown key '{key}'; {did_you_mean(key, known)}")
+            raise MachineError(f"{source}: {where}unknown key '{key[:40]}'; {did_you_mean(key, known)}")
     for key in required:
         if key not in raw:
             raise MachineError(f"{source}: {where}'{key}' is missing; add it")
@@ -147,31 +164,11 @@ def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
     )
     try:
         return msgspec.convert(raw, kind)
+    except OverflowError:
+        raise MachineError(f"{source}: {place} has a number that no machine has; check its digits") from None
     except msgspec.ValidationError as error:
         message = str(error).replace(" - at `$.", ": key `").replace(" - at `$`", "")
         raise MachineError(f"{source}: {place} {message}") from None
-
-
-def _check_joint(name: str, joint: JointFile, source: str, units: Units) -> None:
-    place = f"{source}: joint {name}"
-    unit = units.length if joint.kind == "linear" else units.angle
-    for key, suffix in (("velocity", "/s"), ("acceleration", "/s^2"), ("jerk", "/s^3")):
-        figure = getattr(joint, key)
-        if not figure > 0.0:
-            raise MachineError(f"{place}: {key} = {figure:g} {unit}{suffix}; give a number above zero")
-    if not all(map(math.isfinite, joint.direction)) or math.hypot(*joint.direction) < 1e-9:
-        raise MachineError(f"{place}: direction = {list(joint.direction)} is no direction; give e.g. [1, 0, 0]")
-    if not all(map(math.isfinite, joint.point)):
-        raise MachineError(f"{place}: point must be three finite numbers")
-    if joint.wrap and joint.kind == "linear":
-        raise MachineError(f"{place}: wrap = true is for rotary joints; give travel = [low, high] in {unit}")
-    if joint.wrap and joint.travel is not None:
-        raise MachineError(f"{place}: has both travel and wrap = true; keep one (wrap is for endless rotary joints)")
-    if joint.travel is None and not joint.wrap:
-        cure = "" if joint.kind == "linear" else " or, for an endless rotary joint, wrap = true"
-        raise MachineError(f"{place}: travel is missing; give travel = [low, high] in {unit}{cure}")
-    if joint.travel is not None and not joint.travel[0] < joint.travel[1]:
-        raise MachineError(f"{place}: travel = {list(joint.travel)} {unit} is empty; give the lower end first")
 
 
 def _scaled(vector: Vector, factor: float) -> Vector:
@@ -179,7 +176,9 @@ def _scaled(vector: Vector, factor: float) -> Vector:
 
 
 def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
+    """A TOML string, with what cannot be printed written as its number."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'
 
 
 def _value(value: bool | str | float | tuple[str, ...] | tuple[float, ...]) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import MachineError, did_you_mean
+from toolpace.machine.figures import check_chain
 from toolpace.machine.file import MachineFile
 
 PARALLEL = 1e-6
@@ -60,6 +61,7 @@ def chain_geometry(file: MachineFile, source: str) -> Geometry:
     """The geometry of a machine; `source` names its file in messages. Raises MachineError."""
     chain, joints, names = file.chain, file.joints, list(file.joints)
     _check_names(file, source)
+    check_chain(chain, source)
     order = [(name, -1) for name in reversed(chain.workpiece)] + [(name, 1) for name in chain.tool]
     rotary = [(name, sign) for name, sign in order if joints[name].kind == "rotary"]
     linear = [name for name in names if joints[name].kind == "linear"]

@@ -12,7 +12,7 @@ from toolpace.equality import ByValue
 from toolpace.errors import MachineError, UsageError, did_you_mean
 from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
-from toolpace.machine.file import MachineFile, read_machine, write_machine
+from toolpace.machine.file import LONGEST, MachineFile, read_machine, write_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
 from toolpace.machine.limits import Limits
@@ -95,11 +95,13 @@ class Machine(ByValue):
         built_in = FOLDER / f"{given}.toml"
         path = built_in if given in cls.names() else Path(given)
         try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            if path.suffix == ".toml" or path.exists():
-                reason = getattr(error, "strerror", None) or "not a text file"
-                raise MachineError(f"machine file {given}: {reason}") from None
+            with path.open(encoding="utf-8-sig") as stream:
+                # It is read once (it may be a pipe), and no further than a machine file can go (it may never end).
+                text = stream.read(LONGEST + 1)
+        except (OSError, ValueError) as error:
+            if path.suffix == ".toml" or isinstance(error, ValueError) or _exists(path):
+                reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
+                raise MachineError(f"machine file {given}: {reason}; name a built-in machine or a .toml file") from None
             known = ", ".join(cls.names())
             close = did_you_mean(given, cls.names())
             hint = f"{close} " if close.startswith("did") else ""
@@ -220,6 +222,14 @@ class Machine(ByValue):
 
     def __repr__(self) -> str:
         return one_line(self, title(self.file, self.kind))
+
+
+def _exists(path: Path) -> bool:
+    """Whether something has the name, also one that is too long for anything to have."""
+    try:
+        return path.exists()
+    except OSError:
+        return False
 
 
 def check_machine(machine: object, asks: str, wanted: str = "a Machine") -> None:

@@ -14,7 +14,7 @@ from toolpace.reading.source import Source
 from toolpace.reading.table import read_table
 from toolpace.toolpath import ToolPath
 
-__all__ = ["Kinematics", "apply_feed", "read", "read_text"]
+__all__ = ["Kinematics", "Source", "apply_feed", "read", "read_source", "read_text"]
 
 
 def read(
@@ -27,6 +27,7 @@ def read(
 ) -> ToolPath:
     """Read a program.
 
+    path: a file, a pipe, or `-` for standard input; it is read once, from its beginning to its end.
     machine: needed by G-code with rotary words. Outside tool-centre-point mode axis words are joint positions;
         without a machine they are the tip, under the tool axis +z.
     dialect: `gcode`, `apt` or `csv`; None tells it by the file's name and content.
@@ -36,7 +37,7 @@ def read(
     The path starts where the program first has every axis positioned: where the machine stands before is
     unknown. Rotary joints that are not named by then are at zero. Raises ProgramError with file, line, text and cure.
     """
-    return _read(Source.load(path), machine, dialect, feed, block_delete)
+    return read_source(Source.load(path), machine, dialect, feed=feed, block_delete=block_delete)
 
 
 def read_text(
@@ -49,12 +50,18 @@ def read_text(
     name: str = "program",
 ) -> ToolPath:
     """Read a program from its text; as `read`, with `name` in messages."""
-    return _read(Source.from_text(text, name), machine, dialect, feed, block_delete)
+    return read_source(Source.from_text(text, name), machine, dialect, feed=feed, block_delete=block_delete)
 
 
-def _read(
-    source: Source, machine: Kinematics | None, dialect: str | None, feed: str | None, block_delete: bool
+def read_source(
+    source: Source,
+    machine: Kinematics | None = None,
+    dialect: str | None = None,
+    *,
+    feed: str | None = None,
+    block_delete: bool = True,
 ) -> ToolPath:
+    """Read a program that was loaded before: its bytes can be kept as they were read; as `read`."""
     change = None if feed is None else FeedChange.parse(feed)
     default_feed = None if change is None else change.speed
     found = dialect_of(source, dialect)

@@ -22,12 +22,18 @@ SUFFIXES = {
     **dict.fromkeys((".apt", ".cls", ".cl", ".clsf", ".cldata", ".aptsource", ".ncl"), "cldata"),
     **dict.fromkeys((".csv", ".tsv"), "csv"),
 }
+# Blanks within a line only, and none given back: blank lines would else be gone through from every line again.
+_BLANK = r"[^\S\n]*+"
 _CLDATA = re.compile(
-    r"^\s*(?:GOTO\s*/|TOOL PATH\s*/|PARTNO|FEDRAT\s*/|RAPID\s*$|MULTAX|\$\$)", re.IGNORECASE | re.MULTILINE
+    rf"^{_BLANK}(?:(?:GOTO|TOOL PATH|FEDRAT){_BLANK}/|PARTNO|RAPID{_BLANK}$|MULTAX|\$\$)", re.IGNORECASE | re.MULTILINE
 )
-_TABLE = re.compile(r"^\s*\"?x\s*[\[(,;\t]", re.IGNORECASE | re.MULTILINE)
-_GCODE = re.compile(r"^\s*(?:%|/?(?:N\s*[0-9]+\s*)?[GM][ \t]*[0-9]|O[0-9]+\b)", re.IGNORECASE | re.MULTILINE)
-_CONVERSATIONAL = re.compile(r"^\s*[0-9]+\s+(?:BEGIN PGM|L\s+[XYZ]|TOOL CALL)", re.IGNORECASE | re.MULTILINE)
+_TABLE = re.compile(rf"^{_BLANK}\"?x(?:{_BLANK}[\[(,;]|[^\S\n\t]*+\t)", re.IGNORECASE | re.MULTILINE)
+_GCODE = re.compile(
+    rf"^{_BLANK}(?:%|/?(?:N{_BLANK}[0-9]++{_BLANK})?[GM][ \t]*+[0-9]|O[0-9]++\b)", re.IGNORECASE | re.MULTILINE
+)
+_CONVERSATIONAL = re.compile(
+    rf"^{_BLANK}[0-9]++{_BLANK}(?<=\s)(?:BEGIN PGM|L{_BLANK}(?<=\s)[XYZ]|TOOL CALL)", re.IGNORECASE | re.MULTILINE
+)
 HEAD = 200
 """Lines by which a program without a known suffix is told."""
 

@@ -9,7 +9,24 @@ import numpy as np
 
 from toolpace.errors import UsageError
 from toolpace.toolpath import ToolPath
-from toolpace.units import parse_feed, parse_percent
+from toolpace.units import MILLIMETRE, MINUTE, parse_feed, parse_percent
+
+SLOWEST, FASTEST = 1e-6 * MILLIMETRE / MINUTE, 1e6 / MINUTE
+"""Between which a feed lies [m/s]: what is slower is a slip, and squares of what is faster lose all digits."""
+LEAST, MOST = 1e-6, 1e6
+"""Between which a factor of feeds lies."""
+LONGEST = 86400.0 * 366
+"""Most time of one block [s]."""
+
+
+def feed_fault(speed: float) -> str:
+    """What is wrong with a feed [m/s], and the cure; empty where nothing is."""
+    if SLOWEST <= speed <= FASTEST:
+        return ""
+    shown = f"feed {speed * MINUTE / MILLIMETRE:.3g} mm/min is"
+    if speed < SLOWEST:
+        return f"{shown} below {SLOWEST * MINUTE / MILLIMETRE:g} mm/min: correct it, or check its units"
+    return f"{shown} above {FASTEST * MINUTE / MILLIMETRE:g} mm/min: correct it; for no feed limit give --feed none"
 
 
 @dataclass(frozen=True)
@@ -27,11 +44,17 @@ class FeedChange:
         if spec == "none":
             return FeedChange(speed=np.inf)
         if spec.endswith("%"):
-            return FeedChange(factor=parse_percent(spec))
+            factor = parse_percent(spec)
+            if not LEAST <= factor <= MOST:
+                raise UsageError(f"factor '{text.strip()[:40]}' must be between 0.0001% and 100000000%, like 120%")
+            return FeedChange(factor=factor)
         try:
-            return FeedChange(speed=parse_feed(spec))
+            speed = parse_feed(spec)
         except UsageError as error:
             raise UsageError(f"{error}; or a factor like 120%, or none") from None
+        if fault := feed_fault(speed):
+            raise UsageError(f"'{text.strip()[:40]}': {fault}")
+        return FeedChange(speed=speed)
 
     def apply(self, toolpath: ToolPath) -> ToolPath:
         """The same points with other feeds; rapids keep having none.
@@ -42,6 +65,8 @@ class FeedChange:
         feed, least_time = toolpath.feed.copy(), toolpath.least_time.copy()
         if self.speed is None:
             feed, least_time = feed * self.factor, least_time / self.factor
+            if fault := feed_fault(float(feed.min())) if feed.min() < SLOWEST else "":
+                raise UsageError(f"with --feed {100.0 * self.factor:g}%: {fault}")
         elif np.isinf(self.speed):
             feed[:], least_time[:] = np.inf, 0.0
         else:

@@ -7,6 +7,7 @@ from typing import NoReturn
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
+from toolpace.reading.feeds import LONGEST, SLOWEST, feed_fault
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
@@ -53,6 +54,7 @@ def assemble(
     feed, least_time = feed[kept], least_time[kept]
     # Nothing leads to the first point.
     feed[0], least_time[0] = np.inf, 0.0
+    _refuse_endless(source, feed, least_time, block[kept])
     return ToolPath(
         tip=np.ascontiguousarray(tip[kept]),
         axis=np.ascontiguousarray(axis[kept]),
@@ -67,6 +69,15 @@ def assemble(
         blocks=blocks,
         skipped=dict(skipped or {}),
     )
+
+
+def _refuse_endless(source: Source, feed: Floats, least_time: Floats, block: Ints) -> None:
+    """Refuse a block that takes longer than anybody waits: its numbers are a slip, and would swamp all others."""
+    slowest, longest = int(np.argmin(feed)), int(np.argmax(least_time))
+    if feed[slowest] < SLOWEST:
+        source.fail(feed_fault(float(feed[slowest])), int(block[slowest]))
+    if not least_time[longest] <= LONGEST:
+        source.fail(f"this block takes {least_time[longest]:.3g} s, more than a year: correct F", int(block[longest]))
 
 
 def refuse_still(source: Source, positions: int) -> NoReturn:

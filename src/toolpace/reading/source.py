@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+import sys
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NoReturn
+from typing import IO, NoReturn
 
 from toolpace.errors import ProgramError
 
 ORDINARY_CONTROLS = frozenset(b"\t\n\v\f\r\x1a")
+STANDARD_INPUT = ("-", "/dev/stdin")
+"""What stands for it in place of a path."""
+LARGEST = 1 << 30
+"""Most bytes of a program: more is none, or would fill memory many times over before it is planned."""
+PIECE = 1 << 24
+"""Bytes that are read at a time: what is no program, and may never end, is told by the first."""
+MOST_NAMES = 2000
+"""Files in a folder up to which one of a similar name is looked for."""
 
 
 @dataclass(frozen=True)
@@ -19,6 +29,8 @@ class Source:
     lines: tuple[str, ...]
     last_line_ended: bool
     """Whether the last line has a line end; where it has none the file may be cut off."""
+    data: bytes = field(default=b"", repr=False)
+    """The bytes of the file, read once; empty for text that came from elsewhere."""
 
     @staticmethod
     def from_text(text: str, name: str = "program") -> Source:
@@ -32,9 +44,11 @@ class Source:
     @staticmethod
     def load(path: str | Path) -> Source:
         """Read a file; ProgramError where it is missing, a folder, empty or not text."""
-        path, name = Path(path), str(path)
+        name = str(path)
+        name = "standard input" if name in STANDARD_INPUT else name
+        path = Path(path)
         try:
-            data = path.read_bytes()
+            data = _bytes(path, name)
         except FileNotFoundError:
             near = _similar(path)
             hint = f"; did you mean {near}?" if near else "; check the path"
@@ -50,13 +64,15 @@ class Source:
     def from_bytes(data: bytes, name: str = "program") -> Source:
         """Decode bytes: UTF-8, else one byte a character, since old programs carry accents in comments."""
         controls = sum(data.count(code) for code in range(32) if code not in ORDINARY_CONTROLS)
+        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            raise ProgramError("this is binary text (UTF-16); save it as plain text (UTF-8)", source=name)
         if b"\0" in data or controls > len(data) // 100:
             raise ProgramError("this is a binary file, not a program; export it as plain text (UTF-8)", source=name)
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError:
             text = data.decode("latin-1")
-        return Source.from_text(text, name)
+        return replace(Source.from_text(text, name), data=data)
 
     def fail(self, message: str, line: int) -> NoReturn:
         """Raise a ProgramError that shows the line (from 1; 0 speaks of the whole file)."""
@@ -67,11 +83,32 @@ class Source:
         raise ProgramError(message, source=self.name, line=line, text=shown)
 
 
+def _bytes(path: Path, name: str) -> bytes:
+    """All bytes of a file, a pipe or a device, in one reading. Raises OSError, ValueError, ProgramError."""
+    if name == "standard input":
+        stream = getattr(sys.stdin, "buffer", None)
+        if stream is None:
+            raise OSError("closed")
+        return _all_of(stream, name)
+    with path.open("rb") as file:
+        return _all_of(file, name)
+
+
+def _all_of(stream: IO[bytes], name: str) -> bytes:
+    pieces: list[bytes] = []
+    while piece := stream.read(PIECE):
+        pieces.append(piece)
+        if sum(map(len, pieces)) > LARGEST or (len(piece) == PIECE and b"\0" in piece):
+            Source.from_bytes(pieces[-1], name)
+            raise ProgramError(f"the file has more than {LARGEST >> 30} GB; split the program", source=name)
+    return b"".join(pieces)
+
+
 def _similar(path: Path) -> str:
     import difflib
 
     try:
-        names = [entry.name for entry in path.parent.iterdir()]
+        names = [entry.name for entry in itertools.islice(path.parent.iterdir(), MOST_NAMES)]
     except OSError:
         return ""
     near = difflib.get_close_matches(path.name, names, n=1)

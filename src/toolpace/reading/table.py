@@ -16,7 +16,8 @@ EXAMPLE = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]"
 POINT, AXIS, OPTIONAL = ("x", "y", "z"), ("i", "j", "k"), ("feed", "rapid", "stop", "dwell")
 FARTHEST = 1e3
 """Most of a coordinate [m]."""
-_COLUMN = re.compile(r"\s*\"?\s*([A-Za-z]+)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*\"?\s*")
+# Nothing that was matched is given back: a cell is read once, however long it is.
+_COLUMN = re.compile(r"\s*+\"?+\s*+([A-Za-z]++)\s*+(?:[\[(]([^\])]*+)[\])]\s*+)?+\"?+\s*+")
 
 
 def read_table(source: Source, *, default_feed: float | None = None) -> ToolPath:
@@ -69,7 +70,7 @@ def _columns(source: Source, header: str, line: int, delimiter: str) -> dict[str
     scale: dict[str, float] = {}
     for cell in header.split(delimiter):
         match = _COLUMN.fullmatch(cell)
-        name, unit = (match[1].lower(), (match[2] or "").lower()) if match else ("", "")
+        name, unit = (match[1].lower(), (match[2] or "").strip().lower()) if match else ("", "")
         if name not in (*POINT, *AXIS, *OPTIONAL):
             source.fail(f"column '{cell.strip()[:20]}' is not known: write a header like {EXAMPLE}", line)
         if name in scale:

@@ -15,6 +15,7 @@ import numpy as np
 from toolpace.machine.limits import KINDS
 from toolpace.reporting.figures import PlanFigures
 from toolpace.reporting.limiting import NOTHING, binding, limit_names
+from toolpace.reporting.policy import with_policy
 from toolpace.reporting.scene import scene_data, stations
 from toolpace.reporting.series import blocks_over_time, channels, encoded, feed_cap, packed
 from toolpace.reporting.words import NEUTRAL, colours, duration, four_digits, joint_colour, limit_words, percent
@@ -56,7 +57,7 @@ def report_page(
     title = f"{program} on {where}" if where else program
     here = files("toolpace.reporting")
     palette = colours(setpoints.joints)
-    return Template(here.joinpath("page.html").read_text(encoding="utf-8")).substitute(
+    page = Template(here.joinpath("page.html").read_text(encoding="utf-8")).substitute(
         title=escape(title),
         program=escape(program),
         machine=escape(where),
@@ -75,6 +76,7 @@ def report_page(
         data=_data(trajectory, setpoints, toolpath, units, palette),
         plotly=get_plotlyjs(),
     )
+    return with_policy(page)
 
 
 def _data(

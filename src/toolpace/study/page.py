@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.reporting.policy import with_policy
 from toolpace.study.errata import CHOICES, all_errata, comparison
 from toolpace.study.figures import FAR, Figure, Panel
 from toolpace.study.simulation import CLOSED_FORM, Study, periods
@@ -39,7 +40,7 @@ def study_page(study: Study, figures: Sequence[Figure]) -> str:
     from plotly.offline import get_plotlyjs
 
     parts = [
-        "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
+        "<!doctype html><html lang='en'><head><meta charset=\"utf-8\">"
         "<meta name='viewport' content='width=device-width, initial-scale=1'><link rel='icon' href='data:,'>"
         f"<title>The paper's study</title><style>{STYLE}</style><script>{get_plotlyjs()}</script></head><body><main>"
         "<h1>Local minimum time, without and with deflection</h1>"
@@ -57,7 +58,7 @@ def study_page(study: Study, figures: Sequence[Figure]) -> str:
         section("What the paper does not say, and what was chosen", "", table(["", "chosen"], CHOICES)),
         "</main></body></html>",
     ]  # fmt: skip
-    return "\n".join(parts)
+    return with_policy("\n".join(parts))
 
 
 TIMES_LEAD = (

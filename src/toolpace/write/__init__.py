@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +13,7 @@ from toolpace.errors import UsageError
 from toolpace.files import reason, whole_folder
 from toolpace.write.csv import write_csv
 from toolpace.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
-from toolpace.write.result import PlanResult
+from toolpace.write.result import PlanResult, copy_name
 
 __all__ = [
     "MACHINE", "PLAN", "REPORT", "SET_POINTS", "TABLE", "WRITING", "PlanRecord", "PlanResult", "read_plan",
@@ -41,18 +40,19 @@ def write_folder(
     """Write setpoints.npz, machine.toml, a copy of the program (program.<ext>), as asked setpoints.csv and
     report.html, and last plan.json; return what plan.json says.
 
-    `progress` is called with the share done. Everything is written to a temporary folder beside `directory` first;
-    where anything fails (UsageError), nothing is left behind.
+    `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which
+    takes its place in one step. What is there already is replaced only where toolpace wrote all of it; where it is
+    not, or anything fails (UsageError), all is as it was.
     """
     tell = progress or (lambda share: None)
     began = time.perf_counter()
     record = result.record()
-    with whole_folder(directory, last=PLAN) as folder:
+    with whole_folder(directory, seal=PLAN) as folder:
         tell(0.0)
         result.setpoints.save(folder / SET_POINTS)
         (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
         if result.program is not None:
-            copy_program(result.program, folder / result.program_copy)
+            copy_program(result, folder / result.program_copy)
         if csv:
             tell(0.1)
             write_csv(folder / TABLE, result.setpoints, result.machine)
@@ -70,15 +70,19 @@ def write_folder(
     return record
 
 
-def copy_program(program: Path, copy: Path) -> None:
-    """Copy the program beside its plan. Raises UsageError where it cannot be read."""
-    try:
-        shutil.copyfile(program, copy)
-    except OSError as error:
-        raise UsageError(f"{program}: cannot read: {reason(error)}") from None
+def copy_program(result: PlanResult, copy: Path) -> None:
+    """Put the program beside its plan, as it was read. Raises UsageError where it was not, and cannot be now."""
+    data = result.program_bytes
+    if data is None:
+        assert result.program is not None
+        try:
+            data = result.program.read_bytes()
+        except OSError as error:
+            raise UsageError(f"{result.program}: cannot read: {reason(error)}") from None
+    copy.write_bytes(data)
 
 
 def written_files(program: Path, *, csv: bool, report: bool) -> list[str]:
     """Names of the files of a plan, the one to look at last."""
-    names = [PLAN, SET_POINTS, MACHINE, f"program{program.suffix}"]
+    names = [PLAN, SET_POINTS, MACHINE, copy_name(program)]
     return names + [TABLE] * csv + [REPORT] * report

@@ -13,6 +13,8 @@ from toolpace.files import reason, whole_file
 
 PLAN = "plan.json"
 """Its name in the folder of a plan."""
+LARGEST = 1 << 26
+"""Most bytes of it: those of a long program have some thousands."""
 
 
 class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -99,10 +101,14 @@ def read_plan(path: str | os.PathLike[str]) -> PlanRecord:
     source = Path(path)
     source = source / PLAN if source.is_dir() else source
     try:
-        return msgspec.json.decode(source.read_bytes(), type=PlanRecord)
+        with source.open("rb") as stream:
+            data = stream.read(LARGEST + 1)
+        if len(data) > LARGEST:
+            raise UsageError(f"{source}: not a plan: more than {LARGEST >> 20} MB; plan again, into a new folder")
+        return msgspec.json.decode(data, type=PlanRecord)
     except FileNotFoundError:
         raise UsageError(f"{source}: no such file; give the folder that `toolpace plan` wrote") from None
     except OSError as error:
         raise UsageError(f"{source}: cannot read: {reason(error)}") from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise UsageError(f"{source}: not a plan: {error}; plan again to write it anew") from None
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise UsageError(f"{source}: not a plan: {error}; plan again, into a new folder") from None

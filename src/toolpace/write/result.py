@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from toolpace.errors import printable
 from toolpace.setpoints import SetPoints
 from toolpace.version import __version__
 from toolpace.write.plan_json import OpenPlaceRecord, PlanRecord, UsageRecord
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
+
+
+_SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
 
 
 class Fitted(Protocol):
@@ -50,6 +55,8 @@ class PlanResult:
     verification: Verification | None = None
     program: Path | None = None
     """The file of the program; a copy of it goes beside the plan."""
+    program_bytes: bytes | None = None
+    """What was read from it: a file may change meanwhile, a pipe is read but once. None: it is read for the copy."""
     dialect: str | None = None
     """What the program was to be read as, where that was said."""
     feed: str | None = None
@@ -64,7 +71,7 @@ class PlanResult:
     @property
     def program_copy(self) -> str:
         """Name of the copy of the program; empty where there is none."""
-        return f"program{self.program.suffix}" if self.program is not None else ""
+        return copy_name(self.program) if self.program is not None else ""
 
     def record(self) -> PlanRecord:
         """The figures of plan.json. Deviations are what the judge measured, without one what the fit did."""
@@ -91,8 +98,8 @@ class PlanResult:
             limited_by=trajectory.limited_by(),
             tip_deviation_mm=largest_known([source.tip_deviation for source in measured], 1e3),
             axis_deviation_deg=largest_known([source.axis_deviation for source in measured], 180.0 / math.pi),
-            machine=self.machine.name,
-            program=(self.program.name if self.program is not None else "") or source,
+            machine=printable(self.machine.name),
+            program=printable((self.program.name if self.program is not None else "") or source),
             toolpace_version=__version__,
             planner=trajectory.planner,
             dt_s=float(t[1] - t[0]) if len(t) > 1 else 0.0,
@@ -110,6 +117,11 @@ class PlanResult:
             ],
             step_s=dict(self.step_s),
         )
+
+
+def copy_name(program: Path) -> str:
+    """Name of the copy of a program: the suffix tells its dialect, and is kept where it could."""
+    return f"program{program.suffix if _SUFFIX.fullmatch(program.suffix) else ''}"
 
 
 def largest_known(deviations: Sequence[float], scale: float) -> float | None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from toolpace.reading.source import Source
 
-_NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[ED][-+]?[0-9]+)?"
+_NUMBER = r"[-+]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[ED][-+]?[0-9]++)?"
 NUMBER = re.compile(_NUMBER)
 _MAJOR = re.compile(r"(?:[A-Z0-9_]+\)\s*)?([A-Z][A-Z0-9_-]*(?: PATH)?)\s*(?:/\s*(.*))?", re.DOTALL)
 _SEPARATOR = re.compile(r"\s*,\s*|\s+")

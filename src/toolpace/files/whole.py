@@ -1,0 +1,45 @@
+"""Files that are either whole or not there: written under a temporary name, then renamed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from toolpace.errors import UsageError
+from toolpace.files.signals import uninterrupted
+from toolpace.files.temporary import Temporary, sweep
+
+
+def reason(error: OSError | ValueError) -> str:
+    """What the system says about a failed file operation, in lower case and without a number."""
+    return (getattr(error, "strerror", None) or str(error)).lower()
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary name beside `path`; rename it to `path` when the block ends well, remove it when
+    not."""
+    target = Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        sweep(target)
+        with uninterrupted():
+            temporary = Temporary(target, folder=False)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{target}: cannot write: {reason(error)}") from None
+    try:
+        yield temporary.path
+        temporary.path.replace(target)
+    except OSError as error:
+        raise UsageError(f"{target}: cannot write: {reason(error)}") from None
+    finally:
+        with uninterrupted():
+            temporary.remove()
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

@@ -1,0 +1,41 @@
+"""What a page that toolpace writes may do in a browser: run and look as it was written, and reach nothing else.
+
+A content security policy in the page itself. Scripts and style sheets run where their checksums are those of the ones
+written here; whatever found its way in by the name of a program does not. There is no network.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+
+_INLINE = re.compile(r"<(script|style)((?: [^>]*)?)>(.*?)</\1>", re.DOTALL)
+_HEAD = '<meta charset="utf-8">'
+_EMPTY = ""
+"""plotly makes an empty style sheet and puts its rules into it one by one; that of maps, which it adds, stays out."""
+
+
+def with_policy(page: str) -> str:
+    """The page with a policy for all that stands in it, right behind the declaration of its letters."""
+    held: dict[str, list[str]] = {"script": [], "style": [checksum(_EMPTY)]}
+    for kind, attributes, text in _INLINE.findall(page):
+        # Data is nothing that runs.
+        if "json" not in attributes:
+            held[kind].append(checksum(text))
+    scripts, styles = (" ".join(dict.fromkeys(held[kind])) for kind in ("script", "style"))
+    # Widths and colours of bars are attributes of their elements, and so is much of what plotly draws.
+    policy = (
+        f"default-src 'none'; script-src {scripts}; style-src-elem {styles}; style-src-attr 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+    before, found, behind = page.partition(_HEAD)
+    if not found:
+        raise ValueError(f"a page without {_HEAD}")
+    return f'{before}{found}\n<meta http-equiv="Content-Security-Policy" content="{policy}">{behind}'
+
+
+def checksum(text: str) -> str:
+    """A text as a policy names it; a browser reads every line end as a line feed."""
+    digest = hashlib.sha256(text.replace("\r\n", "\n").replace("\r", "\n").encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode()}'"

@@ -1,0 +1,45 @@
+"""What is said before the work of the room that results will take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from toolpace.cli import job
+from toolpace.errors import UsageError
+from toolpace.machine.machine import Machine
+from toolpace.reading import read_text
+from toolpace.setpoints import COPIES, refuse_too_many
+
+ROW = 8 * (1 + 4 * 5 + 6 + 1)
+
+
+def test_feeds_least_times_and_dwells_are_what_a_motion_takes_at_least():
+    body = "G21 G90 G94\nG0 X0 Y0 Z0\nG1 X10 F600\nG4 P2\nX30 F1200\nG93 X40 F30\nG0 X90\nG94 G1 X100 F600\nM30\n"
+    assert job.least_duration(read_text(body, None, "gcode")) == pytest.approx(1.0 + 2.0 + 1.0 + 2.0 + 1.0)
+
+
+@pytest.mark.parametrize(("share", "fine"), [(0.99, True), (1.01, False)])
+def test_memory_is_that_of_the_set_points_as_often_as_they_are_held(monkeypatch, share, fine):
+    monkeypatch.setattr("toolpace.setpoints.free_memory", lambda: 1000.0 * ROW * COPIES / share)
+    if fine:
+        refuse_too_many(1.0, 1e-3, 5)
+        return
+    with pytest.raises(UsageError, match=r"1e\+03 set-points every 0\.001 s.*take a time step of 0\.001 s or more"):
+        refuse_too_many(1.0, 1e-3, 5)
+
+
+@pytest.mark.parametrize("csv", [False, True])
+@pytest.mark.parametrize(("share", "fine"), [(0.99, True), (1.01, False)])
+def test_disk_is_that_of_the_files(monkeypatch, csv, share, fine):
+    """Half of the time is sure; with a table two and a half times as much again; five megabytes for the report."""
+    task = SimpleNamespace(machine=Machine.load("xyzac-trunnion"), dt=1e-3, csv=csv, out=Path("out"))
+    wanted = 0.5e6 * ROW * (3.5 if csv else 1.0) + 5e6
+    monkeypatch.setattr("toolpace.files.free_disk", lambda folder: wanted / share)
+    if fine:
+        job.refuse_without_room(task, 1e3, "the motion takes")
+        return
+    with pytest.raises(UsageError, match=r"--out out: the results take more than"):
+        job.refuse_without_room(task, 1e3, "the motion takes")

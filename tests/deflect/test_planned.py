@@ -1,0 +1,67 @@
+"""A replanned law is taken only where it begins as it shall and keeps what is promised; else the direct one is."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from toolpace.deflect import planned
+from toolpace.errors import InfeasibleError
+from toolpace.planning.guarantee import PROMISED
+
+
+class Law:
+    def __init__(self, duration, begin=(0.0, 0.02, 0.3, 0.0)):
+        self.duration, self.begin = duration, np.array(begin)[:, None]
+
+    def at(self, t):
+        return self.begin
+
+
+RUN = SimpleNamespace(parameter=lambda t: np.array([[0.0], [0.02], [0.3], [0.0]]), machine=None)
+LIMITS = SimpleNamespace(joints=("X",))
+DIRECT = Law(2.0)
+
+
+def taken(monkeypatch, law, worst=1.0):
+    """Whether the planner's law is taken, with the usage that it is found to have."""
+    usage = lambda: SimpleNamespace(worst=worst)  # noqa: E731
+    monkeypatch.setattr(planned, "AxisPath", lambda *given: None)
+    monkeypatch.setattr(planned, "Trajectory", lambda *given: SimpleNamespace(usage=usage))
+    planner = SimpleNamespace(plan_run=lambda *given: SimpleNamespace(law=law))
+    found = planned.planned_law(RUN, LIMITS, DIRECT, planner)
+    assert found in (law, DIRECT)
+    return found is law
+
+
+@pytest.mark.parametrize(
+    ("worst", "fine"), [(0.9, True), (PROMISED, True), (1.00011, False), (1.005, False), (2.0, False)]
+)
+def test_a_law_that_passes_a_limit_is_not_taken(monkeypatch, worst, fine):
+    assert taken(monkeypatch, Law(1.0), worst) == fine
+
+
+@pytest.mark.parametrize(("duration", "fine"), [(1.0, True), (1.9999, True), (2.0, False), (2.1, False)])
+def test_a_law_that_is_no_faster_is_not_taken(monkeypatch, duration, fine):
+    assert taken(monkeypatch, Law(duration)) == fine
+
+
+@pytest.mark.parametrize(
+    ("begin", "fine"),
+    [
+        ((0.0, 0.02, 0.3, 9.0), True), ((0.0, 0.02 * (1 + 1e-10), 0.3, 0.0), True),
+        ((0.0, 0.02 * (1 + 1e-6), 0.3, 0.0), False), ((0.0, 0.0201, 0.3, 0.0), False), ((0.0, 0.0, 0.3, 0.0), False),
+        ((0.0, 0.02, 0.3001, 0.0), False), ((0.0, 0.02, -0.3, 0.0), False), ((0.0, 0.02, 0.0, 0.0), False),
+    ],
+)  # fmt: skip
+def test_a_law_that_begins_in_another_state_is_not_taken(monkeypatch, begin, fine):
+    assert taken(monkeypatch, Law(1.0, begin)) == fine
+
+
+def test_where_the_planner_finds_no_motion_the_direct_law_is_taken():
+    def refuse(*given):
+        raise InfeasibleError("no motion")
+
+    assert planned.planned_law(RUN, LIMITS, DIRECT, SimpleNamespace(plan_run=refuse)) is DIRECT
