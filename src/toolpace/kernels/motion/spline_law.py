@@ -12,9 +12,11 @@ import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.motion.cell_time import FLOOR, Panels, floor_of, value, way_after
+from toolpace.kernels.motion.cell_time import FLOOR, Panels, floor_of, time_over, value, way_after
 from toolpace.kernels.motion.cubic_spline import at_knots, basis_at_knots
 
+STEEP, UNEVEN = 30.0, 1e-4
+"""How far z at the nodes of a cell may differ, and the time by eight points of it be off beyond that, before it is cut."""
 REST_INSIDE = np.linspace(0.0, 1.0, 65)
 
 
@@ -53,7 +55,8 @@ def polynomials(nodes: Floats, c: Floats) -> Floats:
 
 @jit()
 def dips(nodes: Floats, cells: Floats, inside: Floats) -> Bools:
-    """(n - 1,) whether a cell is too long: z falls, inside, below half of what it is at either node."""
+    """(n - 1,) whether a cell is too long: z falls, inside, below half of what it is at either node, or changes by so
+    much that one cubic is a poor law: eight points of it do not even tell its time."""
     n = len(nodes)
     out = np.zeros(n - 1, dtype=np.bool_)
     for k in range(n - 1):
@@ -62,6 +65,11 @@ def dips(nodes: Floats, cells: Floats, inside: Floats) -> Bools:
         for f in inside:
             if value(cells[k], f * h) < 0.5 * low:
                 out[k] = True
+        if max(cells[k, 0], value(cells[k], h)) > STEEP * low:
+            floor = floor_of(cells[k], h)
+            whole = time_over(cells[k], floor, 0.0, h)
+            halves = time_over(cells[k], floor, 0.0, h / 2.0) + time_over(cells[k], floor, h / 2.0, h / 2.0)
+            out[k] |= abs(halves - whole) > UNEVEN * whole
     return out
 
 
