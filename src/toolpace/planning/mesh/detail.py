@@ -11,6 +11,7 @@ from toolpace.arrays import Floats
 from toolpace.axispath.run import AxisRun
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
+from toolpace.planning.mesh.chase import Gaps, chased
 
 UNSEEN = 0.02
 """Share of a limit that may hide between two points of the grid at the speed that the limits allow at them."""
@@ -57,14 +58,22 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
         third[1 + at] = np.minimum(third[1 + at], third_before)
     grid = LimitsAlong(s, steady, third)
     shortest = max(FINEST * (run.s1 - run.s0), 4.0 * float(np.spacing(max(abs(run.s0), abs(run.s1)))))
-    found = []
+    # what is shorter than the steps of the grid by far shows in its increments only
+    narrow, way = chased(run, limits, Gaps(low, high, of_low, of_high, slow), shortest)
+    found = [(way, *allowed(run, limits, way, run.evaluate(way)))] if len(way) else []
     count = 0
     for level in itertools.count(1):
         ends = (np.ascontiguousarray(of_low), np.ascontiguousarray(of_high))
         unseen = first_guess.unseen(*ends, high - low, slow, limits.velocity, limits.acceleration, limits.jerk)
         marked = (unseen > UNSEEN) & (high - low > 2.0 * shortest)
+        if level == SETTLED + 1 and len(narrow.low):
+            # so short, they are looked at like what is left of the others now
+            low, high, slow = (np.concatenate(pair) for pair in zip((low, high, slow), (narrow.low, narrow.high, narrow.slow)))
+            of_low = np.concatenate([of_low, narrow.of_low], axis=1)
+            of_high = np.concatenate([of_high, narrow.of_high], axis=1)
+            marked = np.concatenate([marked, narrow.high - narrow.low > 2.0 * shortest])
         count += int(marked.sum())
-        if not marked.any() or count > MOST_POINTS:
+        if (not marked.any() and (level > SETTLED or not len(narrow.low))) or count > MOST_POINTS:
             break
         low, high, slow = low[marked], high[marked], slow[marked]
         of_low, of_high = of_low[:, marked], of_high[:, marked]
