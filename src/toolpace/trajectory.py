@@ -15,7 +15,7 @@ from toolpace.description import counted, named, one_line
 from toolpace.errors import UsageError
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion import Motion, Usage, jerk_jumps, joint_motion, limit_ratios
+from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
 from toolpace.setpoints import SetPoints
 
 BINDING = 0.995
@@ -186,8 +186,10 @@ class Trajectory:
             jumpy = law.jumps.size > 0
             peak[1 + 2 * m :][jerk_jumps(run, self.limits, law)] = np.inf
             for probe in law.probes():
-                ratios = limit_ratios(run, self.limits, probe.state, probe.right)
+                ratios, _, between = closer_look(run, self.limits, law, probe)
                 peak = np.maximum(peak, ratios.max(axis=0))
+                if len(between):
+                    peak = np.maximum(peak, between.max(axis=0))
                 first = ratios[:, : 1 + (2 if jumpy else 3) * m].argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
                 times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))

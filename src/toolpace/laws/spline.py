@@ -57,6 +57,11 @@ class SplineLaw(TimeLaw):
         t = np.ascontiguousarray(t, dtype=float)
         return spline_law.states(t, self._law)
 
+    def states_at(self, s: Floats) -> Floats:
+        from toolpace.kernels.motion import spline_law
+
+        return spline_law.states_at(np.ascontiguousarray(s), self._law)
+
     def probes(self) -> Iterator[Probe]:
         from toolpace.kernels.motion import spline_law
 

@@ -22,10 +22,11 @@ POWERS = (5, 5, 3)
 
 
 @jit()
-def missing(low: Floats, high: Floats, s: Floats, h: Floats) -> Floats:
+def missing(low: Floats, high: Floats, s: Floats, h: Floats, speed: Floats, least: Floats) -> Floats:
     """(n, 3, m) by how much position, slope and curvature change between two places beyond what both ends tell.
 
-    low, high (4, n, m): the path at both; s (n,) where, h (n,) how far apart. What rounding explains is taken off.
+    low, high (4, n, m): the path at both; s (n,) where, h (n,) how far apart. What rounding explains is taken off, and
+    changes of position, velocity and acceleration by less than `least` (3, m) at ds/dt = speed (n,) are let pass.
     """
     n, m = low.shape[1], low.shape[2]
     out = np.zeros((n, 3, m))
@@ -39,7 +40,8 @@ def missing(low: Floats, high: Floats, s: Floats, h: Floats) -> Floats:
                 if k < 2:
                     change += h[i] * h[i] * (high[k + 2, i, j] - low[k + 2, i, j]) / 12.0
                 slope = max(abs(low[k + 1, i, j]), abs(high[k + 1, i, j]))
-                noise = eps * (max(abs(low[k, i, j]), abs(high[k, i, j])) + (abs(s[i]) + h[i]) * slope)
+                noise = least[k, j] / speed[i] ** k if speed[i] > 0.0 else 0.0
+                noise += eps * (max(abs(low[k, i, j]), abs(high[k, i, j])) + (abs(s[i]) + h[i]) * slope)
                 out[i, k, j] = max(abs(change) - noise, 0.0)
     return out
 

@@ -149,6 +149,28 @@ def states(t: Floats, law: Law) -> Floats:
 
 
 @jit()
+def states_at(s: Floats, law: Law) -> Floats:
+    """(4, len(s)): the states in which places in order are passed."""
+    nodes, cells, _, _, rest0, rest1, _ = law
+    n = len(nodes)
+    out = np.empty((4, len(s)))
+    last = end_speed(nodes, cells)
+    for i in range(len(s)):
+        x = s[i]
+        if x < nodes[0] and rest0 > 0.0:
+            v = np.sqrt(cells[0, 0])
+            t = 3.0 * rest0 / v * np.cbrt(max(x - nodes[0] + rest0, 0.0) / rest0)
+            _rest(nodes[0] - rest0, rest0, v, t, 1.0, out, i)
+        elif x > nodes[n - 1] and rest1 > 0.0:
+            t = 3.0 * rest1 / last * np.cbrt(max(nodes[n - 1] + rest1 - x, 0.0) / rest1)
+            _rest(nodes[n - 1] + rest1, rest1, last, t, -1.0, out, i)
+        else:
+            k = min(max(np.searchsorted(nodes, x, side="right") - 1, 0), n - 2)
+            _inside(nodes[k], cells[k], floor_of(cells[k], nodes[k + 1] - nodes[k]), x - nodes[k], out, i)
+    return out
+
+
+@jit()
 def within(nodes: Floats, cells: Floats, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
     """States at `inside` (k,), shares of a cell, in the cells `which` (m,), their ends taken from inside.
 

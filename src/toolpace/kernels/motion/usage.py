@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Bools, Floats
 from toolpace.kernels.jit import jit
 
 
@@ -49,4 +49,31 @@ def peaks(place: Floats, ratio: Floats) -> Floats:
                             value -= slope * slope / (4.0 * bend)
                 best = max(best, value)
             out[c, col] = best
+    return out
+
+
+@jit()
+def summits(s: Floats, ratio: Floats, most: float) -> Bools:
+    """Raise samples of ratio (n, columns) at s (n,), in place, to the tops of the parabolas through three in a row.
+
+    Returns (n - 1,) gaps beside a top that lies higher than its sample by more than `most`: to be looked into.
+    """
+    n, columns = ratio.shape
+    out = np.zeros(max(n - 1, 0), dtype=np.bool_)
+    for col in range(columns):
+        before = ratio[0, col] if n > 0 else 0.0
+        for i in range(1, n - 1):
+            value, after = ratio[i, col], ratio[i + 1, col]
+            h0, h1 = s[i] - s[i - 1], s[i + 1] - s[i]
+            if value > 0.9 and value >= before and value >= after and h0 > 0.0 and h1 > 0.0:
+                rise0, rise1 = (value - before) / h0, (after - value) / h1
+                bend = (rise1 - rise0) / (h0 + h1)
+                if bend < 0.0:
+                    slope = rise0 + bend * h0
+                    more = -slope * slope / (4.0 * bend)
+                    if more > most:
+                        out[i - 1] = out[i] = True
+                    else:
+                        ratio[i, col] = value + more
+            before = value
     return out

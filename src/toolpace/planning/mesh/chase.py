@@ -15,10 +15,13 @@ from toolpace.arrays import Floats
 from toolpace.axispath.run import AxisRun
 from toolpace.kernels.motion import hidden
 from toolpace.machine.limits import Limits
+from toolpace.motion import least_changes
 
 SEEN = 0.02
 """Share of a limit, at the speed that is allowed beside it, at which something is seen for what it is."""
 MOST_HALVINGS = 60
+FEWEST_HALVINGS = 4
+"""Halvings before something counts as hidden: where a grid is a little coarse, fewer do."""
 MOST_CHASED = 2_000
 """Gaps after which no more are chased: a path that is noise everywhere is not chased for ever."""
 
@@ -41,9 +44,10 @@ class Gaps(NamedTuple):
             np.ascontiguousarray(self.of_high[:, which]), self.slow[which],
         )  # fmt: skip
 
-    def missing(self) -> Floats:
+    def missing(self, limits: Limits) -> Floats:
         """(n, 3, joints) changes of position, slope and curvature that both ends do not tell."""
-        return hidden.missing(self.of_low, self.of_high, self.low, self.high - self.low)
+        length, speed = self.high - self.low, np.sqrt(self.slow)
+        return hidden.missing(self.of_low, self.of_high, self.low, length, speed, least_changes(limits))
 
 
 def chased(run: AxisRun, limits: Limits, gaps: Gaps, shortest: float) -> tuple[Gaps, Floats]:
@@ -51,20 +55,20 @@ def chased(run: AxisRun, limits: Limits, gaps: Gaps, shortest: float) -> tuple[G
 
     `shortest`: length of a gap that numbers do not resolve [of s].
     """
-    missed = gaps.missing()
+    missed = gaps.missing(limits)
     which = np.flatnonzero(hidden.odd_ones(missed, gaps.high - gaps.low))[:MOST_CHASED]
     now, missed = gaps.take(which), missed[which]
     found: list[Gaps] = []
     way: list[tuple[Floats, Floats]] = []
     chain, caught = np.arange(len(which)), np.zeros(len(which), dtype=np.bool_)
-    for _ in range(MOST_HALVINGS):
+    for number in range(1, MOST_HALVINGS + 1):
         if len(now.low) == 0:
             break
         middle = (now.low + now.high) / 2.0
         of_middle = run.evaluate(middle)
         left = Gaps(now.low, middle, now.of_low, np.ascontiguousarray(of_middle), now.slow)
         right = Gaps(middle, now.high, left.of_high, now.of_high, now.slow)
-        missed_left, missed_right = left.missing(), right.missing()
+        missed_left, missed_right = left.missing(limits), right.missing(limits)
         stays, is_right = hidden.worse_half(missed, missed_left, missed_right)
         way.append((chain, middle))
         pick = is_right[:, None, None]
@@ -75,9 +79,10 @@ def chased(run: AxisRun, limits: Limits, gaps: Gaps, shortest: float) -> tuple[G
         )  # fmt: skip
         missed = np.where(pick, missed_right, missed_left)
         length = half.high - half.low
+        speed = np.sqrt(half.slow)
         seen = stays & (
-            hidden.asked(missed, length, np.sqrt(half.slow), limits.velocity, limits.acceleration, limits.jerk) > SEEN
-        )
+            hidden.asked(missed, length, speed, limits.velocity, limits.acceleration, limits.jerk) > SEEN
+        ) & (number >= FEWEST_HALVINGS)  # fmt: skip
         if seen.any():
             caught[chain[seen]] = True
             found.append(half.take(seen))
