@@ -134,7 +134,12 @@ def stretches_unseen(run: AxisRun, s: Floats) -> Floats:
 
 
 def unexplained(
-    run: AxisRun, limits: Limits, s: Floats, speed: Floats, path: Floats, look: Callable[[Floats], tuple[Floats, Floats]]
+    run: AxisRun,
+    limits: Limits,
+    s: Floats,
+    speed: Floats,
+    path: Floats,
+    look: Callable[[Floats], tuple[Floats, Floats]],
 ) -> None:
     """Look between the places s (n,) in order where the path (4, n, m) does more than both of them tell."""
     from toolpace.kernels.motion import hidden

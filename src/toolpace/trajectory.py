@@ -46,9 +46,12 @@ class Trajectory:
     laws: tuple[TimeLaw, ...]
     planner: str = "optimal"
     lower_bound: float = 0.0
-    """No motion within the limits is faster than this [s]; 0 when unknown."""
+    """No plan on this mesh, which holds the limits at its nodes, is faster than this [s]; 0 when unknown.
+
+    Another mesh may allow less: of any motion at all `continuous_bound` speaks.
+    """
     continuous_bound: float = 0.0
-    """No motion that keeps the limits all along the path, on no mesh, is faster than this [s]; 0 when unknown."""
+    """No motion that keeps the limits all along the path is faster than this [s], on no mesh; 0 when unknown."""
     open_places: tuple[OpenPlace, ...] = ()
     """Where most of the gap between duration and lower bound lies, in the order of time."""
     mesh_points: int = 0
@@ -72,7 +75,7 @@ class Trajectory:
             f"{self.duration:.6g} s",
             named(self.joints),
             counted(blocks, "block") if blocks else "",
-            f"gap {self.gap * 100.0:.2g} %" if self.lower_bound > 0.0 else "",
+            f"gap {self.gap * 100.0:.2g} % on its mesh" if self.lower_bound > 0.0 else "",
             f"planner {self.planner}",
         )
 
@@ -83,7 +86,7 @@ class Trajectory:
 
     @property
     def gap(self) -> float:
-        """How far the duration may be from the best possible: duration / lower bound - 1; inf without a bound."""
+        """How far the duration may be from the best on this mesh: duration / lower bound - 1; inf without a bound."""
         return self.duration / self.lower_bound - 1.0 if self.lower_bound > 0.0 else np.inf
 
     def _state(self, t: Floats) -> tuple[Ints, Floats]:

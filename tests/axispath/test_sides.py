@@ -18,7 +18,9 @@ def blend(half, change, middle=0.5, turn=0.5):
     """Two lines with a quintic blend as long as 2 `half` between them, whose ends are off by `change` (2,)."""
     way = np.array([[1.0, 0.0], [np.cos(turn), np.sin(turn)]])
     ends = [[-way[0], way[0], np.zeros(2)], [way[1], way[1], np.zeros(2)]]
-    parts = [PPoly.from_bernstein_basis(BPoly.from_derivatives([-1, 1], [[v[j] for v in e] for e in ends])) for j in (0, 1)]
+    parts = [
+        PPoly.from_bernstein_basis(BPoly.from_derivatives([-1, 1], [[v[j] for v in e] for e in ends])) for j in (0, 1)
+    ]
 
     def f(s, order):
         low, high = middle - half + change[0], middle + half + change[1]

@@ -39,5 +39,7 @@ class Sides:
         out = np.where(right, np.where(self.only_left[k], self.first[k] - self.width, self.last[k] + self.width), s)
         k = np.minimum(after + 1, len(self.first) - 1)
         left = (after + 1 < len(self.first)) & (s > self.first[k] - self.width) & ~right
-        aside: Floats = np.where(left, np.where(self.only_right[k], self.last[k] + self.width, self.first[k] - self.width), out)
+        aside: Floats = np.where(
+            left, np.where(self.only_right[k], self.last[k] + self.width, self.first[k] - self.width), out
+        )
         return aside

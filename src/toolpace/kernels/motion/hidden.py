@@ -1,7 +1,7 @@
 """What a path does between two places at which it is known, as far as its increments tell.
 
 Between two places position, slope and curvature change by the integrals of the next derivative. What both ends know of
-that integral (Hermite's rule; for the curvature the trapezoid) is off by h^5 q'''''/720 and the like on a smooth path,
+that integral (Hermite's rule; for the curvature the trapezoid) is off by h^7, h^5, h^3 times higher derivatives on a smooth path,
 and by the whole of what happens between them unseen, however short that is: a bend, a kink, a jump.
 """
 
@@ -18,7 +18,7 @@ ODD = 6.0
 """How many times its neighbours' error, brought to its own length, that of a gap is before it is looked into."""
 STAYS = 0.25
 """Share of the error of a gap that is left in one of its halves where something happens in it; 1/8 on a smooth path."""
-POWERS = (5, 5, 3)
+POWERS = (7, 5, 3)
 
 
 @jit()
@@ -37,8 +37,11 @@ def missing(low: Floats, high: Floats, s: Floats, h: Floats, speed: Floats, leas
         for k in range(3):
             for j in range(m):
                 change = high[k, i, j] - low[k, i, j] - 0.5 * h[i] * (low[k + 1, i, j] + high[k + 1, i, j])
-                if k < 2:
-                    change += h[i] * h[i] * (high[k + 2, i, j] - low[k + 2, i, j]) / 12.0
+                if k == 0:
+                    change += h[i] ** 2 * (high[2, i, j] - low[2, i, j]) / 10.0
+                    change -= h[i] ** 3 * (high[3, i, j] + low[3, i, j]) / 120.0
+                elif k == 1:
+                    change += h[i] ** 2 * (high[3, i, j] - low[3, i, j]) / 12.0
                 slope = max(abs(low[k + 1, i, j]), abs(high[k + 1, i, j]))
                 noise = least[k, j] / speed[i] ** k if speed[i] > 0.0 else 0.0
                 noise += eps * (max(abs(low[k, i, j]), abs(high[k, i, j])) + (abs(s[i]) + h[i]) * slope)
@@ -47,9 +50,7 @@ def missing(low: Floats, high: Floats, s: Floats, h: Floats, speed: Floats, leas
 
 
 @jit()
-def asked(
-    missed: Floats, h: Floats, speed: Floats, velocity: Floats, acceleration: Floats, jerk: Floats
-) -> Floats:
+def asked(missed: Floats, h: Floats, speed: Floats, velocity: Floats, acceleration: Floats, jerk: Floats) -> Floats:
     """(n,) largest share of a limit that what is missing asks for, spread over the gaps h (n,), at ds/dt = speed."""
     n, _, m = missed.shape
     out = np.zeros(n)

@@ -68,7 +68,9 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
         marked = (unseen > UNSEEN) & (high - low > 2.0 * shortest)
         if level == SETTLED + 1 and len(narrow.low):
             # so short, they are looked at like what is left of the others now
-            low, high, slow = (np.concatenate(pair) for pair in zip((low, high, slow), (narrow.low, narrow.high, narrow.slow)))
+            low, high, slow = (
+                np.concatenate(pair) for pair in zip((low, high, slow), (narrow.low, narrow.high, narrow.slow))
+            )
             of_low = np.concatenate([of_low, narrow.of_low], axis=1)
             of_high = np.concatenate([of_high, narrow.of_high], axis=1)
             marked = np.concatenate([marked, narrow.high - narrow.low > 2.0 * shortest])
