@@ -1,10 +1,12 @@
-"""What a motion uses of its limits, from positions alone: differences of `at()` at three steps, each a tenth of the last.
+"""What a motion uses of its limits, from positions alone: differences of `at()` at three steps, each a tenth.
 
 A divided difference of order k is a mean of the k-th derivative with positive weights: it never passes the largest
 value of the derivative, so that what it passes a limit by is real, but for rounding, which is taken off.
 """
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 
@@ -36,8 +38,12 @@ def used_by_positions(trajectory: Trajectory) -> Floats:
         for first in groups:
             first = np.clip(first, 0.0, duration - 3.0 * step)
             q = [trajectory.at(first + k * step).q for k in range(4)]
-            # rounding of a position, and of the time at which it is taken
-            blur = ROUNDING * (np.abs(q[0]).max(axis=0) + duration * limits_or(trajectory, q, step))
+            # rounding of a position, of the time at which it is taken, and of the parameter there
+            swift = fastest(q, step)
+            blur = ROUNDING * (
+                np.abs(q[0]).max(axis=0) + duration * swift + behind_the_parameter(trajectory, first, q, step)
+            )
+            blur = np.maximum(blur, noise(trajectory, first[:: max(len(first) // 3000, 1)], step / 1000.0))
             for order, (weights, bound) in enumerate(zip(WEIGHTS, bounds), start=1):
                 change = np.abs(sum(w * at for w, at in zip(weights, q)))
                 used = np.maximum(change - 2.0**order * blur, 0.0) / step**order / bound
@@ -51,9 +57,29 @@ def used_by_positions(trajectory: Trajectory) -> Floats:
     return worst
 
 
-def limits_or(trajectory: Trajectory, q: list[Floats], step: float) -> Floats:
+def behind_the_parameter(trajectory: Trajectory, first: Floats, q: list[Floats], step: float) -> Floats:
+    """(m,) by how much a joint moves while s moves by its own size, at most."""
+    size = max(max(abs(run.s0), abs(run.s1)) for run in trajectory.axis_path.runs)
+    moved = np.abs(trajectory.parameter(first + step) - trajectory.parameter(first))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.abs(q[1] - q[0]) / moved[:, None]
+    # where s hardly moves its rounding is all there is
+    slope[moved <= 1e3 * np.spacing(size)] = 0.0
+    return size * slope.max(axis=0, initial=0.0)
+
+
+def noise(trajectory: Trajectory, first: Floats, step: float) -> Floats:
+    """(m,) third differences over a step so small that they are nothing but noise of the path: a pole makes it large.
+
+    A jump of an acceleration by as much as its limit makes less than a millionth of what it makes over the real step.
+    """
+    q = [trajectory.at(first + k * step).q for k in range(4)]
+    return np.abs(sum(w * at for w, at in zip(WEIGHTS[2], q))).max(axis=0)
+
+
+def fastest(q: list[Floats], step: float) -> Floats:
     """(m,) the largest velocity seen."""
-    return np.max([np.abs(b - a).max(axis=0) for a, b in zip(q, q[1:])], axis=0) / step
+    return np.max([np.abs(b - a).max(axis=0) for a, b in itertools.pairwise(q)], axis=0) / step
 
 
 def beside_nodes(trajectory: Trajectory, step: float) -> Floats:

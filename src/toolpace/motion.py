@@ -23,11 +23,11 @@ UNTOLD_SHARE = 1e-3
 """Share of a limit that the path may ask for between two states beyond what both tell."""
 LEAST_CHANGES = (1e-12, 1e-9, 1e-6)
 """Changes of position, velocity and acceleration that are let pass between two places, as shares of what a joint gains
-while its acceleration builds up at the jerk limit: a^3 / j^2, a^2 / j, a. Numbers cannot hold a path together better."""
+while its acceleration builds up at the jerk limit: a^3 / j^2, a^2 / j, a. Numbers hold no path together better."""
 SHORTEST = 1e-12
 """Gap that is not halved any more, as a share of the run."""
 MOST_PLACES = 20_000
-"""Places between the states of a probe after which no more are looked at: a path that is noise is not chased for ever."""
+"""Places between the states of a probe after which no more are looked at: noise is not chased for ever."""
 HIGHER = 1e-5
 """Height of a top over the highest of three states from which it is looked at, and not only reckoned."""
 TOPS = np.linspace(0.0, 1.0, 10)[1:-1]
@@ -74,11 +74,14 @@ def ratios_along(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> 
 
     s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
     path = np.ascontiguousarray(run.evaluate(s))
-    return usage.ratios(path, state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk), path
+    ratio: Floats = usage.ratios(
+        path, state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk
+    )  # fmt: skip
+    return ratio, path
 
 
 def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tuple[Floats, Floats, Floats]:
-    """Value over limit at the states of a probe (n, 1 + 3 m), and at places between (k,) where these do not tell enough.
+    """Value over limit at the states of a probe (n, 1 + 3 m), and at places between (k,) where these tell too little.
 
     Places are added in stretches between two hints of the run that have too few states; where the path does not go on
     between two states as its derivatives say (kernels/motion/hidden.py), until what is there is resolved; and beside

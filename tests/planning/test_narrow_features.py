@@ -1,4 +1,4 @@
-"""Features of a path that are narrower than any grid: what changes position, slope or curvature is found, however narrow."""
+"""Features narrower than any grid: what changes position, slope or curvature of a path is found, however narrow."""
 
 from __future__ import annotations
 
@@ -40,7 +40,9 @@ def blip(random: np.random.Generator, width: float, joints: int):
     def jets(s):
         u = 2.0 * (s - place) / width
         inside = np.abs(u) < 1.0
-        part = np.stack([np.where(inside, (bump.deriv(k) if k else bump)(u), 0.0) * (2.0 / width) ** k for k in range(4)])
+        part = np.stack(
+            [np.where(inside, (bump.deriv(k) if k else bump)(u), 0.0) * (2.0 / width) ** k for k in range(4)]
+        )
         return base(s) + part[:, :, None] * height
 
     return path_of(jets), place
@@ -60,7 +62,9 @@ def used_about(trajectory: Trajectory, place: float, width: float) -> float:
 
 
 def limits_of(random: np.random.Generator, joints: int) -> Limits:
-    return Limits(random.uniform(0.5, 2.0, joints), random.uniform(2.0, 8.0, joints), random.uniform(20.0, 80.0, joints))
+    return Limits(
+        random.uniform(0.5, 2.0, joints), random.uniform(2.0, 8.0, joints), random.uniform(20.0, 80.0, joints)
+    )
 
 
 @pytest.mark.parametrize("mesh", [30, 300, None])

@@ -50,10 +50,8 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
         grid.add_row("", Text("JERK LIMITS ARE NOT HELD by this planner: accelerations jump", style="bold red"))
     grid.add_row("duration", Text(f"{clock_time(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
     if record.lower_bound_s and record.gap is not None:
-        grid.add_row(
-            "",
-            f"no plan on this mesh takes less than {clock_time(record.lower_bound_s)}: at most {record.gap:.3%} to gain",
-        )
+        least = clock_time(record.lower_bound_s)
+        grid.add_row("", f"no plan on this mesh takes less than {least}: at most {record.gap:.3%} to gain")
         if record.continuous_bound_s:
             unmeshed = record.duration_s / record.continuous_bound_s - 1.0
             least = format_time(record.continuous_bound_s)

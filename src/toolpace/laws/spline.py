@@ -14,8 +14,8 @@ from toolpace.laws.law import CELLS_AT_A_TIME, Probe, TimeLaw, probes_a_cell
 class SplineLaw(TimeLaw):
     """(ds/dt)^2 a twice differentiable cubic spline of s; next to rest, ds/dt has a constant third derivative.
 
-    Between nodes, time is the integral of ds / sqrt(z), exact to rounding (kernels/motion/cell_time.py), and s at a time
-    its inverse: positions are the integral of the velocities on any mesh.
+    Between nodes, time is the integral of ds / sqrt(z), exact to rounding (kernels/motion/cell_time.py), and s at a
+    time its inverse: positions are the integral of the velocities on any mesh.
     """
 
     def __init__(self, nodes: Floats, c: Floats, rest: tuple[float, float]) -> None:

@@ -49,4 +49,4 @@ def test_a_search_that_ends_early_says_the_same():
         assert above == value
         below, _, at = quintic_interval.usage(interval, ends, period, value * 0.5, first)
         assert value * 0.5 <= below <= value * (1.0 + 1e-9)
-        assert kind == -1 or 0 <= node < nodes and 0 <= at < nodes
+        assert kind == -1 or (0 <= node < nodes and 0 <= at < nodes)

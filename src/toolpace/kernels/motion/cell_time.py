@@ -135,4 +135,5 @@ def way_after(cell: Floats, floor: float, start: float, width: float, wanted: fl
         x = min(max(x - step, 0.0), width)
         if abs(step) <= 1e-8 * width:
             break
-    return start + x
+    found: float = start + x
+    return found

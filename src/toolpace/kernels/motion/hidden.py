@@ -1,8 +1,8 @@
 """What a path does between two places at which it is known, as far as its increments tell.
 
 Between two places position, slope and curvature change by the integrals of the next derivative. What both ends know of
-that integral (Hermite's rule; for the curvature the trapezoid) is off by h^7, h^5, h^3 times higher derivatives on a smooth path,
-and by the whole of what happens between them unseen, however short that is: a bend, a kink, a jump.
+that integral (Hermite's rule; for the curvature the trapezoid) is off by h^7, h^5, h^3 times higher derivatives on a
+smooth path, and by the whole of what happens between them unseen, however short that is: a bend, a kink, a jump.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def odd_ones(missed: Floats, h: Floats) -> Bools:
 
 @jit()
 def worse_half(whole: Floats, left: Floats, right: Floats) -> tuple[Bools, Bools]:
-    """(n,) whether what is missing from gaps (n, 3, m) is still missing from a half, and whether that is the right one."""
+    """(n,) whether what is missing from gaps (n, 3, m) is missing from a half, too, and whether from the right one."""
     n, _, m = whole.shape
     stays, is_right = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
     for i in range(n):

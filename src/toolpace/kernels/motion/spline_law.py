@@ -16,7 +16,7 @@ from toolpace.kernels.motion.cell_time import FLOOR, Panels, floor_of, time_over
 from toolpace.kernels.motion.cubic_spline import at_knots, basis_at_knots
 
 STEEP, UNEVEN = 30.0, 1e-4
-"""How far z at the nodes of a cell may differ, and the time by eight points of it be off beyond that, before it is cut."""
+"""How far z at the nodes of a cell may differ, and its time by eight points be off beyond that, before it is cut."""
 REST_INSIDE = np.linspace(0.0, 1.0, 65)
 
 

@@ -97,7 +97,7 @@ def raise_hill(speed: Floats, fixed: Ints, top: int, width: int, step: float) ->
 def all_comfortable(
     intervals: Interval, top: int, width: int, speed: Floats, acceleration: Floats, reserve: float, period: Floats
 ) -> bool:
-    """Whether the intervals as far as `width` + 1 around a point have a law of at most `reserve` usage, and its periods.
+    """Whether the intervals as far as `width` + 1 around a point have laws of at most `reserve` usage, and the periods.
 
     The nearest ones come first: where a hill is too high, it is so about its top.
     """

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Bools, Floats, Ints
 from toolpace.axispath.run import AxisRun
 from toolpace.kernels.motion import hidden
 from toolpace.machine.limits import Limits
@@ -37,7 +37,7 @@ class Gaps(NamedTuple):
     slow: Floats
     """(n,) z that limits allow at both at steady speed."""
 
-    def take(self, which: Floats) -> Gaps:
+    def take(self, which: Ints | Bools) -> Gaps:
         """Some of them."""
         return Gaps(
             self.low[which], self.high[which], np.ascontiguousarray(self.of_low[:, which]),
@@ -59,7 +59,7 @@ def chased(run: AxisRun, limits: Limits, gaps: Gaps, shortest: float) -> tuple[G
     which = np.flatnonzero(hidden.odd_ones(missed, gaps.high - gaps.low))[:MOST_CHASED]
     now, missed = gaps.take(which), missed[which]
     found: list[Gaps] = []
-    way: list[tuple[Floats, Floats]] = []
+    way: list[tuple[Ints, Floats]] = []
     chain, caught = np.arange(len(which)), np.zeros(len(which), dtype=np.bool_)
     for number in range(1, MOST_HALVINGS + 1):
         if len(now.low) == 0:
@@ -74,7 +74,8 @@ def chased(run: AxisRun, limits: Limits, gaps: Gaps, shortest: float) -> tuple[G
         pick = is_right[:, None, None]
         half = Gaps(
             np.where(is_right, middle, now.low), np.where(is_right, now.high, middle),
-            np.where(is_right[:, None], right.of_low, left.of_low), np.where(is_right[:, None], now.of_high, left.of_high),
+            np.where(is_right[:, None], right.of_low, left.of_low),
+            np.where(is_right[:, None], now.of_high, left.of_high),
             now.slow,
         )  # fmt: skip
         missed = np.where(pick, missed_right, missed_left)

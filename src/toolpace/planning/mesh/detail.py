@@ -59,7 +59,9 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
     grid = LimitsAlong(s, steady, third)
     shortest = max(FINEST * (run.s1 - run.s0), 4.0 * float(np.spacing(max(abs(run.s0), abs(run.s1)))))
     # what is shorter than the steps of the grid by far shows in its increments only
-    narrow, way = chased(run, limits, Gaps(low, high, of_low, of_high, slow), shortest)
+    narrow, way = chased(
+        run, limits, Gaps(low, high, np.ascontiguousarray(of_low), np.ascontiguousarray(of_high), slow), shortest
+    )
     found = [(way, *allowed(run, limits, way, run.evaluate(way)))] if len(way) else []
     count = 0
     for level in itertools.count(1):
