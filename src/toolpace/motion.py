@@ -127,7 +127,7 @@ def least_changes(limits: Limits) -> Floats:
 
 def stretches_unseen(run: AxisRun, s: Floats) -> Floats:
     """(k,) places in the stretches between hints that have too few of the places s (n,) in order."""
-    hints = run.hints[(run.hints > s[0]) & (run.hints < s[-1])]
+    hints: Floats = run.hints[(run.hints > s[0]) & (run.hints < s[-1])]
     if len(hints) == 0:
         return hints
     ends = np.concatenate([[s[0]], hints, [s[-1]]])
