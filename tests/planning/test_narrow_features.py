@@ -11,7 +11,7 @@ from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import plan
 from toolpace.trajectory import Trajectory
 
-PLANNED, SHOWN = 1.0 / 300.0, 1.0 / 1500.0
+PLANNED, SHOWN = 1.0 / 1000.0, 1.0 / 1500.0
 """Width, as a share of the run, from which a blip that changes nothing beyond it is planned for, and shows in usage."""
 
 
