@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from testbed.jets import harmonics, path_of, straight
+from toolpace.errors import PathError
 from toolpace.machine.limits import Limits
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import plan
@@ -104,3 +105,23 @@ def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows():
             assert real <= max(PROMISED, trajectory.usage().worst * (1.0 + 1e-4)), f"seed {seed}, width {width:g}"
             if width == PLANNED:
                 assert real <= PROMISED, f"seed {seed}"
+
+
+@pytest.mark.parametrize("order, what", [(0, "position"), (1, "slope"), (2, "curvature")])
+def test_what_jumps_is_refused_by_place_and_joint(order, what):
+    """A jump is as narrow as anything can be; no motion of bounded jerk follows it."""
+    for seed in range(6):
+        random = np.random.default_rng([seed, 19])
+        joints = int(random.integers(1, 5))
+        place, size, joint = random.uniform(0.1, 0.9), 10.0 ** random.uniform(-1.0, 0.5), int(random.integers(joints))
+        base = harmonics(random, joints, 3)
+
+        def jets(s, place=place, size=size, joint=joint, base=base):
+            out, u = base(s), s - place
+            for k in range(order + 1):
+                factor = (1.0, order, 2.0)[k] * size
+                out[k, :, joint] += np.where(u > 0.0, factor * np.maximum(u, 0.0) ** (order - k), 0.0)
+            return out
+
+        with pytest.raises(PathError, match=f"the {what} of q{joint + 1} jumps at s = {place:.6f}"[:-1]):
+            plan(path_of(jets), limits_of(random, joints), mesh=[None, 100][seed % 2], bound=False)
