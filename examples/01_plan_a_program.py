@@ -40,7 +40,7 @@ trajectory.save(folder / "setpoints.npz")
 tp.report(trajectory, folder / "report.html", toolpath)
 
 print(f"{len(toolpath)} points in {trajectory.duration:.3f} s")
-print(f"at most {trajectory.gap:.4%} from the fastest")
+print(f"at most {trajectory.gap:.4%} from the fastest on its mesh")
 for what, share in trajectory.limited_by().items():
     print(f"limited by {what:15} {share:6.1%} of the time")
 

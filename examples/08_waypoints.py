@@ -24,7 +24,7 @@ paths = {
 }
 plans = {name: tp.plan(path, limits) for name, path in paths.items()}
 for name, trajectory in plans.items():
-    print(f"{name:13} {trajectory.duration:.3f} s, at most {trajectory.gap:.3%} from the fastest")
+    print(f"{name:13} {trajectory.duration:.3f} s, at most {trajectory.gap:.3%} from the fastest on its mesh")
 
 # %%
 # Positions and jerk of three of the joints.

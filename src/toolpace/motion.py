@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,11 +12,25 @@ from toolpace.arrays import Floats
 from toolpace.axispath.run import AxisRun
 from toolpace.description import one_line
 from toolpace.equality import ByValue
-from toolpace.laws.law import TimeLaw
+from toolpace.laws.law import Probe, TimeLaw
 from toolpace.machine.limits import KINDS, Limits
 
 LEAST_JUMP = 1e-6
 """Jump of an acceleration, as a share of its limit, below which it is rounding."""
+IN_A_STRETCH = np.arange(0.5, 8.0) / 8.0
+"""Where it is looked at between two hints of a run, as shares of the stretch."""
+UNTOLD_SHARE = 1e-3
+"""Share of a limit that the path may ask for between two states beyond what both tell."""
+LEAST_CHANGES = (1e-12, 1e-9, 1e-6)
+"""Changes of position, velocity and acceleration that are let pass between two places, as shares of what a joint gains
+while its acceleration builds up at the jerk limit: a^3 / j^2, a^2 / j, a. Numbers hold no path together better."""
+SHORTEST = 1e-12
+"""Gap that is not halved any more, as a share of the run."""
+MOST_PLACES = 20_000
+"""Places between the states of a probe after which no more are looked at: noise is not chased for ever."""
+HIGHER = 1e-5
+"""Height of a top over the highest of three states from which it is looked at, and not only reckoned."""
+TOPS = np.linspace(0.0, 1.0, 10)[1:-1]
 CHUNK = 100_000
 """Jumps that are worked out at once, to keep memory low."""
 
@@ -50,13 +65,112 @@ def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> 
 
     `right` (n,) is 0 where the state belongs to the left side of a break.
     """
+    return ratios_along(run, limits, state, right)[0]
+
+
+def ratios_along(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """The same, and the path (4, n, m) there."""
     from toolpace.kernels.motion import usage
 
     s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
+    path = np.ascontiguousarray(run.evaluate(s))
     ratio: Floats = usage.ratios(
-        run.evaluate(s), state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk
-    )
-    return ratio
+        path, state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk
+    )  # fmt: skip
+    return ratio, path
+
+
+def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tuple[Floats, Floats, Floats]:
+    """Value over limit at the states of a probe (n, 1 + 3 m), and at places between (k,) where these tell too little.
+
+    Places are added in stretches between two hints of the run that have too few states; where the path does not go on
+    between two states as its derivatives say (kernels/motion/hidden.py), until what is there is resolved; and beside
+    tops between three states.
+    """
+    from toolpace.kernels.motion import usage
+
+    ratio, path = ratios_along(run, limits, probe.state, probe.right)
+    s, speed = probe.state[0], probe.state[1]
+    extra: list[tuple[Floats, Floats]] = []
+
+    def look(places: Floats) -> tuple[Floats, Floats]:
+        state = law.states_at(places)
+        state[0] = places
+        found, there = ratios_along(run, limits, state, np.ones(len(places)))
+        extra.append((places, found))
+        return there, state[1]
+
+    between = stretches_unseen(run, s)
+    if len(between):
+        there, swift = look(between)
+        s, speed, path = np.append(s, between), np.append(speed, swift), np.concatenate([path, there], axis=1)
+        order = np.argsort(s, kind="stable")
+        s, speed, path = s[order], speed[order], np.ascontiguousarray(path[:, order])
+    unexplained(run, limits, s, speed, path, look)
+    beside = usage.summits(probe.state[0], ratio, HIGHER)
+    if beside.any():
+        low, high = probe.state[0][:-1][beside], probe.state[0][1:][beside]
+        look(np.unique(low[:, None] + (high - low)[:, None] * TOPS))
+    if not extra:
+        return ratio, np.empty(0), np.empty((0, ratio.shape[1]))
+    return ratio, np.concatenate([places for places, _ in extra]), np.concatenate([found for _, found in extra])
+
+
+def least_changes(limits: Limits) -> Floats:
+    """(3, m) changes of position, velocity and acceleration that nobody would notice: see LEAST_CHANGES."""
+    a, j = limits.acceleration, limits.jerk
+    with np.errstate(all="ignore"):
+        ramps = np.stack([a**3 / j**2, a**2 / j, a])
+    changes: Floats = np.where(np.isfinite(ramps), ramps, 0.0) * np.array(LEAST_CHANGES)[:, None]
+    return changes
+
+
+def stretches_unseen(run: AxisRun, s: Floats) -> Floats:
+    """(k,) places in the stretches between hints that have too few of the places s (n,) in order."""
+    hints: Floats = run.hints[(run.hints > s[0]) & (run.hints < s[-1])]
+    if len(hints) == 0:
+        return hints
+    ends = np.concatenate([[s[0]], hints, [s[-1]]])
+    sparse = (np.diff(np.searchsorted(s, ends)) < len(IN_A_STRETCH)) & (np.diff(ends) > 0.0)
+    places: Floats = (ends[:-1][sparse, None] + np.diff(ends)[sparse, None] * IN_A_STRETCH).ravel()
+    return places
+
+
+def unexplained(
+    run: AxisRun,
+    limits: Limits,
+    s: Floats,
+    speed: Floats,
+    path: Floats,
+    look: Callable[[Floats], tuple[Floats, Floats]],
+) -> None:
+    """Look between the places s (n,) in order where the path (4, n, m) does more than both of them tell."""
+    from toolpace.kernels.motion import hidden
+
+    bounds, least = (limits.velocity, limits.acceleration, limits.jerk), least_changes(limits)
+    low, high, length = s[:-1], s[1:], np.diff(s)
+    of_low, of_high = (np.ascontiguousarray(part) for part in (path[:, :-1], path[:, 1:]))
+    swift = np.maximum(speed[:-1], speed[1:])
+    missed = hidden.missing(of_low, of_high, low, length, swift, least)
+    go = hidden.odd_ones(missed, length) | (hidden.asked(missed, length, swift, *bounds) > UNTOLD_SHARE)
+    shortest, count = SHORTEST * (run.s1 - run.s0), 0
+    while go.any() and count < MOST_PLACES:
+        low, high, swift, missed = low[go], high[go], swift[go], missed[go]
+        of_low, of_high = (np.ascontiguousarray(part[:, go]) for part in (of_low, of_high))
+        middle = np.clip(0.5 * (low + high), low, high)
+        order = np.argsort(middle, kind="stable")
+        of_middle, fast = (np.empty_like(of_low), np.empty_like(low))
+        of_middle[:, order], fast[order] = look(middle[order])
+        count += len(middle)
+        left = hidden.missing(of_low, of_middle, low, middle - low, swift, least)
+        right = hidden.missing(of_middle, of_high, middle, high - middle, swift, least)
+        stays, is_right = hidden.worse_half(missed, left, right)
+        stays = np.concatenate([stays & ~is_right, stays & is_right])
+        low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        of_low, of_high = np.concatenate([of_low, of_middle], axis=1), np.concatenate([of_middle, of_high], axis=1)
+        swift = np.maximum(np.tile(swift, 2), np.tile(fast, 2))
+        missed, length = np.concatenate([left, right]), high - low
+        go = (stays | (hidden.asked(missed, length, swift, *bounds) > UNTOLD_SHARE)) & (length > shortest)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,7 +15,7 @@ from toolpace.description import counted, named, one_line
 from toolpace.errors import UsageError
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion import Motion, Usage, jerk_jumps, joint_motion, limit_ratios
+from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
 from toolpace.setpoints import SetPoints, refuse_too_many
 
 BINDING = 0.995
@@ -46,9 +46,12 @@ class Trajectory:
     laws: tuple[TimeLaw, ...]
     planner: str = "optimal"
     lower_bound: float = 0.0
-    """No motion within the limits is faster than this [s]; 0 when unknown."""
+    """No plan on this mesh, which holds the limits at its nodes, is faster than this [s]; 0 when unknown.
+
+    Another mesh may allow less: of any motion at all `continuous_bound` speaks.
+    """
     continuous_bound: float = 0.0
-    """No motion that keeps the limits all along the path, on no mesh, is faster than this [s]; 0 when unknown."""
+    """No motion that keeps the limits all along the path is faster than this [s], on no mesh; 0 when unknown."""
     open_places: tuple[OpenPlace, ...] = ()
     """Where most of the gap between duration and lower bound lies, in the order of time."""
     mesh_points: int = 0
@@ -72,7 +75,7 @@ class Trajectory:
             f"{self.duration:.6g} s",
             named(self.joints),
             counted(blocks, "block") if blocks else "",
-            f"gap {self.gap * 100.0:.2g} %" if self.lower_bound > 0.0 else "",
+            f"gap {self.gap * 100.0:.2g} % on its mesh" if self.lower_bound > 0.0 else "",
             f"planner {self.planner}",
         )
 
@@ -83,7 +86,7 @@ class Trajectory:
 
     @property
     def gap(self) -> float:
-        """How far the duration may be from the best possible: duration / lower bound - 1; inf without a bound."""
+        """How far the duration may be from the best on this mesh: duration / lower bound - 1; inf without a bound."""
         return self.duration / self.lower_bound - 1.0 if self.lower_bound > 0.0 else np.inf
 
     def _state(self, t: Floats) -> tuple[Ints, Floats]:
@@ -190,8 +193,10 @@ class Trajectory:
             jumpy = law.jumps.size > 0
             peak[1 + 2 * m :][jerk_jumps(run, self.limits, law)] = np.inf
             for probe in law.probes():
-                ratios = limit_ratios(run, self.limits, probe.state, probe.right)
+                ratios, _, between = closer_look(run, self.limits, law, probe)
                 peak = np.maximum(peak, ratios.max(axis=0))
+                if len(between):
+                    peak = np.maximum(peak, between.max(axis=0))
                 first = ratios[:, : 1 + (2 if jumpy else 3) * m].argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
                 times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from toolpace.arrays import Floats
 from toolpace.axispath.cap import SpeedCap
 from toolpace.axispath.run import AxisRun
+from toolpace.axispath.sides import Sides
 from toolpace.errors import PathError
 from toolpace.workers import Lock
 
@@ -30,12 +31,14 @@ class CallableRun(AxisRun):
         self.f, self.lock = f, Lock()
         self.cap = SpeedCap(speed_cap, self.lock)
         self.smooth_cap = not callable(speed_cap)
-        self.s0, self.s1, self.breaks = s0, s1, breaks[(breaks > s0) & (breaks < s1)]
+        self.s0, self.s1, self.sides = s0, s1, Sides(breaks, s0, s1)
+        self.breaks = self.sides.breaks
         places = np.asarray(hints, dtype=float).ravel()
         places = places[(places > s0) & (places < s1)]
         self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
 
     def evaluate(self, s: Floats) -> Floats:
+        s = self.sides.aside(s)
         with self.lock:
             values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
         for order, value in enumerate(values):
@@ -49,4 +52,4 @@ class CallableRun(AxisRun):
         return np.stack(values)
 
     def speed_cap(self, s: Floats) -> Floats:
-        return self.cap.at(s)
+        return self.cap.at(self.sides.aside(s))

@@ -52,12 +52,12 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
         grid.add_row("", Text("JERK LIMITS ARE NOT HELD by this planner: accelerations jump", style="bold red"))
     grid.add_row("duration", Text(f"{clock_time(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
     if record.lower_bound_s and record.gap is not None:
-        grid.add_row(
-            "", f"no motion takes less than {clock_time(record.lower_bound_s)}: at most {record.gap:.3%} to gain"
-        )
+        least = clock_time(record.lower_bound_s)
+        grid.add_row("", f"no plan on this mesh takes less than {least}: at most {record.gap:.3%} to gain")
         if record.continuous_bound_s:
             unmeshed = record.duration_s / record.continuous_bound_s - 1.0
-            grid.add_row("", f"on no mesh at all, less than {format_time(record.continuous_bound_s)}: {unmeshed:.3%}")
+            least = format_time(record.continuous_bound_s)
+            grid.add_row("", f"no motion at all takes less than {least}: {unmeshed:.3%}")
         if record.gap > WORTH_A_WORD and record.open_places:
             grid.add_row("", Text(places_in_words(record.open_places)))
     grid.add_row("limited by", Text(limits_in_words(record.limited_by)))

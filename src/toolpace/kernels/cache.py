@@ -6,6 +6,7 @@ import hashlib
 import pickle
 from typing import Any
 
+from llvmlite import binding
 from numba.core import compiler, serialize
 
 from toolpace.kernels.store import SUFFIX, store, warn
@@ -40,7 +41,8 @@ class KernelCache:
             return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Keep a compiled function."""
+        """Keep a compiled function; whoever calls it is compiled with what is kept, like those that load it."""
+        _as_loaded(compiled.library)
         if not self._enabled or compiled.lifted or compiled.library.has_dynamic_globals:
             return
         try:
@@ -60,3 +62,13 @@ class KernelCache:
 
     def flush(self) -> None:
         """Forget nothing: what is kept is never stale."""
+
+
+def _as_loaded(library: Any) -> None:
+    """Give a library that was just compiled the form in which its callers would find it loaded.
+
+    A caller's machine code holds that of its callees. From a module in memory the compiler made other code, by the last
+    bit of its results, than from the same module written and read: uses of a value come in another order there.
+    """
+    if hasattr(library, "_shared_module") and hasattr(library, "_get_module_for_linking"):
+        library._shared_module = binding.parse_bitcode(library._get_module_for_linking().as_bitcode())

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import numba
 
 from toolpace.kernels.cache import KernelCache
+from toolpace.kernels.names import stable_names
 
 F = TypeVar("F", bound=Callable[..., Any])
 TYPES: Any = numba.types
@@ -42,6 +43,7 @@ def jit(*, reorder: bool = False, inline: bool = False) -> Callable[[F], F]:
         )(function)
         if compiled is not function:  # with NUMBA_DISABLE_JIT it is the function itself
             _take_constants_as_values(compiled)
+            _compile_with_stable_names(compiled)
             # A function that is none of ours (a test's, a user's) is not known to the cache's key.
             if function.__module__.startswith(HOME):
                 name = name_of(function)
@@ -82,3 +84,14 @@ def _take_constants_as_values(compiled: Any) -> None:
         return resolve(tuple(TYPES.unliteral(each) for each in args), plain)
 
     compiled.get_call_template = by_type
+
+
+def _compile_with_stable_names(compiled: Any) -> None:
+    """Have the machine code not depend on what this process has compiled before: numba's lock is held meanwhile."""
+    compile_now = compiled._compiler.compile
+
+    def with_names(args: Any, return_type: Any) -> Any:
+        with stable_names():
+            return compile_now(args, return_type)
+
+    compiled._compiler.compile = with_names

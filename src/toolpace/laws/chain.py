@@ -47,7 +47,7 @@ class ChainLaw(TimeLaw):
     def probes(self) -> Iterator[Probe]:
         for piece in self.pieces:
             # the end of a piece belongs to its own side of a jump of the third derivative
-            ends = piece.law.at(np.array([piece.begin, piece.end - SIDE * (1.0 + piece.end)]))
+            ends = piece.law.at(np.array([piece.begin, piece.end - SIDE * piece.end]))
             total = 0.0
             for probe in piece.law.probes():
                 inside = (probe.state[0] > ends[0, 0]) & (probe.state[0] < ends[0, 1])

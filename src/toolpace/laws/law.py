@@ -60,6 +60,15 @@ class TimeLaw(ABC):
     def probes(self) -> Iterator[Probe]:
         """States between which nothing is hidden, in pieces that do not take much memory."""
 
+    def states_at(self, s: Floats) -> Floats:
+        """(4, n) the states in which places s (n,) in order are passed, by bisection."""
+        low, high = np.zeros(len(s)), np.full(len(s), self.duration)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            before = self.at(middle)[0] < s
+            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        return self.at(0.5 * (low + high))
+
     def passing_time(self, s: float) -> float:
         """When s is passed [s], by bisection; the start or the end where s is at or beyond it."""
         low, high = 0.0, self.duration

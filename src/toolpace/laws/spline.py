@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,24 +14,27 @@ from toolpace.laws.law import CELLS_AT_A_TIME, Probe, TimeLaw, probes_a_cell
 class SplineLaw(TimeLaw):
     """(ds/dt)^2 a twice differentiable cubic spline of s; next to rest, ds/dt has a constant third derivative.
 
-    Between nodes, time is the integral of ds / sqrt(z), by Gauss' rule with eight points; its inverse by Newton.
+    Between nodes, time is the integral of ds / sqrt(z), exact to rounding (kernels/motion/cell_time.py), and s at a
+    time its inverse: positions are the integral of the velocities on any mesh.
     """
 
     def __init__(self, nodes: Floats, c: Floats, rest: tuple[float, float]) -> None:
         """Take the spline's knots (n,), its coefficients (n + 2,) and the lengths of the rest cells (0: in motion)."""
-        from toolpace.kernels.motion import spline_law
+        from toolpace.kernels.motion import cell_time, spline_law
 
         self.nodes, self.c, self.rest = nodes, c, rest
         self.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, probes_a_cell(len(nodes))))) / 2.0
         """(k,) shares of a cell at which it is probed: closer together next to the nodes, where peaks hide."""
         self.cells = spline_law.polynomials(nodes, c)
         """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""
-        self.times = spline_law.node_times(nodes, self.cells, float(rest[0]))
+        begin = 3.0 * rest[0] / math.sqrt(self.cells[0, 0]) if rest[0] > 0.0 else 0.0
+        panels = cell_time.panels_of(nodes, self.cells, begin)
+        self.times = spline_law.node_times(panels, nodes)
         """(n,) when the nodes are passed [s]."""
         self.s0, self.s1 = nodes[0] - rest[0], nodes[-1] + rest[1]
         end = spline_law.end_speed(nodes, self.cells)
         self.duration = float(self.times[-1] + (3.0 * rest[1] / end if rest[1] > 0.0 else 0.0))
-        self._law = spline_law.Law(nodes, self.cells, self.times, float(rest[0]), float(rest[1]), self.duration)
+        self._law = spline_law.Law(nodes, self.cells, self.times, panels, float(rest[0]), float(rest[1]), self.duration)
 
     def slowed(self, by: float) -> SplineLaw:
         """The same motion with z divided by a factor everywhere; only between two rests."""
@@ -52,6 +56,11 @@ class SplineLaw(TimeLaw):
 
         t = np.ascontiguousarray(t, dtype=float)
         return spline_law.states(t, self._law)
+
+    def states_at(self, s: Floats) -> Floats:
+        from toolpace.kernels.motion import spline_law
+
+        return spline_law.states_at(np.ascontiguousarray(s), self._law)
 
     def probes(self) -> Iterator[Probe]:
         from toolpace.kernels.motion import spline_law

@@ -23,8 +23,8 @@ KEPT_CELLS = 20_000
 UNLIKE = 1e-6
 """Share of a limit up to which the path may differ from what its derivatives at the nodes tell of it."""
 BENT = 1e-4
-"""How far the cap on ds/dt may be from a polynomial of the third degree in a cell, relative to itself; one of the fourth
-is taken, and beyond this it is asked at each probe."""
+"""How far the cap on ds/dt may be from a polynomial of the third degree in a cell, relative to itself; one of the
+fourth is taken, and beyond this it is asked at each probe."""
 FASTER = 4.0
 """How much of the z at steady speed a motion may have."""
 

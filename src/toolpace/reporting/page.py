@@ -130,11 +130,11 @@ def _cards(
     cards = [("Time", duration(trajectory.duration), f"{trajectory.duration:.3f} s", "big")]
     bound = trajectory.lower_bound
     if bound > 0.0 and math.isfinite(bound):
-        note = f"this motion is at most {percent(trajectory.gap)} slower"
+        note = f"this motion is at most {percent(trajectory.gap)} slower than any on its mesh"
         if trajectory.continuous_bound > 0.0:
             unmeshed = trajectory.duration / trajectory.continuous_bound - 1.0
-            note += f"; {percent(unmeshed)} by the bound on no mesh"
-        cards.append(("Best possible", duration(bound), note, ""))
+            note += f"; than any motion at all, {percent(unmeshed)}"
+        cards.append(("Best on this mesh", duration(bound), note, ""))
     if setpoints.has_tool:
         steps = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
         length = float(steps.sum())

@@ -105,7 +105,9 @@ def times_table(study: Study) -> str:
     )
     if study.optimal.lower_bound > 0.0:
         bound = study.optimal.lower_bound
-        rows.append(("lower bound, all limits", f"{bound:.5f}", f"{100 * (bound / best - 1):+.3f} %", "", ""))
+        rows.append(
+            ("lower bound on this mesh, all limits", f"{bound:.5f}", f"{100 * (bound / best - 1):+.3f} %", "", "")
+        )
     rows.append(
         ("lower bound, feed alone", f"{study.feed_bound:.5f}", f"{100 * (study.feed_bound / best - 1):+.3f} %", "", "")
     )

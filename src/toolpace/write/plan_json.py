@@ -50,9 +50,9 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     duration_s: float
     lower_bound_s: float | None
-    """No motion within the limits is shorter."""
+    """No plan on this mesh is shorter."""
     gap: float | None
-    """duration / lower bound - 1."""
+    """duration / lower bound - 1: how far from the best on this mesh."""
     solve_s: float
     fit_s: float
     mesh_points: int
@@ -83,7 +83,9 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     dialect: str | None = None
     """The dialect that was named for the program; null where its name and content told."""
     continuous_bound_s: float | None = None
-    """No motion that keeps the limits all along the path, on no mesh, is shorter; null where it was not asked for."""
+    """No motion that keeps the limits all along the path is shorter, on no mesh; null where it is not known."""
+    lower_bound_of: str | None = None
+    """What lower_bound_s and gap are of: "this mesh"; null where there is no bound."""
     open_places: list[OpenPlaceRecord] = []
     """Where most of the gap lies, in the order of time."""
     step_s: dict[str, float] = {}

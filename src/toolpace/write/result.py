@@ -112,6 +112,7 @@ class PlanResult:
             verified=verification.ok if verification is not None else None,
             dialect=self.dialect,
             continuous_bound_s=trajectory.continuous_bound or None,
+            lower_bound_of="this mesh" if known else None,
             open_places=[
                 OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
             ],

@@ -38,7 +38,7 @@ def standing(kind, seed):
 
 
 @pytest.mark.parametrize("kind", ["cusp", "reversal", "slow passage", "slow passage of two"])
-@pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.sweep), pytest.param(3, marks=pytest.mark.sweep)])
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.sweep) for seed in range(2, 6))])
 def test_the_default_plan_is_as_good_as_the_best_of_all_meshes(kind, seed):
     path, limits = standing(kind, seed)
     best = min(plan(path, limits, planner=Optimal(mesh=mesh, bound=False)).duration for mesh in MESHES)

@@ -12,8 +12,8 @@ from toolpace.kernels.jit import jit
 def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside: Floats, out: Floats) -> None:
     """Set q', q'', q''' at the shares `inside` (k,) of some cells.
 
-    Parameters: which (n,) cells; low and high (4, N, m) position and derivatives at the beginning and at the end of each
-    cell of the mesh, and length (N,) of it; out (3, n k, m). The error of q' is of the sixth order of the length.
+    Parameters: which (n,) cells; low and high (4, N, m) position and derivatives at the beginning and at the end of
+    each cell of the mesh, and length (N,) of it; out (3, n k, m). The error of q' is of the sixth order of the length.
     """
     k, m = len(inside), low.shape[2]
     for i in range(len(which)):

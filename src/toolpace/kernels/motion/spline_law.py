@@ -12,14 +12,11 @@ import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
+from toolpace.kernels.motion.cell_time import FLOOR, Panels, floor_of, time_over, value, way_after
 from toolpace.kernels.motion.cubic_spline import at_knots, basis_at_knots
 
-FLOOR = 1e-6
-STEEP = 30.0
-INEXACT = 1e-4
-"""Error of the time of a cell that is let pass; looked for where z at its nodes differs by a factor of STEEP."""
-GAUSS_X = (np.polynomial.legendre.leggauss(8)[0] + 1.0) / 2.0
-GAUSS_W = np.polynomial.legendre.leggauss(8)[1] / 2.0
+STEEP, UNEVEN = 30.0, 1e-4
+"""How far z at the nodes of a cell may differ, and its time by eight points be off beyond that, before it is cut."""
 REST_INSIDE = np.linspace(0.0, 1.0, 65)
 
 
@@ -32,6 +29,8 @@ class Law(NamedTuple):
     """(n - 1, 4) z in each cell as powers of s - nodes[k]."""
     times: Floats
     """(n,) when the nodes are passed."""
+    panels: Panels
+    """Parts of the cells over which time is integrated."""
     rest0: float
     """Length of the rest cell before the first node; 0 where the law starts in motion."""
     rest1: float
@@ -55,45 +54,22 @@ def polynomials(nodes: Floats, c: Floats) -> Floats:
 
 
 @jit()
-def _z(cell: Floats, x: float) -> float:
-    """z at a distance x into the cell; held above a trifle, where a coarse mesh lets it dip below zero."""
-    z: float = max(cell[0] + x * (cell[1] + x * (cell[2] + x * cell[3])), FLOOR * cell[0])
-    return z
-
-
-@jit()
-def _time(cell: Floats, x: float) -> float:
-    """Time from the left node to a distance x into the cell."""
-    total = 0.0
-    for i in range(len(GAUSS_X)):
-        total += GAUSS_W[i] / np.sqrt(_z(cell, x * GAUSS_X[i]))
-    return total * x
-
-
-@jit()
-def _time_after(cell: Floats, x: float, h: float) -> float:
-    """Time from a distance x to a distance h into the cell."""
-    total = 0.0
-    for i in range(len(GAUSS_X)):
-        total += GAUSS_W[i] / np.sqrt(_z(cell, x + (h - x) * GAUSS_X[i]))
-    return total * (h - x)
-
-
-@jit()
 def dips(nodes: Floats, cells: Floats, inside: Floats) -> Bools:
     """(n - 1,) whether a cell is too long: z falls, inside, below half of what it is at either node, or changes by so
-    much that the rule which integrates time is not exact."""
+    much that one cubic is a poor law: eight points of it do not even tell its time."""
     n = len(nodes)
     out = np.zeros(n - 1, dtype=np.bool_)
     for k in range(n - 1):
         h = nodes[k + 1] - nodes[k]
-        low = min(cells[k, 0], _z(cells[k], h))
+        low = min(cells[k, 0], value(cells[k], h))
         for f in inside:
-            if _z(cells[k], f * h) < 0.5 * low:
+            if value(cells[k], f * h) < 0.5 * low:
                 out[k] = True
-        if max(cells[k, 0], _z(cells[k], h)) > STEEP * low:
-            whole = _time(cells[k], h)
-            out[k] |= abs(_time(cells[k], h / 2.0) + _time_after(cells[k], h / 2.0, h) - whole) > INEXACT * whole
+        if max(cells[k, 0], value(cells[k], h)) > STEEP * low:
+            floor = floor_of(cells[k], h)
+            whole = time_over(cells[k], floor, 0.0, h)
+            halves = time_over(cells[k], floor, 0.0, h / 2.0) + time_over(cells[k], floor, h / 2.0, h / 2.0)
+            out[k] |= abs(halves - whole) > UNEVEN * whole
     return out
 
 
@@ -101,18 +77,20 @@ def dips(nodes: Floats, cells: Floats, inside: Floats) -> Bools:
 def end_speed(nodes: Floats, cells: Floats) -> float:
     """ds/dt at the last node."""
     n = len(nodes)
-    speed: float = np.sqrt(_z(cells[n - 2], nodes[n - 1] - nodes[n - 2]))
+    last = cells[n - 2]
+    speed: float = np.sqrt(max(value(last, nodes[n - 1] - nodes[n - 2]), FLOOR * last[0]))
     return speed
 
 
 @jit()
-def node_times(nodes: Floats, cells: Floats, rest0: float) -> Floats:
-    """When each node is passed, counted from the start of the rest cell before the first node, if there is one."""
+def node_times(panels: Panels, nodes: Floats) -> Floats:
+    """When each node is passed."""
     n = len(nodes)
     times = np.empty(n)
-    times[0] = 3.0 * rest0 / np.sqrt(cells[0, 0]) if rest0 > 0.0 else 0.0
-    for k in range(n - 1):
-        times[k + 1] = times[k] + _time(cells[k], nodes[k + 1] - nodes[k])
+    for p in range(len(panels.cell)):
+        if panels.start[p] == 0.0:
+            times[panels.cell[p]] = panels.time[p]
+    times[n - 1] = panels.time[-1]
     return times
 
 
@@ -127,28 +105,32 @@ def _rest(start: float, h: float, v: float, t: float, forth: float, out: Floats,
 
 
 @jit()
-def inside_cell(cell: Floats, x: float) -> tuple[float, float, float]:
-    """ds/dt, d2s/dt2 and d3s/dt3 at a distance x into a cell."""
-    v = np.sqrt(_z(cell, x))
+def inside_cell(cell: Floats, floor: float, x: float) -> tuple[float, float, float]:
+    """ds/dt, d2s/dt2 and d3s/dt3 at a distance x into a cell; where z has fallen to its floor, steady speed."""
+    z = value(cell, x)
+    if z <= floor:
+        return np.sqrt(floor), 0.0, 0.0
+    v = np.sqrt(z)
     slope = cell[1] + x * (2.0 * cell[2] + x * 3.0 * cell[3])
     curve = 2.0 * cell[2] + 6.0 * x * cell[3]
     return v, slope / 2.0, curve * v / 2.0
 
 
 @jit()
-def _inside(node: float, cell: Floats, x: float, out: Floats, i: int) -> None:
+def _inside(node: float, cell: Floats, floor: float, x: float, out: Floats, i: int) -> None:
     """State at a distance x into a cell."""
     out[0, i] = node + x
-    out[1, i], out[2, i], out[3, i] = inside_cell(cell, x)
+    out[1, i], out[2, i], out[3, i] = inside_cell(cell, floor, x)
 
 
 @jit()
 def states(t: Floats, law: Law) -> Floats:
     """(4, len(t)): s, ds/dt, d2s/dt2, d3s/dt3 at sorted times."""
-    nodes, cells, times, rest0, rest1, duration = law
-    n = len(nodes)
+    nodes, cells, times, panels, rest0, rest1, duration = law
+    cell_of, start, width, time = panels
+    n, last = len(nodes), len(panels.cell) - 1
     out = np.empty((4, len(t)))
-    k = 0
+    p, of, floor = -1, -1, 0.0
     for i in range(len(t)):
         now = min(max(t[i], 0.0), duration)
         if now < times[0]:
@@ -157,19 +139,37 @@ def states(t: Floats, law: Law) -> Floats:
         if now > times[n - 1] and rest1 > 0.0:
             _rest(nodes[n - 1] + rest1, rest1, end_speed(nodes, cells), duration - now, -1.0, out, i)
             continue
-        if k > 0 and now < times[k]:
-            k = 0
-        while k < n - 2 and times[k + 1] < now:
-            k += 1
-        cell, h = cells[k], nodes[k + 1] - nodes[k]
-        wanted = now - times[k]
-        x = h * wanted / (times[k + 1] - times[k])
-        for _ in range(30):
-            step = (_time(cell, x) - wanted) * np.sqrt(_z(cell, x))
-            x = min(max(x - step, 0.0), h)
-            if abs(step) <= 1e-15 * h:
-                break
-        _inside(nodes[k], cell, x, out, i)
+        if p < 0 or now < time[p]:
+            p = min(max(np.searchsorted(time, now) - 1, 0), last)
+        while p < last and time[p + 1] < now:
+            p += 1
+        k = cell_of[p]
+        if k != of:
+            of, floor = k, floor_of(cells[k], nodes[k + 1] - nodes[k])
+        x = way_after(cells[k], floor, start[p], width[p], now - time[p])
+        _inside(nodes[k], cells[k], floor, x, out, i)
+    return out
+
+
+@jit()
+def states_at(s: Floats, law: Law) -> Floats:
+    """(4, len(s)): the states in which places in order are passed."""
+    nodes, cells, _, _, rest0, rest1, _ = law
+    n = len(nodes)
+    out = np.empty((4, len(s)))
+    last = end_speed(nodes, cells)
+    for i in range(len(s)):
+        x = s[i]
+        if x < nodes[0] and rest0 > 0.0:
+            v = np.sqrt(cells[0, 0])
+            t = 3.0 * rest0 / v * np.cbrt(max(x - nodes[0] + rest0, 0.0) / rest0)
+            _rest(nodes[0] - rest0, rest0, v, t, 1.0, out, i)
+        elif x > nodes[n - 1] and rest1 > 0.0:
+            t = 3.0 * rest1 / last * np.cbrt(max(nodes[n - 1] + rest1 - x, 0.0) / rest1)
+            _rest(nodes[n - 1] + rest1, rest1, last, t, -1.0, out, i)
+        else:
+            k = min(max(np.searchsorted(nodes, x, side="right") - 1, 0), n - 2)
+            _inside(nodes[k], cells[k], floor_of(cells[k], nodes[k + 1] - nodes[k]), x - nodes[k], out, i)
     return out
 
 
@@ -185,8 +185,9 @@ def within(nodes: Floats, cells: Floats, which: Ints, inside: Floats) -> tuple[F
     i = 0
     for cell in which:
         h = nodes[cell + 1] - nodes[cell]
+        floor = floor_of(cells[cell], h)
         for f in inside:
-            _inside(nodes[cell], cells[cell], f * h, out, i)
+            _inside(nodes[cell], cells[cell], floor, f * h, out, i)
             i += 1
         out[0, i - 1] = nodes[cell + 1]
         right[i - 1] = 0.0
@@ -200,7 +201,7 @@ def probe(law: Law, inside: Floats, first: int, beyond: int) -> tuple[Floats, Fl
     Rest cells belong to the outermost ones, with states at REST_INSIDE. Returns the states (4, n), whether each
     belongs to the right side of a break, and the time each stands for.
     """
-    nodes, cells, times, rest0, rest1, duration = law
+    nodes, cells, times, _, rest0, rest1, duration = law
     n = len(nodes)
     inner, outer = len(inside), len(REST_INSIDE)
     rest0 = rest0 if first == 0 else 0.0
@@ -218,8 +219,9 @@ def probe(law: Law, inside: Floats, first: int, beyond: int) -> tuple[Floats, Fl
         right[i - 1] = 0.0
     for k in range(first, beyond):
         h = nodes[k + 1] - nodes[k]
+        floor = floor_of(cells[k], h)
         for f in inside:
-            _inside(nodes[k], cells[k], f * h, out, i)
+            _inside(nodes[k], cells[k], floor, f * h, out, i)
             share[i] = (times[k + 1] - times[k]) / inner
             i += 1
         out[0, i - 1] = nodes[k + 1]

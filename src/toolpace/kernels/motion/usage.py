@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
+from toolpace.kernels.motion.cell_time import floor_of
 from toolpace.kernels.motion.spline_law import inside_cell
 
 SPEED, ACCELERATION, JERK = 0, 1, 2
@@ -68,6 +69,33 @@ def peaks(place: Floats, ratio: Floats) -> Floats:
 
 
 @jit()
+def summits(s: Floats, ratio: Floats, most: float) -> Bools:
+    """Raise samples of ratio (n, columns) at s (n,), in place, to the tops of the parabolas through three in a row.
+
+    Returns (n - 1,) gaps beside a top that lies higher than its sample by more than `most`: to be looked into.
+    """
+    n, columns = ratio.shape
+    out = np.zeros(max(n - 1, 0), dtype=np.bool_)
+    for col in range(columns):
+        before = ratio[0, col] if n > 0 else 0.0
+        for i in range(1, n - 1):
+            value, after = ratio[i, col], ratio[i + 1, col]
+            h0, h1 = s[i] - s[i - 1], s[i + 1] - s[i]
+            if value > 0.9 and value >= before and value >= after and h0 > 0.0 and h1 > 0.0:
+                rise0, rise1 = (value - before) / h0, (after - value) / h1
+                bend = (rise1 - rise0) / (h0 + h1)
+                if bend < 0.0:
+                    slope = rise0 + bend * h0
+                    more = -slope * slope / (4.0 * bend)
+                    if more > most:
+                        out[i - 1] = out[i] = True
+                    else:
+                        ratio[i, col] = value + more
+            before = value
+    return out
+
+
+@jit()
 def spline_peaks(
     which: Ints, q: Floats, cap: Floats, nodes: Floats, cells: Floats, inside: Floats, velocity: Floats,
     acceleration: Floats, jerk: Floats,
@@ -86,8 +114,9 @@ def spline_peaks(
     for i in range(n):
         cell, low = which[i], i * k
         length = nodes[cell + 1] - nodes[cell]
+        z, floor = cells[cell], floor_of(cells[cell], length)
         for p in range(k):
-            v, a, j = inside_cell(cells[cell], inside[p] * length)
+            v, a, j = inside_cell(z, floor, inside[p] * length)
             speed[p], speed2[p], speed3[p] = v, v * v, v * v * v
             rise[p], both[p], bend[p] = a, 3.0 * v * a, j
             value[p] = v / cap[low + p]
@@ -99,12 +128,12 @@ def spline_peaks(
             for p in range(k):
                 value[p] = abs(q[1, low + p, axis] * speed2[p] + q[0, low + p, axis] * rise[p]) / acceleration[axis]
             if highest(value, inside, ACCELERATION, peak[i], place[i]):
-                closer(cells[cell], length, inside, q, low, axis, acceleration[axis], ACCELERATION, peak[i], place[i])
+                closer(z, floor, length, inside, q, low, axis, acceleration[axis], ACCELERATION, peak[i], place[i])
             for p in range(k):
                 third = q[2, low + p, axis] * speed3[p] + q[1, low + p, axis] * both[p]
                 value[p] = abs(third + q[0, low + p, axis] * bend[p]) / jerk[axis]
             if highest(value, inside, JERK, peak[i], place[i]):
-                closer(cells[cell], length, inside, q, low, axis, jerk[axis], JERK, peak[i], place[i])
+                closer(z, floor, length, inside, q, low, axis, jerk[axis], JERK, peak[i], place[i])
     return peak, place
 
 
@@ -132,13 +161,13 @@ def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Float
 
 @jit()
 def closer(
-    cell: Floats, length: float, inside: Floats, q: Floats, low: int, axis: int, limit: float, kind: int,
+    cell: Floats, floor: float, length: float, inside: Floats, q: Floats, low: int, axis: int, limit: float, kind: int,
     peak: Floats, place: Floats,
 ) -> None:  # fmt: skip
     """Raise the peak (3,) of acceleration or jerk of one axis at places about the one where it has been found.
 
-    Parameters: cell (4,) polynomial of z; q (3, n k, m) derivatives of the path, those of this cell from `low` on. The
-    path is interpolated between its probes, z is not: it is z that changes quickly.
+    Parameters: cell (4,) polynomial of z, never below `floor`; q (3, n k, m) derivatives of the path,
+    those of this cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes quickly.
     """
     k, at = len(inside), place[kind]
     p = 1
@@ -157,7 +186,7 @@ def closer(
         q1 = b0 * q[0, o - 1, axis] + b1 * q[0, o, axis] + b2 * q[0, o + 1, axis]
         q2 = b0 * q[1, o - 1, axis] + b1 * q[1, o, axis] + b2 * q[1, o + 1, axis]
         q3 = b0 * q[2, o - 1, axis] + b1 * q[2, o, axis] + b2 * q[2, o + 1, axis]
-        v, a, j = inside_cell(cell, x * length)
+        v, a, j = inside_cell(cell, floor, x * length)
         if kind == ACCELERATION:
             value = abs(q2 * v * v + q1 * a) / limit
         else:

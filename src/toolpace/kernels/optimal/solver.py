@@ -10,8 +10,8 @@ Unknown is z(s) = (ds/dt)^2, a cubic spline with coefficients c, judged at point
 The right side of a jerk row is convex where it would have to be concave; its tangent at the current z lies below it,
 so a Newton step that respects the tangent stays feasible, and no outer loop is needed. All rows of a point touch
 three coefficients, or four between knots: they are collapsed into a 3 x 3 moment matrix in (z, z', z''), and the Newton
-matrix has seven diagonals. Predictor and corrector follow Mehrotra (1992). A start outside the constraints is met by `relief`, an
-amount by which the rows of a point are relaxed; it shrinks to nothing with the steps taken.
+matrix has seven diagonals. Predictor and corrector follow Mehrotra (1992). A start outside the constraints is met by
+`relief`, an amount by which the rows of a point are relaxed; it shrinks to nothing with the steps taken.
 """
 
 from __future__ import annotations

@@ -113,7 +113,7 @@ def shorten(
             if of_known:
                 genes[0, 0] = encode(known, bits, low, high)
             trial = known if of_known else decode(genes[k, 0], bits, low, high)
-            used, kind = usage(interval, ends, trial)
+            used, kind, _ = usage(interval, ends, trial, np.inf, -1)
             fitness[k] = trial if used <= allowed else 1e3 * high * (1.0 + used)
             if fitness[k] < best:
                 best, period, value, which = fitness[k], trial, used, kind
@@ -158,9 +158,9 @@ def reset_point(
                     genes[0, i] = encode(now[i], bits, low[i], high[i])
                 copy(now, trial)
             both[0], both[1], both[2], both[3] = ends[0], ends[1], trial[0], trial[1]
-            first, _ = usage(before, both, trial[2])
+            first, _, _ = usage(before, both, trial[2], np.inf, -1)
             both[0], both[1], both[2], both[3] = trial[0], trial[1], ends[4], ends[5]
-            second, _ = usage(after, both, trial[3])
+            second, _, _ = usage(after, both, trial[3], np.inf, -1)
             excess = max(first / allowed[0], second / allowed[1])
             fitness[k] = trial[2] + trial[3] if excess <= 1.0 else 1e3 * (high[2] + high[3]) * (1.0 + excess)
             if fitness[k] < best:

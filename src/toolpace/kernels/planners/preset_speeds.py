@@ -95,15 +95,22 @@ def raise_hill(speed: Floats, fixed: Ints, top: int, width: int, step: float) ->
 
 @jit()
 def all_comfortable(
-    intervals: Interval, first: int, beyond: int, speed: Floats, acceleration: Floats, reserve: float, period: Floats
+    intervals: Interval, top: int, width: int, speed: Floats, acceleration: Floats, reserve: float, period: Floats
 ) -> bool:
-    """Whether the intervals from `first` to before `beyond` have a law of at most `reserve` usage, and its periods."""
+    """Whether the intervals as far as `width` + 1 around a point have laws of at most `reserve` usage, and the periods.
+
+    The nearest ones come first: where a hill is too high, it is so about its top.
+    """
+    n = len(period)
     ends = np.empty(4)
-    for j in range(first, beyond):
-        ends[0], ends[1], ends[2], ends[3] = speed[j], acceleration[j], speed[j + 1], acceleration[j + 1]
-        period[j], value, _ = comfortable(interval_of(intervals, j), ends, reserve)
-        if value > reserve:
-            return False
+    for away in range(width + 1):
+        for j in (top - 1 - away, top + away):
+            if not 0 <= j < n:
+                continue
+            ends[0], ends[1], ends[2], ends[3] = speed[j], acceleration[j], speed[j + 1], acceleration[j + 1]
+            period[j], value, _ = comfortable(interval_of(intervals, j), ends, reserve)
+            if value > reserve:
+                return False
     return True
 
 
@@ -119,20 +126,31 @@ def raise_speeds(
     n = len(h)
     trial_speed, trial_acceleration, trial_period = speed.copy(), acceleration.copy(), period.copy()
     rounds = max(2, min(12, 1200 // n))
+    # what failed fails again, unless something has changed near by since
+    changed, failed = np.zeros(n + 1, dtype=np.int64), np.zeros((4, n + 1), dtype=np.int64)
+    clock = 0
     for step in (0.12, 0.06, 0.03, 0.015):
+        failed[:] = -1
         for _ in range(rounds):
             raised = 0
-            for width in (8, 4, 2, 1):
+            for i in range(4):
+                width = 8 >> i
                 for k in range(1, n):
+                    low, high = max(k - width - 1, 0), min(k + width + 1, n)
+                    clock += 1
+                    if failed[i, k] > changed[max(low - 1, 0) : min(high + 2, n + 1)].max():
+                        continue
                     copy(speed, trial_speed)
                     raise_hill(trial_speed, fixed, k, width, step)
                     copy(acceleration, trial_acceleration)
                     slopes(h, trial_speed, trial_acceleration, fixed)
-                    low, high = max(k - width - 1, 0), min(k + width + 1, n)
-                    if all_comfortable(intervals, low, high, trial_speed, trial_acceleration, reserve, trial_period):
+                    if all_comfortable(intervals, k, width, trial_speed, trial_acceleration, reserve, trial_period):
                         raised += 1
                         copy(trial_speed, speed)
                         copy(trial_acceleration, acceleration)
                         copy(trial_period[low:high], period[low:high])
+                        changed[low : high + 1] = clock
+                    else:
+                        failed[i, k] = clock
             if raised == 0:
                 break

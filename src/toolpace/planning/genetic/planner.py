@@ -18,7 +18,7 @@ from toolpace.kernels.planners import genetic
 from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.laws.quintic import INSIDE, QuinticLaw
 from toolpace.machine.limits import Limits
-from toolpace.motion import limit_ratios
+from toolpace.motion import closer_look
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.genetic.preset_speeds import Preset, preset
 from toolpace.planning.genetic.problem import Intervals, reference_points
@@ -195,13 +195,18 @@ def law_of(parts: Intervals, preset: Preset) -> QuinticLaw:
 
 def interval_peaks(parts: Intervals, preset: Preset) -> Floats:
     """(n,) largest value over limit in each interval, seen on both sides of the points and densely between."""
-    probe = law_of(parts, preset).probe()
-    ratios = limit_ratios(parts.run, parts.limits, probe.state, probe.right).max(axis=1)
+    law = law_of(parts, preset)
+    probe = law.probe()
+    all_ratios, places, between = closer_look(parts.run, parts.limits, law, probe)
+    ratios = all_ratios.max(axis=1)
     # a law that turns back is no law; at the reference points themselves rest is rounding
     speed = probe.state[1].reshape(len(preset.periods), INSIDE)
     back = (speed[:, 1:-1] <= 0.0).any(axis=1)
     ratios = np.where(np.repeat(back, INSIDE), np.inf, ratios)
     largest: Floats = ratios.reshape(len(preset.periods), INSIDE).max(axis=1)
+    if len(places):
+        inside = np.clip(np.searchsorted(parts.points, places, side="right") - 1, 0, len(largest) - 1)
+        np.maximum.at(largest, inside, between.max(axis=1))
     return largest
 
 

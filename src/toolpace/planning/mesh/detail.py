@@ -9,8 +9,11 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.axispath.run import AxisRun
+from toolpace.errors import PathError
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
+from toolpace.motion import LEAST_CHANGES, least_changes
+from toolpace.planning.mesh.chase import Gaps, chased
 
 UNSEEN = 0.02
 """Share of a limit that may hide between two points of the grid at the speed that the limits allow at them."""
@@ -18,6 +21,10 @@ SETTLED = 3
 """Times that a step is halved before it counts as detail: where a grid is a little coarse, that is all it takes."""
 FINEST = 1e-13
 """Shortest step of the grid, as a share of the run."""
+JUMP = 1e-5
+"""Jump of position, velocity or acceleration that is refused, as a share of what a joint gains while its acceleration
+builds up: a^3 / j^2, a^2 / j, a. Nothing can follow it, and smaller ones are what numbers make of a path."""
+LEAST_CHANGES_SHARE = np.array(LEAST_CHANGES)[:, None]
 MOST_POINTS = 20_000
 """Points after which no closer look is taken: a path that is detail everywhere is not looked at for ever."""
 
@@ -57,14 +64,30 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
         third[1 + at] = np.minimum(third[1 + at], third_before)
     grid = LimitsAlong(s, steady, third)
     shortest = max(FINEST * (run.s1 - run.s0), 4.0 * float(np.spacing(max(abs(run.s0), abs(run.s1)))))
-    found = []
+    # what is shorter than the steps of the grid by far shows in its increments only
+    narrow, way = chased(
+        run, limits, Gaps(low, high, np.ascontiguousarray(of_low), np.ascontiguousarray(of_high), slow), shortest
+    )
+    found = [(way, *allowed(run, limits, way, run.evaluate(way)))] if len(way) else []
     count = 0
     for level in itertools.count(1):
         ends = (np.ascontiguousarray(of_low), np.ascontiguousarray(of_high))
         unseen = first_guess.unseen(*ends, high - low, slow, limits.velocity, limits.acceleration, limits.jerk)
-        marked = (unseen > UNSEEN) & (high - low > 2.0 * shortest)
+        shows = unseen > UNSEEN
+        marked = shows & (high - low > 2.0 * shortest)
+        stuck = shows & ~marked & (level > SETTLED)
+        if stuck.any():
+            refuse_jumps(limits, low[stuck], of_low[:, stuck], of_high[:, stuck], np.sqrt(slow[stuck]))
+        if level == SETTLED + 1 and len(narrow.low):
+            # so short, they are looked at like what is left of the others now
+            low, high, slow = (
+                np.concatenate(pair) for pair in zip((low, high, slow), (narrow.low, narrow.high, narrow.slow))
+            )
+            of_low = np.concatenate([of_low, narrow.of_low], axis=1)
+            of_high = np.concatenate([of_high, narrow.of_high], axis=1)
+            marked = np.concatenate([marked, narrow.high - narrow.low > 2.0 * shortest])
         count += int(marked.sum())
-        if not marked.any() or count > MOST_POINTS:
+        if (not marked.any() and (level > SETTLED or not len(narrow.low))) or count > MOST_POINTS:
             break
         low, high, slow = low[marked], high[marked], slow[marked]
         of_low, of_high = of_low[:, marked], of_high[:, marked]
@@ -80,6 +103,24 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
         return grid, LimitsAlong(np.empty(0), np.empty(0), np.empty(0))
     between = np.concatenate(found, axis=1)
     return grid, LimitsAlong(*between[:, np.argsort(between[0])])
+
+
+def refuse_jumps(limits: Limits, s: Floats, of_low: Floats, of_high: Floats, speed: Floats) -> None:
+    """Raise PathError where position, slope or curvature jump at s (n,), by the path (4, n, m) on both sides.
+
+    What counts is the jump of a joint's position, velocity or acceleration at the speeds (n,) that the limits allow.
+    """
+    powers = speed ** np.arange(3.0)[:, None]
+    jump = np.abs(of_high[:3] - of_low[:3]) * powers[:, :, None]
+    share = jump / np.maximum(least_changes(limits) / LEAST_CHANGES_SHARE, 1e-300)[:, None, :]
+    share[:, :, (least_changes(limits) == 0.0).any(axis=0)] = 0.0
+    if share.max() > JUMP:
+        kind, at, joint = np.unravel_index(int(share.argmax()), share.shape)
+        what = ("position", "slope", "curvature")[int(kind)]
+        raise PathError(
+            f"path: the {what} of {limits.joints[int(joint)]} jumps at s = {s[int(at)]:.12g}, and no motion of bounded"
+            " jerk follows it; make it smooth there, or end a run there"
+        )
 
 
 def allowed(run: AxisRun, limits: Limits, s: Floats, q: Floats) -> tuple[Floats, Floats]:

@@ -15,6 +15,8 @@ GRADING = 0.1
 """Largest step in time next to rest, as a share of the time since rest."""
 CELLS_A_HINT = 2.0
 """Fewest cells between two hints of a run, such as the knots of a fitted path."""
+FEWEST_LOOKS = 400
+"""Fewest places at which a run is looked at before its mesh is made: between two of them nothing must hide."""
 FEWEST_CELLS = 150
 DEFAULT_CELLS = 1500
 MOST_CELLS = 4_000
@@ -44,7 +46,7 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     """
     fewest = cells or (FEWEST_CELLS if len(run.hints) else DEFAULT_CELLS)
     many = places(run, limits, fewest) if cells is None and not len(run.hints) else fewest
-    rough = guess(run, limits, ends, many)
+    rough = guess(run, limits, ends, max(many, FEWEST_LOOKS))
     step = rough.t[-1] / fewest
     if cells is None:
         most = max(MOST_CELLS, CELLS_A_PLACE * max(len(run.hints), many if many > fewest else 0))

@@ -28,8 +28,9 @@ CLOSER_CELLS, CLOSER = 20, 1000
 def within_guarantee(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: Workers) -> SplineLaw:
     """The law, with its peaks (cells, 3), within the guarantee: slowed down about the places that pass it.
 
-    That is done so gently that nothing else passes. Where that does not do, or is no better, it is slowed down as a whole; with an end in motion it cannot be: Stalled.
-    One that could not be solved, and so uses no limit anywhere, is sped up.
+    That is done so gently that nothing else passes. Where that does not do, or is no better, it is slowed down as a
+    whole; with an end in motion it cannot be: Stalled. One that could not be solved, and so uses no limit anywhere, is
+    sped up.
     """
     look = meshed.look
     if law.dips().any():

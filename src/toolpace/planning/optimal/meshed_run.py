@@ -16,7 +16,6 @@ from toolpace.planning.optimal.dips import on_finer_mesh
 from toolpace.planning.optimal.problem import OnMesh, Problem, discretise, with_rows_between
 from toolpace.planning.optimal.rows_between import RowsBetween
 from toolpace.planning.peaks import Look, Peaks
-from toolpace.workers import Workers
 
 LEAST_REACH = 40
 """Fewest nodes on either side of a place that is mended."""

@@ -59,7 +59,7 @@ def weights(places: Floats, rest: tuple[float, float]) -> Floats:
 
 
 class Problem(OnMesh):
-    """A run on a mesh, as the core takes it: rows at the nodes, on both sides of a break, and at places between them."""
+    """A run on a mesh, as the core takes it: rows at nodes, on both sides of a break, and at places between them."""
 
     def __init__(self, nodes: Floats, rest: tuple[float, float], node: Ints, ends: tuple[EndState, EndState]) -> None:
         super().__init__(nodes, rest, ends)
@@ -93,7 +93,7 @@ class Problem(OnMesh):
         self.rows[:, half:] *= at_point[:, 2, None, None]
 
     def of_most_used(self, c: Floats, most: int) -> Problem:
-        """The problem with no more than so many rows of acceleration, and of jerk, at each point: those that c uses most.
+        """The problem with at most so many rows of acceleration, and of jerk, at each point: those that c uses most.
 
         A point has a row for each joint, and hardly ever are more than two of a kind near their limits at once.
         """
@@ -200,7 +200,7 @@ def as_cells(nodes: Floats, first: Ints, basis: Floats) -> tuple[Ints, Floats]:
 
 
 def basis_between(nodes: Floats, cell: Ints, place: Floats) -> Floats:
-    """(k, 3, 4) z, z', z'' at places (k,) in cells (k,) from four coefficients: a cell's third derivative is constant."""
+    """(k, 3, 4) z, z', z'' at places (k,) in cells (k,) of four coefficients: a cell's third derivative is constant."""
     ends = cubic_spline.basis_at_knots(nodes)
     left, right = with_fourth(ends[cell]), with_fourth(ends[cell + 1], before=True)
     x = (place - nodes[cell])[:, None]

@@ -83,7 +83,7 @@ class RowsBetween:
 
 
 def nearest(places: Floats, wanted: Floats) -> tuple[Ints, Floats]:
-    """(k,) the nearest of places, ascending, to each wanted one (k,), and how far off it is; inf where there is none."""
+    """(k,) the nearest of places, ascending, to each wanted one (k,), and how far off it is; inf without any."""
     if not len(places):
         return np.zeros(len(wanted), dtype=np.int64), np.full(len(wanted), np.inf)
     after = np.clip(np.searchsorted(places, wanted), 1, max(len(places) - 1, 1))

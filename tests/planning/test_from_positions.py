@@ -1,0 +1,52 @@
+"""The judge of random plans, which sees positions only: it agrees with what plans say of themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbed.from_positions import used_by_positions
+from testbed.jets import harmonics, path_of, straight
+from testbed.random_plans import FAMILIES, WAYS, random_plan
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.planner import plan
+from toolpace.trajectory import Trajectory
+
+KINDS = ("velocity", "acceleration", "jerk")
+
+
+@pytest.mark.parametrize("seed, mesh", [(0, None), (1, 30), (2, 300), (3, 8), (4, 100)])
+def test_positions_and_usage_agree_on_any_mesh(seed, mesh):
+    random = np.random.default_rng(seed)
+    joints = int(random.integers(1, 6))
+    limits = Limits(*(random.uniform(0.5, 2.0, joints) * base for base in (1.0, 4.0, 40.0)))
+    trajectory = plan(path_of(harmonics(random, joints, 6)), limits, mesh=mesh, bound=False)
+    usage, found = trajectory.usage(), used_by_positions(trajectory)
+    told = np.array([max(getattr(usage, kind).values()) for kind in KINDS])
+    # what is far from its limit is not looked at as closely
+    assert (found[1:] <= told * np.where(told > 0.9, 1.0 + 1e-5, 1.01)).all()
+    np.testing.assert_allclose(found[1:], told, rtol=5e-3)
+
+
+def test_what_is_too_much_is_seen():
+    limits = Limits([1.0, 1.0], [4.0, 4.0], [40.0, 40.0])
+    path = path_of(harmonics(np.random.default_rng(5), 2))
+    good = plan(path, limits, mesh=200, bound=False)
+    law = good.laws[0]
+    # about one place faster than the limits allow
+    c = law.c.copy()
+    c[120:124] *= 1.02
+    worse = Trajectory(path, limits, (SplineLaw(law.nodes, c, law.rest),))
+    assert used_by_positions(good).max() <= 1.0001 < 1.005 < used_by_positions(worse).max()
+    # accelerations that jump have no jerk
+    jumping = plan(path_of(straight([1.0, 0.5])), limits, planner="second-order")
+    assert used_by_positions(jumping)[3] > 50.0
+
+
+def test_plans_are_the_same_for_a_seed_and_cover_all():
+    assert len(FAMILIES) == 20 and len(WAYS) == 3
+    first, again = random_plan(63), random_plan(63)
+    s = np.linspace(first.path.runs[0].s0, first.path.runs[0].s1, 20)
+    np.testing.assert_array_equal(first.path.runs[0].evaluate(s), again.path.runs[0].evaluate(s))
+    assert {random_plan(seed).family for seed in range(0, 60, 3)} == set(FAMILIES)

@@ -1,0 +1,127 @@
+"""Features narrower than any grid: what changes position, slope or curvature of a path is found, however narrow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbed.jets import harmonics, path_of, straight
+from toolpace.errors import PathError
+from toolpace.machine.limits import Limits
+from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.planner import plan
+from toolpace.trajectory import Trajectory
+
+PLANNED, SHOWN = 1.0 / 1000.0, 1.0 / 1500.0
+"""Width, as a share of the run, from which a blip that changes nothing beyond it is planned for, and shows in usage."""
+
+
+def bend(random: np.random.Generator, width: float, joints: int):
+    """A smooth path with a step of tanh somewhere, whose curvature would pass the limits by far at full speed."""
+    place = random.uniform(0.05, 0.95)
+    base = straight(random.normal(size=joints)) if random.random() < 0.5 else harmonics(random, joints, 3)
+    height = random.normal(size=joints) * width * 10.0 ** random.uniform(-2.0, 0.3)
+
+    def jets(s):
+        y = np.tanh((s - place) / width)
+        g = 1.0 - y * y
+        step = np.stack([y, g / width, -2 * y * g / width**2, (6 * y * y - 2) * g / width**3])
+        return base(s) + step[:, :, None] * height
+
+    return path_of(jets), place
+
+
+def blip(random: np.random.Generator, width: float, joints: int):
+    """A smooth path with a bump as wide, four times differentiable, beyond which nothing is changed."""
+    place = random.uniform(0.05, 0.95)
+    base = harmonics(random, joints, 3)
+    bump = np.polynomial.Polynomial([1.0, 0.0, -1.0]) ** 6
+    height = random.normal(size=joints) * width
+
+    def jets(s):
+        u = 2.0 * (s - place) / width
+        inside = np.abs(u) < 1.0
+        part = np.stack(
+            [np.where(inside, (bump.deriv(k) if k else bump)(u), 0.0) * (2.0 / width) ** k for k in range(4)]
+        )
+        return base(s) + part[:, :, None] * height
+
+    return path_of(jets), place
+
+
+def used_about(trajectory: Trajectory, place: float, width: float) -> float:
+    """Largest use of the limits while s passes from `width` before a place to as far behind it."""
+    limits = trajectory.limits
+    low, high = 0.0, trajectory.duration
+    for _ in range(8):
+        t = np.linspace(low, high, 2001)
+        k = np.searchsorted(trajectory.parameter(t), [place - width, place + width])
+        low, high = t[max(k[0] - 1, 0)], t[min(k[1] + 1, 2000)]
+    motion = trajectory.at(np.linspace(low, high, 4001))
+    shares = (motion.qd / limits.velocity, motion.qdd / limits.acceleration, motion.qddd / limits.jerk)
+    return float(max(np.abs(share).max() for share in shares))
+
+
+def limits_of(random: np.random.Generator, joints: int) -> Limits:
+    return Limits(
+        random.uniform(0.5, 2.0, joints), random.uniform(2.0, 8.0, joints), random.uniform(20.0, 80.0, joints)
+    )
+
+
+@pytest.mark.parametrize("mesh", [30, 300, None])
+def test_a_bend_of_any_width_is_planned_for(mesh):
+    for seed in range(24):
+        random = np.random.default_rng([seed, 11])
+        joints, width = int(random.integers(1, 5)), 10.0 ** random.uniform(-8.0, -2.0)
+        path, place = bend(random, width, joints)
+        trajectory = plan(path, limits_of(random, joints), mesh=mesh, bound=False)
+        assert used_about(trajectory, place, 4.0 * width) <= PROMISED, f"seed {seed}, width {width:g}"
+        assert trajectory.usage().worst <= PROMISED
+
+
+def test_a_bend_that_a_motion_passes_too_fast_shows_in_its_usage():
+    """Laws planned for the path without its bend: the look at them has no nodes there."""
+    for seed in range(40):
+        random = np.random.default_rng([seed, 13])
+        joints, width = int(random.integers(1, 5)), 10.0 ** random.uniform(-8.0, -2.0)
+        path, place = bend(random, width, joints)
+        limits = limits_of(random, joints)
+        free = plan(path_of(straight(np.full(joints, 0.3))), limits, bound=False)
+        motion = Trajectory(path, limits, free.laws)
+        real = used_about(motion, place, 4.0 * width)
+        if real > 1.1:
+            assert motion.usage().worst == pytest.approx(real, rel=0.05) or motion.usage().worst > real
+
+
+def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows():
+    for seed in range(24):
+        random = np.random.default_rng([seed, 17])
+        joints = int(random.integers(1, 5))
+        for width in (PLANNED, SHOWN):
+            path, place = blip(random, width, joints)
+            limits = limits_of(random, joints)
+            trajectory = plan(path, limits, bound=False)
+            real = used_about(trajectory, place, 0.6 * width)
+            assert real <= max(PROMISED, trajectory.usage().worst * (1.0 + 1e-4)), f"seed {seed}, width {width:g}"
+            if width == PLANNED:
+                assert real <= PROMISED, f"seed {seed}"
+
+
+@pytest.mark.parametrize("order, what", [(0, "position"), (1, "slope"), (2, "curvature")])
+def test_what_jumps_is_refused_by_place_and_joint(order, what):
+    """A jump is as narrow as anything can be; no motion of bounded jerk follows it."""
+    for seed in range(6):
+        random = np.random.default_rng([seed, 19])
+        joints = int(random.integers(1, 5))
+        place, size, joint = random.uniform(0.1, 0.9), 10.0 ** random.uniform(-1.0, 0.5), int(random.integers(joints))
+        base = harmonics(random, joints, 3)
+
+        def jets(s, place=place, size=size, joint=joint, base=base):
+            out, u = base(s), s - place
+            for k in range(order + 1):
+                factor = (1.0, order, 2.0)[k] * size
+                out[k, :, joint] += np.where(u > 0.0, factor * np.maximum(u, 0.0) ** (order - k), 0.0)
+            return out
+
+        with pytest.raises(PathError, match=f"the {what} of q{joint + 1} jumps at s = {place:.6f}"[:-1]):
+            plan(path_of(jets), limits_of(random, joints), mesh=[None, 100][seed % 2], bound=False)
