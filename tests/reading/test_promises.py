@@ -118,3 +118,8 @@ def test_the_path_starts_where_every_axis_has_been_positioned():
         rapids = "".join(f"G0 {letter}5\n" for letter in order)
         p = read_text(f"{rapids}G1 X10 F600\nM30\n", None, "gcode")
         assert (p.tip * 1e3).tolist() == [[5, 5, 5], [10, 5, 5]] and p.block.tolist() == [3, 4]
+
+
+def test_a_feed_value_replaces_inverse_times_however_short():
+    p = apply_feed(gcode("G93 G1 X10 F600\nX20 F6000000\n"), "1200mm/min")
+    assert p.feed[1:] == pytest.approx(0.02) and not p.least_time.any()

@@ -167,7 +167,8 @@ def closer(
     """Raise the peak (3,) of acceleration or jerk of one axis at places about the one where it has been found.
 
     Parameters: cell (4,) polynomial of z, never below `floor`; q (3, n k, m) derivatives of the path,
-    those of this cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes quickly.
+    those of this cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes
+    quickly.
     """
     k, at = len(inside), place[kind]
     p = 1

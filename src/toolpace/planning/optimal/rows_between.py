@@ -79,7 +79,8 @@ class RowsBetween:
         near = (cells[:, None] + np.arange(-NEIGHBOURS, NEIGHBOURS + 1)).ravel()
         taken = np.concatenate([but, np.searchsorted(nodes, self.place, side="right") - 1])
         near = np.setdiff1d(near[(near >= 0) & (near < len(nodes) - 1)], taken)
-        return nodes[near] + np.diff(nodes)[near] / 2.0
+        middle: Floats = nodes[near] + np.diff(nodes)[near] / 2.0
+        return middle
 
 
 def nearest(places: Floats, wanted: Floats) -> tuple[Ints, Floats]:
