@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -18,14 +19,16 @@ class Remembered:
     """A callable f(s, order) made of one that gives all orders at once; the last s is remembered."""
 
     def __init__(self, jets: Jets) -> None:
-        self.jets = jets
+        self.jets, self.lock = jets, threading.Lock()
         self.s = np.empty(0)
         self.values = np.empty((4, 0, 0))
 
     def __call__(self, s: Floats, order: int) -> Floats:
-        if s is not self.s and not np.array_equal(s, self.s):
-            self.s, self.values = np.array(s), self.jets(s)
-        return self.values[order]
+        # two runs may share it, and be asked from two threads
+        with self.lock:
+            if s is not self.s and not np.array_equal(s, self.s):
+                self.s, self.values = np.array(s), self.jets(s)
+            return self.values[order]
 
     def forget(self) -> None:
         """Forget the last s: the next planner asked on the same mesh shall pay for the path, too."""

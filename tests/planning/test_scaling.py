@@ -14,7 +14,8 @@ from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.planner import Planner, plan
 from toolpace.planning.second_order.planner import SecondOrder
 
-ALIKE = 1e-9
+ALIKE, USED = 1e-9, 1e-6
+"""Of durations, bounds and mesh; and of usage: a jerk that is not at its limit is as exact as the solver's end."""
 
 
 def results(seed: int, planner: Planner, q: float = 1.0, s: float = 1.0, t: float = 1.0) -> np.ndarray:
@@ -48,6 +49,6 @@ def test_scaled_units_change_nothing(planner):
         for what in ("q", "s", "t"):
             for by in (1e-6, 1e6, float(10.0 ** random.uniform(-6.0, 6.0))):
                 scaled = results(seed, planner, **{what: by})
-                np.testing.assert_allclose(
-                    scaled, plain, rtol=ALIKE, atol=ALIKE, err_msg=f"seed {seed}, {what} by {by:g}"
-                )
+                told = f"seed {seed}, {what} by {by:g}"
+                np.testing.assert_allclose(scaled[:4], plain[:4], rtol=ALIKE, atol=ALIKE, err_msg=told)
+                np.testing.assert_allclose(scaled[4:], plain[4:], rtol=USED, atol=USED, err_msg=told)

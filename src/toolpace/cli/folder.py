@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,8 @@ def verify_folder(folder: Path, steps: Steps) -> tuple[PlanRecord, Verification]
     import msgspec
 
     from toolpace import write
-    from toolpace.judge import verify_plan
+    from toolpace.files import changed, reason
+    from toolpace.judge import Check, verify_plan
     from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
     from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
@@ -45,7 +47,13 @@ def verify_folder(folder: Path, steps: Steps) -> tuple[PlanRecord, Verification]
         said = msgspec.to_builtins(record)
         found = verify_plan(setpoints, machine, toolpath, said, tip * MILLIMETRE, axis * DEGREE)
         table = folder / write.TABLE
-        return record, with_table(found, table, setpoints, machine) if table.exists() else found
+        found = with_table(found, table, setpoints, machine) if table.exists() else found
+        try:
+            words = changed(folder)
+        except OSError as error:
+            raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
+        seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
+        return record, replace(found, checks=(*found.checks, seal))
 
 
 def program_in(folder: Path, record: PlanRecord) -> Path | None:

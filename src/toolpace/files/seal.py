@@ -73,6 +73,20 @@ def foreign(folder: Path) -> str:
     return ""
 
 
+def changed(folder: Path) -> str:
+    """Which file of a folder was changed after toolpace wrote it, in words; empty where none was.
+
+    A file that is missing, or that toolpace did not write, is no change. Raises OSError where one cannot be read.
+    """
+    seal = read_seal(folder)
+    if seal is None:
+        return "the seal at the end of plan.json is missing, or not of the file as it is"
+    for name, right in seal[1].items():
+        if (folder / name).is_file() and checksum(folder / name) != right:
+            return f"{name} was changed after toolpace wrote it"
+    return ""
+
+
 def checksum(file: Path) -> str:
     """SHA-256 of a file, in hexadecimal."""
     with file.open("rb") as stream:

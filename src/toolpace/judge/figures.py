@@ -28,7 +28,7 @@ DEFAULT_TIP_MM, DEFAULT_AXIS_DEG = 0.01, 0.05
 
 RECOMPUTED = (
     "duration_s", "gap", "blocks", "stops", "usage", "limited_by", "tip_deviation_mm", "axis_deviation_deg", "machine",
-    "dt_s", "set_points", "path_length_mm", "verified", "program_file",
+    "dt_s", "set_points", "path_length_mm", "verified", "program_file", "lower_bound_of",
 )  # fmt: skip
 IN_THE_VERDICT = ("tip_tolerance_mm", "axis_tolerance_deg", "feed", "dialect")
 """What was asked for: judged by, and said with the verdict."""
@@ -85,6 +85,8 @@ class Figures:
                 bound = float(said[key])
                 ok = 0.0 < bound <= duration * (1.0 + SAME)
                 checks.append(Check(f"plan.json {key}", bound, duration, "s", ok, note="not above the duration"))
+        of = "this mesh" if said["lower_bound_s"] is not None else None
+        checks.append(wrong("lower_bound_of", f"says {said['lower_bound_of']!r}", said["lower_bound_of"] == of))
         if (said["gap"] is None) != (said["lower_bound_s"] is None):
             checks.append(wrong("gap", "a gap goes with a lower bound, and none with none"))
         elif said["gap"] is not None:

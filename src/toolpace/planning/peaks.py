@@ -25,6 +25,8 @@ UNLIKE = 1e-6
 BENT = 1e-4
 """How far the cap on ds/dt may be from a polynomial of the third degree in a cell, relative to itself; one of the
 fourth is taken, and beyond this it is asked at each probe."""
+VAGUE_ABOVE, CLOSELY = 0.98, 65
+"""Usage from which such a cell is looked at closely, and the number of its probes then."""
 FASTER = 4.0
 """How much of the z at steady speed a motion may have."""
 
@@ -48,6 +50,8 @@ class Look:
 
     def __init__(self, run: AxisRun, limits: Limits, nodes: Floats) -> None:
         self.run, self.limits, self.nodes = run, limits, nodes
+        self.unlike = np.zeros(len(nodes) - 1, dtype=np.bool_)
+        """(n,) cells in which the path does more than its derivatives at the nodes say, as far as looked at."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
         """By the first cell of a chunk: three derivatives (3, n k, m) of the path, and caps (n k,) on ds/dt."""
 
@@ -72,6 +76,20 @@ class Look:
             return self._of(which, law, *self._asked(which, law.inside))
 
         return joined((workers or Workers()).each(of_part, range(0, len(cells), CHUNK)))
+
+    def confirmed(self, law: SplineLaw, peaks: Peaks, workers: Workers | None = None) -> Peaks:
+        """The peaks, looked for again in cells near a limit where the path does more than the nodes say."""
+        cells = np.flatnonzero(self.unlike & (peaks.used.max(axis=1) > VAGUE_ABOVE))
+        if not len(cells):
+            return peaks
+        closely = SplineLaw(law.nodes, law.c, law.rest)
+        closely.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, CLOSELY))) / 2.0
+        again = self.peaks_in(closely, cells, workers)
+        used, place = peaks.used.copy(), peaks.place.copy()
+        higher = again.used > used[cells]
+        used[cells] = np.where(higher, again.used, used[cells])
+        place[cells] = np.where(higher, again.place, place[cells])
+        return Peaks(used, place)
 
     def _path(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
         """Derivatives and caps at the shares `inside` of the cells `which`, which follow each other."""
@@ -101,6 +119,7 @@ class Look:
             unlike |= ~(bend <= BENT)
         else:
             caps = self.run.speed_cap(np.clip(probes(nodes, inside), self.run.s0, self.run.s1))
+        self.unlike[which] = unlike
         if unlike.any():
             at = (np.flatnonzero(unlike)[:, None] * len(inside) + np.arange(len(inside))).ravel()
             out[:, at], caps[at] = self._asked(which[unlike], inside)

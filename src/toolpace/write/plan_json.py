@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from toolpace.errors import UsageError
-from toolpace.files import reason, whole_file
+from toolpace.files import SEAL, reason, whole_file
 
 PLAN = "plan.json"
 """Its name in the folder of a plan."""
@@ -107,7 +107,10 @@ def read_plan(path: str | os.PathLike[str]) -> PlanRecord:
             data = stream.read(LARGEST + 1)
         if len(data) > LARGEST:
             raise UsageError(f"{source}: not a plan: more than {LARGEST >> 20} MB; plan again, into a new folder")
-        return msgspec.json.decode(data, type=PlanRecord)
+        said = msgspec.json.decode(data)
+        if isinstance(said, dict):
+            said.pop(SEAL, None)  # of the folder, not of the plan
+        return msgspec.convert(said, type=PlanRecord)
     except FileNotFoundError:
         raise UsageError(f"{source}: no such file; give the folder that `toolpace plan` wrote") from None
     except OSError as error:

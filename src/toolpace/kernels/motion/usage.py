@@ -13,8 +13,8 @@ SPEED, ACCELERATION, JERK = 0, 1, 2
 """Kinds of limits; the feed is one of speed."""
 HIGH, NEAR_LIMIT = 0.9, 0.999
 """Usage from which it matters how high a peak goes between probes, and from which it is looked at closer."""
-CLOSER, CLOSER_LOOKS = 0.35, 12
-"""Share of the space between probes in which a peak is looked for again, on either side, and at how many places."""
+CLOSER_LOOKS = 12
+"""Places on either side of such a peak at which it is looked for again."""
 
 
 @jit()
@@ -128,12 +128,18 @@ def spline_peaks(
             for p in range(k):
                 value[p] = abs(q[1, low + p, axis] * speed2[p] + q[0, low + p, axis] * rise[p]) / acceleration[axis]
             if highest(value, inside, ACCELERATION, peak[i], place[i]):
-                closer(z, floor, length, inside, q, low, axis, acceleration[axis], ACCELERATION, peak[i], place[i])
+                limit = acceleration[axis]
+                for p in range(1, k - 1):
+                    if is_top(value, p):
+                        closer(z, floor, length, inside, p, q, low, axis, limit, ACCELERATION, peak[i], place[i])
             for p in range(k):
                 third = q[2, low + p, axis] * speed3[p] + q[1, low + p, axis] * both[p]
                 value[p] = abs(third + q[0, low + p, axis] * bend[p]) / jerk[axis]
             if highest(value, inside, JERK, peak[i], place[i]):
-                closer(z, floor, length, inside, q, low, axis, jerk[axis], JERK, peak[i], place[i])
+                limit = jerk[axis]
+                for p in range(1, k - 1):
+                    if is_top(value, p):
+                        closer(z, floor, length, inside, p, q, low, axis, limit, JERK, peak[i], place[i])
     return peak, place
 
 
@@ -141,10 +147,9 @@ def spline_peaks(
 def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Floats) -> bool:
     """Raise the peak (3,) of a kind, and set its place (3,), where the values (k,) at shares `inside` go higher.
 
-    Returns whether there is a top between them that is worth a closer look.
+    Returns whether any is so near its limit that tops between them are worth a closer look.
     """
-    k, raised = len(value), False
-    most = 0.0
+    k, most = len(value), 0.0
     for p in range(k):
         most = max(most, value[p])
     if most <= HIGH and not most > peak[kind] and not np.isnan(value.sum()):
@@ -155,31 +160,29 @@ def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Float
             top, at = summit(inside[p - 1], at, inside[p + 1], value[p - 1], top, value[p + 1])
         if top > peak[kind] or np.isnan(top):
             peak[kind], place[kind] = top, at
-            raised = True
-    return raised and peak[kind] > NEAR_LIMIT
+    return most > NEAR_LIMIT
+
+
+@jit(inline=True)
+def is_top(value: Floats, p: int) -> bool:
+    """Whether a value near its limit is as large as both beside it."""
+    return value[p] > NEAR_LIMIT and value[p] >= value[p - 1] and value[p] >= value[p + 1]
 
 
 @jit()
 def closer(
-    cell: Floats, floor: float, length: float, inside: Floats, q: Floats, low: int, axis: int, limit: float, kind: int,
-    peak: Floats, place: Floats,
+    cell: Floats, floor: float, length: float, inside: Floats, p: int, q: Floats, low: int, axis: int, limit: float,
+    kind: int, peak: Floats, place: Floats,
 ) -> None:  # fmt: skip
-    """Raise the peak (3,) of acceleration or jerk of one axis at places about the one where it has been found.
+    """Raise the peak (3,) of acceleration or jerk of one axis at places between the probes beside a top at probe p.
 
     Parameters: cell (4,) polynomial of z, never below `floor`; q (3, n k, m) derivatives of the path,
     those of this cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes
     quickly.
     """
-    k, at = len(inside), place[kind]
-    p = 1
-    while p < k - 2 and inside[p] < at:
-        p += 1
-    if abs(inside[p - 1] - at) < abs(inside[p] - at):
-        p = max(p - 1, 1)
     x0, x1, x2 = inside[p - 1], inside[p], inside[p + 1]
-    reach = CLOSER * (x2 - x0)
-    for i in range(-CLOSER_LOOKS, CLOSER_LOOKS + 1):
-        x = min(max(at + reach * i / CLOSER_LOOKS, x0), x2)
+    for i in range(1, 2 * CLOSER_LOOKS):
+        x = x0 + (x2 - x0) * i / (2 * CLOSER_LOOKS)
         b0 = (x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2))
         b1 = (x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2))
         b2 = (x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1))

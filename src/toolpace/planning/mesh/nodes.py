@@ -19,7 +19,7 @@ FEWEST_LOOKS = 400
 """Fewest places at which a run is looked at before its mesh is made: between two of them nothing must hide."""
 FEWEST_CELLS = 150
 DEFAULT_CELLS = 1500
-MOST_CELLS = 4_000
+MOST_CELLS = 10_000
 """Fewest cells of a run, with hints and without, and most, unless it has many hints or turns."""
 CELLS_A_PLACE = 20
 """Most cells for each hint, or for each of the places that it takes to tell the speed between them."""

@@ -55,8 +55,10 @@ def within_guarantee(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: W
 def eased(look: Look, law: SplineLaw, peak: Floats, ramp: float, workers: Workers) -> SplineLaw | None:
     """The law slowed down about its peaks (cells, 3) above the guarantee; None where that is not enough."""
     gently = SplineLaw(law.nodes, law.c * easing(law, peak, ramp), law.rest)
-    within = not gently.dips().any() and look.peaks(gently, workers).used.max() <= GUARANTEE
-    return gently if within else None
+    if gently.dips().any():
+        return None
+    found = look.confirmed(gently, look.peaks(gently, workers), workers)
+    return gently if found.used.max() <= GUARANTEE else None
 
 
 def closer(look: Look, law: SplineLaw, peak: Floats, workers: Workers) -> float:

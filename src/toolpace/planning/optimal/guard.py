@@ -60,6 +60,10 @@ def guarded(
     best, least = (meshed, law, peaks.used), now
     for number in range(MOST_ROUNDS):
         dips = law.dips()
+        if now <= (1.0 + EASED_BY) * law.duration:
+            # good enough to be the last: worth a closer look
+            peaks = meshed.look.confirmed(law, peaks, workers)
+            now = worth(law, peaks.used, meshed.ramp)
         if not dips.any() and now <= (1.0 + EASED_BY) * law.duration:
             gently = eased(meshed.look, law, peaks.used, meshed.ramp, workers)
             if gently is not None:
