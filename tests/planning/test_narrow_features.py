@@ -99,9 +99,7 @@ def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows():
     for seed in range(24):
         random = np.random.default_rng([seed, 17])
         joints = int(random.integers(1, 5))
-        for width in (TOLD = PROMISED + 1e-4
-"""Usage that may be told: next to a bend of 1e-7 of the run, cells are so short that it is rounding of its own."""
-PLANNED, SHOWN):
+        for width in (PLANNED, SHOWN):
             path, place = blip(random, width, joints)
             limits = limits_of(random, joints)
             trajectory = plan(path, limits, bound=False)

@@ -166,7 +166,7 @@ def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Float
 @jit(inline=True)
 def is_top(value: Floats, p: int) -> bool:
     """Whether a value near its limit is as large as both beside it."""
-    return value[p] > NEAR_LIMIT and value[p] >= value[p - 1] and value[p] >= value[p + 1]
+    return bool(value[p] > NEAR_LIMIT and value[p] >= value[p - 1] and value[p] >= value[p + 1])
 
 
 @jit()
