@@ -9,6 +9,6 @@ from toolpace.files.seal import changed
 from toolpace.files.whole import reason, whole_file, write_text
 
 __all__ = [
-    "SEAL", "changed", "finished", "folder_to_write", "free_disk", "free_memory", "reason", "whole_file", "whole_folder",
-    "write_text",
+    "SEAL", "changed", "finished", "folder_to_write", "free_disk", "free_memory", "reason", "whole_file",
+    "whole_folder", "write_text",
 ]  # fmt: skip
