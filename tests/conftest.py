@@ -12,6 +12,7 @@ IN_CI = os.environ.get("CI", "").lower() in ("1", "true", "yes")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--sweep", action="store_true", help="run the long sweeps too (CI=true does so as well)")
+    parser.addoption("--thorough", action="store_true", help="run those that take hours too")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -23,12 +24,13 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if IN_CI or config.getoption("--sweep"):
-        return
-    sweeps = [item for item in items if item.get_closest_marker("sweep")]
-    if sweeps:
-        config.hook.pytest_deselected(items=sweeps)
-        items[:] = [item for item in items if not item.get_closest_marker("sweep")]
+    left_out = [] if config.getoption("--thorough") else ["thorough"]
+    if not (IN_CI or config.getoption("--sweep") or config.getoption("--thorough")):
+        left_out.append("sweep")
+    dropped = [item for item in items if any(map(item.get_closest_marker, left_out))]
+    if dropped:
+        config.hook.pytest_deselected(items=dropped)
+        items[:] = [item for item in items if not any(map(item.get_closest_marker, left_out))]
 
 
 @pytest.hookimpl(wrapper=True)

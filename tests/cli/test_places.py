@@ -296,15 +296,17 @@ main(sys.argv[2:])
 """
 
 
-@pytest.mark.sweep
-def test_the_whole_command_killed_over_an_old_result(here):
+@pytest.mark.parametrize(
+    "kills", [pytest.param(5, marks=pytest.mark.sweep), pytest.param(40, marks=pytest.mark.thorough)]
+)
+def test_the_whole_command_killed_over_an_old_result(here, kills):
     """Some tens of times, at instants spread over its run; the folder is always whole, and the next run sweeps up."""
     assert main(["plan", "part.ngc", *PLAN, "-o", "out"]) == 0
     began = time.perf_counter()
     assert shell(f"{TOOLPACE} plan part.ngc {' '.join(PLAN)} -o out").returncode == 0
     whole = time.perf_counter() - began
     chance = np.random.default_rng(20261122)
-    for _ in range(40):
+    for _ in range(kills):
         command = [sys.executable, "-c", KILLED, str(chance.uniform(0.2, 1.1) * whole), "plan", "part.ngc", *PLAN]
         subprocess.run([*command, "-o", "out"], capture_output=True, timeout=600)
         assert foreign(here / "out") == "" and set(content(here / "out")) == RESULTS | {"program.ngc"}
