@@ -62,7 +62,8 @@ def test_decides_as_the_oracle_does(part):
 
 
 @pytest.mark.parametrize(
-    "part", [pytest.param(-1, marks=pytest.mark.sweep), *(pytest.param(k, marks=pytest.mark.thorough) for k in range(9))]
+    "part",
+    [pytest.param(-1, marks=pytest.mark.sweep), *(pytest.param(k, marks=pytest.mark.thorough) for k in range(9))],
 )
 def test_decides_as_the_oracle_does_on_thousands(part):
     for seed in range(1000 + part, 5000, 9) if part >= 0 else range(6000, 6100):

@@ -187,7 +187,8 @@ def test_wrong_feeds_dwells_stops_and_blocks_are_found():
 
 
 @pytest.mark.parametrize(
-    "part", [pytest.param(-1, marks=pytest.mark.sweep), *(pytest.param(k, marks=pytest.mark.thorough) for k in range(10))]
+    "part",
+    [pytest.param(-1, marks=pytest.mark.sweep), *(pytest.param(k, marks=pytest.mark.thorough) for k in range(10))],
 )
 def test_thousands_of_walks(part):
     for seed in range(1000 + part, 4200, 10) if part >= 0 else range(5000, 5030):
