@@ -11,7 +11,7 @@ from toolpace.kernels.motion.spline_law import inside_cell
 
 SPEED, ACCELERATION, JERK = 0, 1, 2
 """Kinds of limits; the feed is one of speed."""
-HIGH, NEAR_LIMIT = 0.9, 0.999
+HIGH, NEAR_LIMIT = 0.9, 0.98
 """Usage from which it matters how high a peak goes between probes, and from which it is looked at closer."""
 CLOSER_LOOKS = 12
 """Places on either side of such a peak at which it is looked for again."""
@@ -124,7 +124,11 @@ def spline_peaks(
         for axis in range(m):
             for p in range(k):
                 value[p] = abs(q[0, low + p, axis] * speed[p]) / velocity[axis]
-            highest(value, inside, SPEED, peak[i], place[i])
+            if highest(value, inside, SPEED, peak[i], place[i]):
+                limit = velocity[axis]
+                for p in range(1, k - 1):
+                    if is_top(value, p):
+                        closer(z, floor, length, inside, p, q, low, axis, limit, SPEED, peak[i], place[i])
             for p in range(k):
                 value[p] = abs(q[1, low + p, axis] * speed2[p] + q[0, low + p, axis] * rise[p]) / acceleration[axis]
             if highest(value, inside, ACCELERATION, peak[i], place[i]):
@@ -174,7 +178,7 @@ def closer(
     cell: Floats, floor: float, length: float, inside: Floats, p: int, q: Floats, low: int, axis: int, limit: float,
     kind: int, peak: Floats, place: Floats,
 ) -> None:  # fmt: skip
-    """Raise the peak (3,) of acceleration or jerk of one axis at places between the probes beside a top at probe p.
+    """Raise the peak (3,) of a kind of one axis at places between the probes beside a top at probe p.
 
     Parameters: cell (4,) polynomial of z, never below `floor`; q (3, n k, m) derivatives of the path,
     those of this cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes
@@ -191,7 +195,9 @@ def closer(
         q2 = b0 * q[1, o - 1, axis] + b1 * q[1, o, axis] + b2 * q[1, o + 1, axis]
         q3 = b0 * q[2, o - 1, axis] + b1 * q[2, o, axis] + b2 * q[2, o + 1, axis]
         v, a, j = inside_cell(cell, floor, x * length)
-        if kind == ACCELERATION:
+        if kind == SPEED:
+            value = abs(q1 * v) / limit
+        elif kind == ACCELERATION:
             value = abs(q2 * v * v + q1 * a) / limit
         else:
             value = abs(q3 * v * v * v + 3.0 * q2 * v * a + q1 * j) / limit
