@@ -73,10 +73,9 @@ def ratios_along(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> 
     from toolpace.kernels.motion import usage
 
     s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
-    path = np.ascontiguousarray(run.evaluate(s))
-    ratio: Floats = usage.ratios(
-        path, state, run.speed_cap(s), limits.velocity, limits.acceleration, limits.jerk
-    )  # fmt: skip
+    path, cap = run.with_cap(s)
+    path = np.ascontiguousarray(path)
+    ratio: Floats = usage.ratios(path, state, cap, limits.velocity, limits.acceleration, limits.jerk)
     return ratio, path
 
 

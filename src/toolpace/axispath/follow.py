@@ -133,6 +133,8 @@ def _jump(path: Path, machine: Machine, run: int, s: float, turn: Floats) -> Pat
 class FollowRun(AxisRun):
     """The joints of a machine along one run of a path."""
 
+    smooth_cap = True
+
     def __init__(self, run: PathRun, machine: Machine, branch: Branch | None) -> None:
         self.run, self.machine, self.branch = run, machine, branch
         self.s0, self.s1, self.hints, self.dwell = run.s0, run.s1, run.breaks, run.dwell
@@ -143,8 +145,6 @@ class FollowRun(AxisRun):
         jumps = (run.feed[1:] != run.feed[:-1]) | (self.pace[1:] != self.pace[:-1])
         kinks = run.breaks[1:-1] if run.third_jumps else np.empty(0)
         self.breaks = np.union1d(run.block_start[1:-1][jumps], kinks)
-
-    smooth_cap = True
 
     def evaluate(self, s: Floats) -> Floats:
         return self._joints(self.run.evaluate(s), s)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats, Ints
+from toolpace.arrays import Bools, Floats
 from toolpace.laws.law import CELLS_AT_A_TIME, Probe, TimeLaw, probes_a_cell
 
 
@@ -69,9 +69,3 @@ class SplineLaw(TimeLaw):
         for first in range(0, last, CELLS_AT_A_TIME):
             state, right, share = spline_law.probe(self._law, self.inside, first, min(first + CELLS_AT_A_TIME, last))
             yield Probe(state, right, share)
-
-    def states_within(self, cells: Ints) -> tuple[Floats, Floats]:
-        """(4, m k) states at the k places `inside` each of m cells, and 0 for those on the left side of a break."""
-        from toolpace.kernels.motion import spline_law
-
-        return spline_law.within(self.nodes, self.cells, cells, self.inside)

@@ -107,7 +107,8 @@ class Look:
         fastest, steady, _ = first_guess.pointwise(np.ascontiguousarray(q), *of_joints, cap)
         z = np.minimum(fastest, FASTER * steady)[: 2 * count - 1]
         z = np.maximum(np.maximum(z[: count - 1], z[1:count]), z[count:])
-        unlike = ~(between_nodes.unlike(*ends, middle, length, np.where(z < np.inf, z, 0.0), *of_joints) <= UNLIKE)
+        z[z == np.inf] = 0.0
+        unlike = ~(between_nodes.unlike(nodes[:-1], *ends, middle, length, z, *of_joints) <= UNLIKE)
         unlike[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, count - 2)] |= ~np.isin(self.run.breaks, nodes)
         out = np.empty((3, len(which) * len(inside), q.shape[2]))
         between_nodes.path_between(np.arange(len(which)), *ends, length, inside, out)
@@ -174,8 +175,8 @@ def joined(parts: list[Peaks]) -> Peaks:
     return Peaks(np.concatenate([part.used for part in parts]), np.concatenate([part.place for part in parts]))
 
 
-def peaks_of(run: AxisRun, limits: Limits, law: SplineLaw | LinearLaw, cells: Ints) -> Floats:
-    """(n, 3) largest usage in the given cells of a law, by speed, acceleration and jerk."""
+def peaks_of(run: AxisRun, limits: Limits, law: LinearLaw, cells: Ints) -> Floats:
+    """(n, 3) largest usage in the given cells of a law of linear z, by speed, acceleration and jerk."""
     m = len(limits)
     state, right = law.states_within(cells)
     of_cell = usage.peaks(law.inside, limit_ratios(run, limits, state, right))

@@ -6,6 +6,7 @@ import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
+from toolpace.kernels.motion.hidden import missing
 
 
 @jit()
@@ -37,17 +38,17 @@ def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside:
 
 @jit()
 def unlike(
-    low: Floats, high: Floats, middle: Floats, length: Floats, z: Floats, velocity: Floats, acceleration: Floats,
-    jerk: Floats,
+    s: Floats, low: Floats, high: Floats, middle: Floats, length: Floats, z: Floats, velocity: Floats,
+    acceleration: Floats, jerk: Floats,
 ) -> Floats:  # fmt: skip
     """(N,) largest share of a limit, at (ds/dt)^2 = z (N,), by which the path is unlike that quintic in each cell.
 
-    From its derivatives in the middle, and from what its positions gain between ends and middle. Parameters: low,
+    From its derivatives in the middle, and from what its positions gain. Parameters: s (N,) where cells begin; low,
     middle and high (4, N, m) position and derivatives; length (N,) of the cells.
     """
     out = np.zeros(len(length))
     half, told = np.array([0.5]), np.empty((3, 1, low.shape[2]))
-    rounding = 16.0 * np.finfo(np.float64).eps
+    missed = missing(low, high, s, length, np.sqrt(z), np.zeros((3, low.shape[2])))
     for i in range(len(length)):
         h, v = length[i], np.sqrt(z[i])
         path_between(np.array([i]), low, high, length, half, told)
@@ -55,11 +56,7 @@ def unlike(
             by = abs(middle[1, i, axis] - told[0, 0, axis]) * v / velocity[axis]
             by = max(by, abs(middle[2, i, axis] - told[1, 0, axis]) * v**2 / acceleration[axis])
             by = max(by, abs(middle[3, i, axis] - told[2, 0, axis]) * v**3 / jerk[axis])
-            whole = h / 2.0 * (low[1, i, axis] + high[1, i, axis])
-            whole += h**2 / 10.0 * (low[2, i, axis] - high[2, i, axis])
-            whole += h**3 / 120.0 * (low[3, i, axis] + high[3, i, axis])
-            size = abs(low[0, i, axis]) + abs(high[0, i, axis])
-            gain = max(abs(high[0, i, axis] - low[0, i, axis] - whole) - rounding * size, 0.0) * v / h
+            gain = missed[i, 0, axis] * v / h
             by = max(by, gain / velocity[axis], gain * v / h / acceleration[axis], gain * (v / h) ** 2 / jerk[axis])
             out[i] = max(out[i], by)
     return out

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.kernels.arrays import Bools, Floats, Ints
+from toolpace.kernels.arrays import Bools, Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.motion.cell_time import FLOOR, Panels, floor_of, time_over, value, way_after
 from toolpace.kernels.motion.cubic_spline import at_knots, basis_at_knots
@@ -171,27 +171,6 @@ def states_at(s: Floats, law: Law) -> Floats:
             k = min(max(np.searchsorted(nodes, x, side="right") - 1, 0), n - 2)
             _inside(nodes[k], cells[k], floor_of(cells[k], nodes[k + 1] - nodes[k]), x - nodes[k], out, i)
     return out
-
-
-@jit()
-def within(nodes: Floats, cells: Floats, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
-    """States at `inside` (k,), shares of a cell, in the cells `which` (m,), their ends taken from inside.
-
-    Returns the states (4, m k), and whether each belongs to the right side of a break.
-    """
-    k = len(inside)
-    out = np.empty((4, len(which) * k))
-    right = np.ones(len(which) * k)
-    i = 0
-    for cell in which:
-        h = nodes[cell + 1] - nodes[cell]
-        floor = floor_of(cells[cell], h)
-        for f in inside:
-            _inside(nodes[cell], cells[cell], floor, f * h, out, i)
-            i += 1
-        out[0, i - 1] = nodes[cell + 1]
-        right[i - 1] = 0.0
-    return out, right
 
 
 @jit()

@@ -80,17 +80,13 @@ def summits(s: Floats, ratio: Floats, most: float) -> Bools:
         before = ratio[0, col] if n > 0 else 0.0
         for i in range(1, n - 1):
             value, after = ratio[i, col], ratio[i + 1, col]
-            h0, h1 = s[i] - s[i - 1], s[i + 1] - s[i]
-            if value > 0.9 and value >= before and value >= after and h0 > 0.0 and h1 > 0.0:
-                rise0, rise1 = (value - before) / h0, (after - value) / h1
-                bend = (rise1 - rise0) / (h0 + h1)
-                if bend < 0.0:
-                    slope = rise0 + bend * h0
-                    more = -slope * slope / (4.0 * bend)
-                    if more > most:
-                        out[i - 1] = out[i] = True
-                    else:
-                        ratio[i, col] = value + more
+            apart = s[i - 1] < s[i] < s[i + 1]
+            if value > HIGH and value >= before and value >= after and apart:
+                top, _ = summit(s[i - 1], s[i], s[i + 1], before, value, after)
+                if top > value + most:
+                    out[i - 1] = out[i] = True
+                else:
+                    ratio[i, col] = top
             before = value
     return out
 
@@ -104,7 +100,7 @@ def spline_peaks(
 
     Parameters: which (n,) cells; q (3, n k, m) q', q'', q''' and cap (n k,) on ds/dt at the shares `inside` (k,) of
     each of them; nodes (N,) and cells (N - 1, 4) of the spline. A peak between probes is told by the parabola through
-    three of them.
+    three of them, and looked for where it is near a limit.
     """
     n, k, m = len(which), len(inside), q.shape[2]
     peak, place = np.zeros((n, 3)), np.full((n, 3), 0.5)
@@ -125,25 +121,17 @@ def spline_peaks(
             for p in range(k):
                 value[p] = abs(q[0, low + p, axis] * speed[p]) / velocity[axis]
             if highest(value, inside, SPEED, peak[i], place[i]):
-                limit = velocity[axis]
-                for p in range(1, k - 1):
-                    if is_top(value, p):
-                        closer(z, floor, length, inside, p, q, low, axis, limit, SPEED, peak[i], place[i])
+                closer(value, z, floor, length, inside, q, low, axis, velocity[axis], SPEED, peak[i], place[i])
             for p in range(k):
                 value[p] = abs(q[1, low + p, axis] * speed2[p] + q[0, low + p, axis] * rise[p]) / acceleration[axis]
             if highest(value, inside, ACCELERATION, peak[i], place[i]):
                 limit = acceleration[axis]
-                for p in range(1, k - 1):
-                    if is_top(value, p):
-                        closer(z, floor, length, inside, p, q, low, axis, limit, ACCELERATION, peak[i], place[i])
+                closer(value, z, floor, length, inside, q, low, axis, limit, ACCELERATION, peak[i], place[i])
             for p in range(k):
                 third = q[2, low + p, axis] * speed3[p] + q[1, low + p, axis] * both[p]
                 value[p] = abs(third + q[0, low + p, axis] * bend[p]) / jerk[axis]
             if highest(value, inside, JERK, peak[i], place[i]):
-                limit = jerk[axis]
-                for p in range(1, k - 1):
-                    if is_top(value, p):
-                        closer(z, floor, length, inside, p, q, low, axis, limit, JERK, peak[i], place[i])
+                closer(value, z, floor, length, inside, q, low, axis, jerk[axis], JERK, peak[i], place[i])
     return peak, place
 
 
@@ -167,39 +155,34 @@ def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Float
     return most > NEAR_LIMIT
 
 
-@jit(inline=True)
-def is_top(value: Floats, p: int) -> bool:
-    """Whether a value near its limit is as large as both beside it."""
-    return bool(value[p] > NEAR_LIMIT and value[p] >= value[p - 1] and value[p] >= value[p + 1])
-
-
 @jit()
 def closer(
-    cell: Floats, floor: float, length: float, inside: Floats, p: int, q: Floats, low: int, axis: int, limit: float,
-    kind: int, peak: Floats, place: Floats,
+    value: Floats, cell: Floats, floor: float, length: float, inside: Floats, q: Floats, low: int, axis: int,
+    limit: float, kind: int, peak: Floats, place: Floats,
 ) -> None:  # fmt: skip
-    """Raise the peak (3,) of a kind of one axis at places between the probes beside a top at probe p.
+    """Raise the peak (3,) of a kind of one axis at places about each top of its values (k,) that is near the limit.
 
-    Parameters: cell (4,) polynomial of z, never below `floor`; q (3, n k, m) derivatives of the path,
-    those of this cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes
-    quickly.
+    Parameters: cell (4,) polynomial of z, never below `floor`; q (3, n k, m) derivatives of the path, those of this
+    cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes quickly.
     """
-    x0, x1, x2 = inside[p - 1], inside[p], inside[p + 1]
-    for i in range(1, 2 * CLOSER_LOOKS):
-        x = x0 + (x2 - x0) * i / (2 * CLOSER_LOOKS)
-        b0 = (x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2))
-        b1 = (x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2))
-        b2 = (x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1))
-        o = low + p
-        q1 = b0 * q[0, o - 1, axis] + b1 * q[0, o, axis] + b2 * q[0, o + 1, axis]
-        q2 = b0 * q[1, o - 1, axis] + b1 * q[1, o, axis] + b2 * q[1, o + 1, axis]
-        q3 = b0 * q[2, o - 1, axis] + b1 * q[2, o, axis] + b2 * q[2, o + 1, axis]
-        v, a, j = inside_cell(cell, floor, x * length)
-        if kind == SPEED:
-            value = abs(q1 * v) / limit
-        elif kind == ACCELERATION:
-            value = abs(q2 * v * v + q1 * a) / limit
-        else:
-            value = abs(q3 * v * v * v + 3.0 * q2 * v * a + q1 * j) / limit
-        if value > peak[kind]:
-            peak[kind], place[kind] = value, x
+    for p in range(1, len(inside) - 1):
+        if not (value[p] > NEAR_LIMIT and value[p] >= value[p - 1] and value[p] >= value[p + 1]):
+            continue
+        x0, x1, x2, o = inside[p - 1], inside[p], inside[p + 1], low + p
+        for i in range(1, 2 * CLOSER_LOOKS):
+            x = x0 + (x2 - x0) * i / (2 * CLOSER_LOOKS)
+            b0 = (x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2))
+            b1 = (x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2))
+            b2 = (x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1))
+            q1 = b0 * q[0, o - 1, axis] + b1 * q[0, o, axis] + b2 * q[0, o + 1, axis]
+            q2 = b0 * q[1, o - 1, axis] + b1 * q[1, o, axis] + b2 * q[1, o + 1, axis]
+            q3 = b0 * q[2, o - 1, axis] + b1 * q[2, o, axis] + b2 * q[2, o + 1, axis]
+            v, a, j = inside_cell(cell, floor, x * length)
+            if kind == SPEED:
+                found = abs(q1 * v) / limit
+            elif kind == ACCELERATION:
+                found = abs(q2 * v * v + q1 * a) / limit
+            else:
+                found = abs(q3 * v * v * v + 3.0 * q2 * v * a + q1 * j) / limit
+            if found > peak[kind]:
+                peak[kind], place[kind] = found, x

@@ -1,7 +1,7 @@
 """Newton systems over the coefficients of a cubic spline: sums over points, and the ends of a run.
 
-A point sees w coefficients through its basis (3, w), three at a knot and four inside a cell: row d gives the d-th
-derivative of z there. So a Newton matrix has five or seven diagonals, stored as (w, n) for `banded`. At an end at rest
+A point sees three coefficients at a knot, and four inside a cell, through its basis: row d gives the d-th derivative of
+z there. So a Newton matrix has seven diagonals, stored as (4, n) for `banded`. At an end at rest
 the two outermost coefficients are tied to each other, at an end in motion both are given.
 """
 
@@ -34,9 +34,9 @@ class System(NamedTuple):
     """A Newton system over n coefficients, and what a predictor and a corrector make of its right-hand side."""
 
     matrix: Floats
-    """(w, n) its diagonals; after `factor_tied` its factors."""
+    """(4, n) its diagonals; after `factor_tied` its factors."""
     spare: Floats
-    """(w, n) the matrix as it was before it was factored."""
+    """(4, n) the matrix as it was before it was factored."""
     rhs: Floats
     """(n,) the predictor's right-hand side: for a centring of zero."""
     centring: Floats
@@ -48,9 +48,9 @@ class System(NamedTuple):
 
 
 @jit(inline=True)
-def system_of(n: int, width: int) -> System:
-    """Room for the system of n coefficients, of which a point sees `width`."""
-    matrix, spare, rhs, centring = np.empty((width, n)), np.empty((width, n)), np.empty(n), np.empty(n)
+def system_of(n: int) -> System:
+    """Room for the system of n coefficients."""
+    matrix, spare, rhs, centring = np.empty((4, n)), np.empty((4, n)), np.empty(n), np.empty(n)
     return System(matrix, spare, rhs, centring, np.empty(n), np.empty(n))
 
 

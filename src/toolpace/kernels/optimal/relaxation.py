@@ -12,7 +12,7 @@ wait y_k >= 0 as well, a time that it may stand still for at the price of that t
 With the pace 1 / sqrt(z_k) + y_k as the variable this is convex, and y = 0 gives the problem itself. Where z is known
 to lie in a range, from low to cap, the pace is no more than the chord of 1 / sqrt(z) over that range: the narrower the
 ranges, the closer the relaxation. A knot without rows has no wait. `relax` finds multipliers near its optimum by a
-primal-dual interior-point method; the wait is eliminated knot by knot, so that the Newton matrix keeps five diagonals.
+primal-dual interior-point method; the wait is eliminated knot by knot, so that the Newton matrix keeps its diagonals.
 The derivation is in docs/design/bound.md.
 """
 

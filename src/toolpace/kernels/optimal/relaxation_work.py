@@ -115,7 +115,7 @@ def work_of(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> Work:
     """Room for the iteration."""
     n, tiles = len(low), in_tiles(knots.rows)
     own, points = own_rows_of(knots, low, cap, relief), points_of(knots, tiles)
-    states, waits, system = states_of(n), waits_of(n), system_of(n + 2, 3)
+    states, waits, system = states_of(n), waits_of(n), system_of(n + 2)
     knot_steps, row_steps = knot_steps_of(n), steps_of(tiles)
     return Work(knots, own, states, waits, points, tiles, system, knot_steps, row_steps)
 

@@ -60,7 +60,7 @@ def maximise_speed(
     Returns c, status, steps, and gap and scaled gradient relative to the time.
     """
     tiles, caps = in_tiles(points.rows), caps_of(points, relief)
-    steps, system, gradient = steps_of(tiles), system_of(len(c), points.basis.shape[2]), np.empty(len(c))
+    steps, system, gradient = steps_of(tiles), system_of(len(c)), np.empty(len(c))
     products = tiles.points * (2 * points.rows.shape[1] + 1)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     solver_rows.states(points, c, caps, tau, tiles.at)

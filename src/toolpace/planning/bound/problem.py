@@ -23,7 +23,7 @@ PADDING = 40
 
 
 class Knots:
-    """A problem by knots, its limits as they were before any was lowered.
+    """A problem by knots: that of the limits as they are, which the planner may have lowered for itself.
 
     The points on either side of a break are one knot with the rows of both.
     """
@@ -35,12 +35,8 @@ class Knots:
         self.weight = np.asarray(np.bincount(node, problem.weight, n), dtype=np.float64)
         self.price = np.zeros(n + 2)
         """(n + 2,) of the coefficients, where what surrounds a part is priced."""
-        by = problem.lowered
-        self.cap = np.minimum.reduceat(problem.cap * by[:, 0] ** 2, self.first[:-1])
-        self.rows = problem.rows.copy()
-        half = self.rows.shape[1] // 2
-        self.rows[:, :half] /= by[:, 1, None, None]
-        self.rows[:, half:] /= by[:, 2, None, None]
+        self.cap = np.minimum.reduceat(problem.cap, self.first[:-1])
+        self.rows = problem.rows
         self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
 
     def as_knots(self) -> KnotRows:

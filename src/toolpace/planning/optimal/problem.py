@@ -75,8 +75,6 @@ class Problem(OnMesh):
         self.most = np.inf
         """What no cap on z is above."""
         self.rows = np.empty((0, 0, 3))
-        self.lowered = np.ones((len(node), 3))
-        """(points, 3) by what the limits of speed, acceleration and jerk have been divided."""
 
     def as_points(self) -> limit_rows.PointRows:
         """The rows as the kernels take them."""
@@ -87,7 +85,6 @@ class Problem(OnMesh):
         half = self.rows.shape[1] // 2
         at_point = by[self.node]
         at_point[self.inside] = 1.0 if between is None else between
-        self.lowered = self.lowered * at_point
         self.cap /= at_point[:, 0] ** 2
         self.rows[:, :half] *= at_point[:, 1, None, None]
         self.rows[:, half:] *= at_point[:, 2, None, None]
@@ -118,7 +115,7 @@ class Problem(OnMesh):
         part = copy(self)
         first, last, beyond = np.searchsorted(self.node, [low, high, high + 1])
         mine = slice(first, last + np.count_nonzero(~self.inside[last:beyond]))
-        part.nodes, part.lowered = self.nodes[low : high + 1], self.lowered[mine]
+        part.nodes = self.nodes[low : high + 1]
         part.node, part.inside, part.place = self.node[mine] - low, self.inside[mine], self.place[mine]
         part.first, part.basis = as_cells(part.nodes, self.first[mine] - low, self.basis[mine])
         part.cap, part.rows, part.weight = self.cap[mine], self.rows[mine], self.weight[mine]
@@ -137,13 +134,11 @@ def discretise(
     rest = (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1]))
     node, point, left = sides(inner, run.breaks[slice(*np.searchsorted(run.breaks, [nodes[0], nodes[-1]]))])
     point = np.clip(point, run.s0, run.s1)
-    q = np.ascontiguousarray(run.evaluate(point))
     problem = Problem(inner, rest, node, (start, end))
-    cap, steady, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(point))
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
-    problem.rows = limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
+    cap, steady, problem.rows = rows_at(run, limits, point, ahead)
     half = len(limits)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
@@ -160,13 +155,19 @@ def discretise(
     return problem
 
 
+def rows_at(run: AxisRun, limits: Limits, s: Floats, ahead: Floats) -> tuple[Floats, Floats, Floats]:
+    """Caps on z (n,), z at steady speed (n,) and rows (n, 2 m, 3) at s (n,), acceleration held `ahead` (n,) of it."""
+    q, cap = run.with_cap(s)
+    q = np.ascontiguousarray(q)
+    most, steady, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, cap)
+    return most, steady, limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
+
+
 def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Floats) -> Problem:
     """The problem with the rows of further places (k,) between its nodes, ascending."""
     if not len(places):
         return problem
-    q = np.ascontiguousarray(run.evaluate(places))
-    cap, _, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(places))
-    rows = limit_rows.rows_of(q, np.zeros(len(places)), limits.acceleration, limits.jerk)
+    cap, _, rows = rows_at(run, limits, places, np.zeros(len(places)))
     cell = np.searchsorted(problem.nodes, places, side="right") - 1
     inside = np.concatenate([problem.inside, np.ones(len(places), dtype=np.bool_)])
     node, place = np.concatenate([problem.node, cell]), np.concatenate([problem.place, places])
@@ -177,7 +178,6 @@ def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Fl
     more.basis = np.concatenate([problem.basis, basis_between(problem.nodes, cell, places)])[order]
     more.cap = np.concatenate([problem.cap, np.minimum(cap, problem.most)])[order]
     more.rows = np.concatenate([problem.rows, rows])[order]
-    more.lowered = np.concatenate([problem.lowered, np.ones((len(places), 3))])[order]
     # both sides of a break are one place
     new = np.concatenate([[True], np.diff(more.place) > 0.0])
     own = np.cumsum(new) - 1
