@@ -13,8 +13,9 @@ SPEED, ACCELERATION, JERK = 0, 1, 2
 """Kinds of limits; the feed is one of speed."""
 HIGH, NEAR_LIMIT = 0.9, 0.98
 """Usage from which it matters how high a peak goes between probes, and from which it is looked at closer."""
-CLOSER_LOOKS = 12
-"""Places on either side of such a peak at which it is looked for again."""
+CLOSER_LOOKS, FIVE = 12, 5
+"""Places on either side of such a peak at which it is looked for again, and probes that tell the path there: beside a
+narrow bend the terms of jerk are hundreds of limits each, and all but one of them are taken away by the others."""
 
 
 @jit()
@@ -168,15 +169,17 @@ def closer(
     for p in range(1, len(inside) - 1):
         if not (value[p] > NEAR_LIMIT and value[p] >= value[p - 1] and value[p] >= value[p + 1]):
             continue
-        x0, x1, x2, o = inside[p - 1], inside[p], inside[p + 1], low + p
+        first = min(max(p - 2, 0), len(inside) - FIVE)
         for i in range(1, 2 * CLOSER_LOOKS):
-            x = x0 + (x2 - x0) * i / (2 * CLOSER_LOOKS)
-            b0 = (x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2))
-            b1 = (x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2))
-            b2 = (x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1))
-            q1 = b0 * q[0, o - 1, axis] + b1 * q[0, o, axis] + b2 * q[0, o + 1, axis]
-            q2 = b0 * q[1, o - 1, axis] + b1 * q[1, o, axis] + b2 * q[1, o + 1, axis]
-            q3 = b0 * q[2, o - 1, axis] + b1 * q[2, o, axis] + b2 * q[2, o + 1, axis]
+            x = inside[p - 1] + (inside[p + 1] - inside[p - 1]) * i / (2 * CLOSER_LOOKS)
+            q1, q2, q3 = 0.0, 0.0, 0.0
+            for near in range(first, first + FIVE):
+                weight = 1.0
+                for other in range(first, first + FIVE):
+                    if other != near:
+                        weight *= (x - inside[other]) / (inside[near] - inside[other])
+                o = low + near
+                q1, q2, q3 = q1 + weight * q[0, o, axis], q2 + weight * q[1, o, axis], q3 + weight * q[2, o, axis]
             v, a, j = inside_cell(cell, floor, x * length)
             if kind == SPEED:
                 found = abs(q1 * v) / limit
