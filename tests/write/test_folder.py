@@ -5,9 +5,11 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,8 @@ from toolpace.files import exchange, finished, folder, folder_to_write, temporar
 from toolpace.files.seal import foreign, read_seal
 
 ROOT = Path(__file__).parents[2]
+
+NOBODY = 65534
 
 
 def write_result(out, text="new", *, more=()):
@@ -144,12 +148,24 @@ def test_places_that_are_none_are_refused_before_the_work(here, monkeypatch, pla
     assert sorted(here.rglob("*")) == before
 
 
-def test_a_folder_that_cannot_be_written_into(here):
-    if os.geteuid() == 0:
-        pytest.skip("everything is allowed to root")
-    (here / "locked").mkdir(mode=0o500)
+@pytest.fixture
+def locked(tmp_path_factory):
+    """A folder that may not be written into, by somebody to whom that matters: root becomes nobody for a while."""
+    root = os.geteuid() == 0
+    folder = Path(tempfile.mkdtemp()) if root else tmp_path_factory.mktemp("locked")
+    folder.chmod(0o555)
+    if root:
+        os.seteuid(NOBODY)
+    yield folder
+    if root:
+        os.seteuid(0)
+    folder.chmod(0o700)
+    shutil.rmtree(folder)
+
+
+def test_a_folder_that_cannot_be_written_into(locked):
     with pytest.raises(UsageError, match="permission denied"):
-        folder_to_write(here / "locked" / "out")
+        folder_to_write(locked / "out")
 
 
 def test_a_link_to_a_folder_stays_and_the_folder_is_replaced(here):

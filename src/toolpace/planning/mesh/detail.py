@@ -12,7 +12,7 @@ from toolpace.axispath.run import AxisRun
 from toolpace.errors import PathError
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.motion import LEAST_CHANGES, least_changes
+from toolpace.motion import gained_in_a_ramp
 from toolpace.planning.mesh.chase import Gaps, chased
 
 UNSEEN = 0.02
@@ -24,7 +24,6 @@ FINEST = 1e-13
 JUMP = 1e-5
 """Jump of position, velocity or acceleration that is refused, as a share of what a joint gains while its acceleration
 builds up: a^3 / j^2, a^2 / j, a. Nothing can follow it, and smaller ones are what numbers make of a path."""
-LEAST_CHANGES_SHARE = np.array(LEAST_CHANGES)[:, None]
 MOST_POINTS = 20_000
 """Points after which no closer look is taken: a path that is detail everywhere is not looked at for ever."""
 
@@ -51,15 +50,15 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
     position, slope or curvature changes by another amount than the next derivative at both points tells. A cusp shows
     like this in any grid, however sharp it is.
     """
-    q = run.evaluate(s)
-    steady, third = allowed(run, limits, s, q)
+    q, cap = run.with_cap(s)
+    steady, third = allowed(limits, q, cap)
     low, high, of_low, of_high, slow = s[:-1], s[1:], q[:, :-1], q[:, 1:], np.minimum(steady[:-1], steady[1:])
     at = np.flatnonzero(np.isin(s[1:], run.breaks)) if len(run.breaks) else np.empty(0, dtype=np.int64)
     if len(at):
         before = np.nextafter(s[1 + at], -np.inf)
         of_high = of_high.copy()
-        of_high[:, at] = run.evaluate(before)
-        steady_before, third_before = allowed(run, limits, before, of_high[:, at])
+        of_high[:, at], cap_before = run.with_cap(before)
+        steady_before, third_before = allowed(limits, of_high[:, at], cap_before)
         steady[1 + at] = np.minimum(steady[1 + at], steady_before)
         third[1 + at] = np.minimum(third[1 + at], third_before)
     grid = LimitsAlong(s, steady, third)
@@ -68,7 +67,7 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
     narrow, way = chased(
         run, limits, Gaps(low, high, np.ascontiguousarray(of_low), np.ascontiguousarray(of_high), slow), shortest
     )
-    found = [(way, *allowed(run, limits, way, run.evaluate(way)))] if len(way) else []
+    found = [(way, *allowed(limits, *run.with_cap(way)))] if len(way) else []
     count = 0
     for level in itertools.count(1):
         ends = (np.ascontiguousarray(of_low), np.ascontiguousarray(of_high))
@@ -92,8 +91,8 @@ def closer_look(run: AxisRun, limits: Limits, s: Floats) -> tuple[LimitsAlong, L
         low, high, slow = low[marked], high[marked], slow[marked]
         of_low, of_high = of_low[:, marked], of_high[:, marked]
         middle = (low + high) / 2.0
-        of_middle = run.evaluate(middle)
-        steady, third = allowed(run, limits, middle, of_middle)
+        of_middle, cap = run.with_cap(middle)
+        steady, third = allowed(limits, of_middle, cap)
         if level > SETTLED:
             found.append((middle, steady, third))
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
@@ -112,8 +111,9 @@ def refuse_jumps(limits: Limits, s: Floats, of_low: Floats, of_high: Floats, spe
     """
     powers = speed ** np.arange(3.0)[:, None]
     jump = np.abs(of_high[:3] - of_low[:3]) * powers[:, :, None]
-    share = jump / np.maximum(least_changes(limits) / LEAST_CHANGES_SHARE, 1e-300)[:, None, :]
-    share[:, :, (least_changes(limits) == 0.0).any(axis=0)] = 0.0
+    gained = gained_in_a_ramp(limits)
+    share = jump / np.maximum(gained, 1e-300)[:, None, :]
+    share[:, :, (gained == 0.0).any(axis=0)] = 0.0
     if share.max() > JUMP:
         kind, at, joint = np.unravel_index(int(share.argmax()), share.shape)
         what = ("position", "slope", "curvature")[int(kind)]
@@ -123,8 +123,8 @@ def refuse_jumps(limits: Limits, s: Floats, of_low: Floats, of_high: Floats, spe
         )
 
 
-def allowed(run: AxisRun, limits: Limits, s: Floats, q: Floats) -> tuple[Floats, Floats]:
-    """(n,) z at steady speed and (n,) d3s/dt3 at rest that the limits allow at s, from the derivatives q there."""
+def allowed(limits: Limits, q: Floats, cap: Floats) -> tuple[Floats, Floats]:
+    """(n,) z at steady speed and (n,) d3s/dt3 at rest that the limits allow, from path (4, n, m) and cap (n,) there."""
     whole = np.ascontiguousarray(q)
-    _, steady, third = first_guess.pointwise(whole, limits.velocity, limits.acceleration, limits.jerk, run.speed_cap(s))
+    _, steady, third = first_guess.pointwise(whole, limits.velocity, limits.acceleration, limits.jerk, cap)
     return steady, third

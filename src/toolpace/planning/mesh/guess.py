@@ -71,7 +71,7 @@ def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Float
     steady, third = np.empty(len(s)), np.empty(len(s))
     for i in range(0, len(s), CHUNK):
         part = s[i : i + CHUNK]
-        steady[i : i + CHUNK], third[i : i + CHUNK] = allowed(run, limits, part, run.evaluate(part))
+        steady[i : i + CHUNK], third[i : i + CHUNK] = allowed(limits, *run.with_cap(part))
     return steady, third
 
 

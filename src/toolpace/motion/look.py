@@ -1,22 +1,17 @@
-"""The motion of the joints from a path and a state on it, and how much of each limit it uses."""
+"""A look along a law at what it uses of the limits: closer where states at even places tell too little."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from toolpace.arrays import Floats
 from toolpace.axispath.run import AxisRun
-from toolpace.description import one_line
-from toolpace.equality import ByValue
 from toolpace.laws.law import Probe, TimeLaw
-from toolpace.machine.limits import KINDS, Limits
+from toolpace.machine.limits import Limits
+from toolpace.motion.usage import ratios_along
 
-LEAST_JUMP = 1e-6
-"""Jump of an acceleration, as a share of its limit, below which it is rounding."""
 IN_A_STRETCH = np.arange(0.5, 8.0) / 8.0
 """Where it is looked at between two hints of a run, as shares of the stretch."""
 UNTOLD_SHARE = 1e-3
@@ -31,52 +26,6 @@ MOST_PLACES = 20_000
 HIGHER = 1e-5
 """Height of a top over the highest of three states from which it is looked at, and not only reckoned."""
 TOPS = np.linspace(0.0, 1.0, 10)[1:-1]
-CHUNK = 100_000
-"""Jumps that are worked out at once, to keep memory low."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Motion(ByValue):
-    """Joint positions and three time derivatives [m or rad, s]: (joints,) at one time, (n, joints) at n times."""
-
-    q: Floats
-    """Positions."""
-    qd: Floats
-    """Velocities."""
-    qdd: Floats
-    """Accelerations."""
-    qddd: Floats
-    """Jerks."""
-
-    def __repr__(self) -> str:
-        times = "one time" if self.q.ndim == 1 else f"{len(self.q)} times"
-        return one_line(self, f"of {self.q.shape[-1]} joints at {times}")
-
-
-def joint_motion(path: Floats, state: Floats) -> Motion:
-    """The chain rule: path derivatives (4, n, joints) and a state (4, n) of s give the motion of the joints."""
-    q, q1, q2, q3 = path
-    v, a, j = (state[i][:, None] for i in (1, 2, 3))
-    return Motion(q, q1 * v, q2 * v**2 + q1 * a, q3 * v**3 + 3.0 * q2 * v * a + q1 * j)
-
-
-def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> Floats:
-    """(n, 1 + 3 m) value over limit: feed, then velocity, acceleration and jerk of each joint.
-
-    `right` (n,) is 0 where the state belongs to the left side of a break.
-    """
-    return ratios_along(run, limits, state, right)[0]
-
-
-def ratios_along(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> tuple[Floats, Floats]:
-    """The same, and the path (4, n, m) there."""
-    from toolpace.kernels.motion import usage
-
-    s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
-    path, cap = run.with_cap(s)
-    path = np.ascontiguousarray(path)
-    ratio: Floats = usage.ratios(path, state, cap, limits.velocity, limits.acceleration, limits.jerk)
-    return ratio, path
 
 
 def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tuple[Floats, Floats, Floats]:
@@ -115,12 +64,21 @@ def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tup
     return ratio, np.concatenate([places for places, _ in extra]), np.concatenate([found for _, found in extra])
 
 
-def least_changes(limits: Limits) -> Floats:
-    """(3, m) changes of position, velocity and acceleration that nobody would notice: see LEAST_CHANGES."""
+def gained_in_a_ramp(limits: Limits) -> Floats:
+    """(3, m) position, velocity and acceleration that a joint gains while its acceleration builds up at the jerk limit.
+
+    Zero where there are no such limits.
+    """
     a, j = limits.acceleration, limits.jerk
     with np.errstate(all="ignore"):
         ramps = np.stack([a**3 / j**2, a**2 / j, a])
-    changes: Floats = np.where(np.isfinite(ramps), ramps, 0.0) * np.array(LEAST_CHANGES)[:, None]
+    gained: Floats = np.where(np.isfinite(ramps), ramps, 0.0)
+    return gained
+
+
+def least_changes(limits: Limits) -> Floats:
+    """(3, m) changes of position, velocity and acceleration that nobody would notice: see LEAST_CHANGES."""
+    changes: Floats = gained_in_a_ramp(limits) * np.array(LEAST_CHANGES)[:, None]
     return changes
 
 
@@ -170,36 +128,3 @@ def unexplained(
         swift = np.maximum(np.tile(swift, 2), np.tile(fast, 2))
         missed, length = np.concatenate([left, right]), high - low
         go = (stays | (hidden.asked(missed, length, swift, *bounds) > UNTOLD_SHARE)) & (length > shortest)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Usage(ByValue):
-    """Peak value over limit, over continuous time: of the feed cap, and by joint of each limit.
-
-    The jerk of a joint whose acceleration jumps is infinite.
-    """
-
-    feed: float
-    velocity: dict[str, float]
-    acceleration: dict[str, float]
-    jerk: dict[str, float]
-
-    @property
-    def worst(self) -> float:
-        """The largest of all."""
-        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
-
-    def __repr__(self) -> str:
-        peaks = [f"{kind} {max(getattr(self, kind).values(), default=0.0):.6g}" for kind in KINDS]
-        return one_line(self, f"of feed {self.feed:.6g}", *peaks)
-
-
-def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.bool_]:
-    """(m,) joints with a jerk limit whose acceleration jumps, so that no number bounds their jerk."""
-    s, jump = law.jumps
-    noise = np.where(np.isfinite(limits.acceleration), LEAST_JUMP * limits.acceleration, 0.0)
-    marks = np.zeros(len(limits), dtype=np.bool_)
-    for i in range(0, len(s), CHUNK):
-        size = np.abs(run.evaluate(s[i : i + CHUNK])[1]) * jump[i : i + CHUNK, None]
-        marks |= (size > noise).any(axis=0)
-    return marks & np.isfinite(limits.jerk)

@@ -1,0 +1,11 @@
+"""What the joints do on a path, and how much of the limits that uses."""
+
+from __future__ import annotations
+
+from toolpace.motion.joints import Motion, joint_motion
+from toolpace.motion.look import closer_look, gained_in_a_ramp, least_changes
+from toolpace.motion.usage import Usage, jerk_jumps, limit_ratios
+
+__all__ = [
+    "Motion", "Usage", "closer_look", "gained_in_a_ramp", "jerk_jumps", "joint_motion", "least_changes", "limit_ratios",
+]  # fmt: skip

@@ -1,0 +1,34 @@
+"""The motion of the joints, from a path and states on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from toolpace.arrays import Floats
+from toolpace.description import one_line
+from toolpace.equality import ByValue
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(ByValue):
+    """Joint positions and three time derivatives [m or rad, s]: (joints,) at one time, (n, joints) at n times."""
+
+    q: Floats
+    """Positions."""
+    qd: Floats
+    """Velocities."""
+    qdd: Floats
+    """Accelerations."""
+    qddd: Floats
+    """Jerks."""
+
+    def __repr__(self) -> str:
+        times = "one time" if self.q.ndim == 1 else f"{len(self.q)} times"
+        return one_line(self, f"of {self.q.shape[-1]} joints at {times}")
+
+
+def joint_motion(path: Floats, state: Floats) -> Motion:
+    """The chain rule: path derivatives (4, n, joints) and a state (4, n) of s give the motion of the joints."""
+    q, q1, q2, q3 = path
+    v, a, j = (state[i][:, None] for i in (1, 2, 3))
+    return Motion(q, q1 * v, q2 * v**2 + q1 * a, q3 * v**3 + 3.0 * q2 * v * a + q1 * j)

@@ -1,0 +1,72 @@
+"""How much of its limits a motion uses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.axispath.run import AxisRun
+from toolpace.description import one_line
+from toolpace.equality import ByValue
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.limits import KINDS, Limits
+
+LEAST_JUMP = 1e-6
+"""Jump of an acceleration, as a share of its limit, below which it is rounding."""
+CHUNK = 100_000
+"""Jumps that are worked out at once, to keep memory low."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Usage(ByValue):
+    """Peak value over limit, over continuous time: of the feed cap, and by joint of each limit.
+
+    The jerk of a joint whose acceleration jumps is infinite.
+    """
+
+    feed: float
+    velocity: dict[str, float]
+    acceleration: dict[str, float]
+    jerk: dict[str, float]
+
+    @property
+    def worst(self) -> float:
+        """The largest of all."""
+        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
+
+    def __repr__(self) -> str:
+        peaks = [f"{kind} {max(getattr(self, kind).values(), default=0.0):.6g}" for kind in KINDS]
+        return one_line(self, f"of feed {self.feed:.6g}", *peaks)
+
+
+def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> Floats:
+    """(n, 1 + 3 m) value over limit: feed, then velocity, acceleration and jerk of each joint.
+
+    `right` (n,) is 0 where the state belongs to the left side of a break.
+    """
+    return ratios_along(run, limits, state, right)[0]
+
+
+def ratios_along(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """The same, and the path (4, n, m) there."""
+    from toolpace.kernels.motion import usage
+
+    s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
+    path, cap = run.with_cap(s)
+    path = np.ascontiguousarray(path)
+    ratio: Floats = usage.ratios(path, state, cap, limits.velocity, limits.acceleration, limits.jerk)
+    return ratio, path
+
+
+def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.bool_]:
+    """(m,) joints with a jerk limit whose acceleration jumps, so that no number bounds their jerk."""
+    s, jump = law.jumps
+    noise = np.where(np.isfinite(limits.acceleration), LEAST_JUMP * limits.acceleration, 0.0)
+    marks = np.zeros(len(limits), dtype=np.bool_)
+    for i in range(0, len(s), CHUNK):
+        size = np.abs(run.evaluate(s[i : i + CHUNK])[1]) * jump[i : i + CHUNK, None]
+        marks |= (size > noise).any(axis=0)
+    return marks & np.isfinite(limits.jerk)
