@@ -29,11 +29,8 @@ REFINE_ABOVE, QUARTER_ABOVE = 1.01, 1.05
 """Usage between nodes from which a cell is cut in two, or in four: too long for the path or the motion in it."""
 MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
-SHARE, MOST_LOWERED = 0.3, 4e-4
-"""How far a limit is lowered where it gets a row, as a share of what it was passed by, and at most: on either side of
-the row about a fourth is left."""
 PATIENCE = 3
-"""Rounds after which limits are lowered in full."""
+"""Rounds after which limits are lowered by more than usual, and at nodes too."""
 MOST_USED = 3
 """Rows of a kind that a point keeps where a whole run is solved again: the next look misses nothing."""
 EASED_BY = 1e-5
@@ -77,7 +74,7 @@ def guarded(
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
-            c, _ = resolve(meshed, c, wrong, loss, workers, halfway)
+            c = resolve(meshed, c, wrong, loss, workers, halfway)
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
@@ -111,18 +108,14 @@ def halves(used: Floats) -> Ints:
 
 def resolve(
     meshed: MeshedRun, c: Floats, wrong: Bools, loss: float, workers: Workers, progress: Progress = UNTOLD
-) -> tuple[Floats, Ints]:
-    """New coefficients after the rows or the mesh at the marked cells changed, and the cells that moved.
+) -> Floats:
+    """New coefficients after the rows or the mesh at the marked cells changed.
 
     Only stretches around those cells are solved again, unless they are most of the run.
     """
-    everything = np.arange(len(meshed.nodes) - 1)
     parts = stretches(meshed, wrong)
-    if sum(part.high - part.low for part in parts) < MOST_MENDED * len(everything):
-        mended, solved, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress)
+    if sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
+        mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress)
         if not stuck or meshed.is_long:
-            moved = np.zeros(len(everything), dtype=np.bool_)
-            for low, high, _, _ in solved:
-                moved[max(low - 1, 0) : high + 1] = True
-            return mended, np.flatnonzero(moved)
-    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, MOST_USED), everything
+            return mended
+    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, MOST_USED)

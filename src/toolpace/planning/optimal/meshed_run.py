@@ -27,8 +27,6 @@ INSIDE = EndState(1.0)
 """Any motion, where a stretch ends inside the run."""
 
 
-
-
 class MeshedRun(OnMesh):
     """The mesh of a run, its places with rows between the nodes, by how much limits are lowered, and about when the
     nodes are passed."""
@@ -54,8 +52,9 @@ class MeshedRun(OnMesh):
         self.between = RowsBetween()
         self.look = Look(run, limits, self.nodes)
         self.clock, self.ramp = np.interp(self.nodes, *passed), ramp
-        self._at_nodes = discretise(run, limits, nodes, *ends, highest) if len(nodes) <= KEPT else None
-        self._whole = self._at_nodes
+        self._given = discretise(run, limits, nodes, *ends, highest) if len(nodes) <= KEPT else None
+        """The problem of the whole run with its limits as they are given; None where it is too long for one."""
+        self._whole = self._given
 
     @classmethod
     def after_guess(
@@ -68,7 +67,7 @@ class MeshedRun(OnMesh):
     @property
     def is_long(self) -> bool:
         """Whether the run is too long to be solved in one piece."""
-        return self._at_nodes is None
+        return self._given is None
 
     def problem(self, low: int, high: int) -> Problem:
         """The problem of the nodes `low` to `high`, everything outside staying as it is (see Problem.stretch)."""
@@ -81,8 +80,7 @@ class MeshedRun(OnMesh):
         part = discretise(self.run, self.limits, nodes, start, end, self.highest)
         mine = self.between.inside(self.nodes[first], self.nodes[last])
         part = with_rows_between(part, self.run, self.limits, mine.place)
-        part.lower(self.lowered[first : last + 1], mine.lowered)
-        return part.stretch(low - first, high - first)
+        return part.lowered(self.lowered[first : last + 1], mine.lowered).stretch(low - first, high - first)
 
     def with_ends(self, nodes: Floats, start: EndState, end: EndState) -> Floats:
         """The nodes with those at rest, where the run itself starts or ends so."""
@@ -104,23 +102,22 @@ class MeshedRun(OnMesh):
 
         Cells that are `fresh` have just been cut.
         """
-        self.between = self.between.held(self.nodes, peaks, wrong, fresh, urge)
+        held = self.between.held(self.nodes, peaks, wrong, fresh, urge)
         if urge > 1.0:
             over = np.where((peaks.used > ALLOWED) & wrong[:, None], 1.0 + urge * (peaks.used - 1.0), 1.0)
             self.lowered[:-1] *= over
             self.lowered[1:] *= over
-        self._renew()
-
-    def _renew(self) -> None:
-        """Make the problem of the whole run anew, where there is one."""
-        if self._at_nodes is not None:
-            self._whole = with_rows_between(self._at_nodes, self.run, self.limits, self.between.place)
-            self._whole.lower(self.lowered, self.between.lowered)
+        if self._given is not None:
+            new = np.setdiff1d(held.place, self._given.place[self._given.inside])
+            self._given = with_rows_between(self._given, self.run, self.limits, new)
+            self._whole = self._given.lowered(self.lowered, held.lowered)
+        self.between = held
 
     def cut(self, law: SplineLaw, parts: Ints) -> tuple[MeshedRun, Floats]:
         """The run with its cells cut into so many parts (cells,), and the coefficients of the same law on that mesh.
 
-        Where nothing is cut, it is this run itself, its nodes passed when the law passes them.
+        What is lowered, and the rows between, count once the next are held. Where nothing is cut, it is this run,
+        its nodes passed when the law passes them.
         """
         if parts.max() == 1:
             self.clock = law.times
@@ -132,6 +129,5 @@ class MeshedRun(OnMesh):
         )
         finer.lowered = np.repeat(self.lowered, np.append(parts, 1), axis=0)
         finer.between = self.between.among(finer.nodes)
-        finer._renew()
         c, least = on_finer_mesh(law, finer.nodes)
         return finer, np.maximum(c, least)

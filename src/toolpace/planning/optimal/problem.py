@@ -80,14 +80,16 @@ class Problem(OnMesh):
         """The rows as the kernels take them."""
         return limit_rows.PointRows(self.basis, self.first, self.weight, self.cap, self.rows)
 
-    def lower(self, by: Floats, between: Floats | None = None) -> None:
-        """Divide limits by factors of speed, acceleration and jerk: (nodes, 3) at nodes, (k, 3) at places between."""
+    def lowered(self, by: Floats, between: Floats) -> Problem:
+        """With limits divided by factors of speed, acceleration and jerk: (nodes, 3) at nodes, (k, 3) at places between
+        them."""
         half = self.rows.shape[1] // 2
         at_point = by[self.node]
-        at_point[self.inside] = 1.0 if between is None else between
-        self.cap /= at_point[:, 0] ** 2
-        self.rows[:, :half] *= at_point[:, 1, None, None]
-        self.rows[:, half:] *= at_point[:, 2, None, None]
+        at_point[self.inside] = between
+        part = copy(self)
+        part.cap = self.cap / at_point[:, 0] ** 2
+        part.rows = self.rows * np.repeat(at_point[:, 1:], half, axis=1)[:, :, None]
+        return part
 
     def of_most_used(self, c: Floats, most: int) -> Problem:
         """The problem with at most so many rows of acceleration, and of jerk, at each point: those that c uses most.

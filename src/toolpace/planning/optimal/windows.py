@@ -91,7 +91,7 @@ def solve_run(
     for parts, loss, gap, told in (
         (windows, 0.0, spread, progress.part(0.0, 0.85)), (seams, SEAM_LOSS, SEAM_LOSS, progress.part(0.85, 1.0)),
     ):  # fmt: skip
-        c, _, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
+        c, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
         if stuck:
             # an end in motion may leave no way to so slow a border
             return solve(whole(begin), begin, spread)
@@ -107,13 +107,13 @@ def mend(
     workers: Workers,
     progress: Progress = UNTOLD,
     least: float = LEAST_LEFT,
-) -> tuple[Floats, list[Stretch], list[Stretch]]:
+) -> tuple[Floats, list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
 
     Each stretch starts from c, slowed down by the share `loss` in its middle. The stretches are solved on all cores;
     one that finds no way, or leaves less than the share `least` of a coefficient, is solved once more, wider, when
-    the others are done, and on a long run a third time, much wider. Returns the coefficients, the stretches solved,
-    and those that found no way, which are as they were.
+    the others are done, and on a long run a third time, much wider. Returns the coefficients, and the stretches that
+    found no way, which are as they were.
     """
     out = c.copy()
 
@@ -125,7 +125,6 @@ def mend(
         return None
 
     stuck = [part for part in workers.each(one, parts, progress) if part is not None]
-    solved = parts
     for wide in (WIDER * MEND_RAMPS, MUCH_WIDER * MEND_RAMPS):
         if not stuck or (wide > WIDER * MEND_RAMPS and not meshed.is_long):
             break
@@ -134,11 +133,10 @@ def mend(
         for part in around(meshed, first, last, wide):
             try:
                 mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least)
-                solved = [*solved, part]
             except Stalled:
                 still.append(part)
         stuck = still
-    return out, solved, stuck
+    return out, stuck
 
 
 def mend_one(
