@@ -11,6 +11,25 @@ from toolpace.description import counted, one_line
 from toolpace.equality import ByValue
 
 
+def no_rapids() -> Bools:
+    """None."""
+    return np.zeros(0, dtype=np.bool_)
+
+
+def no_operations() -> Ints:
+    """None."""
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A part of a program: what it is called there, and the tool that works in it."""
+
+    name: str = ""
+    tool: str = ""
+    """Number or name of the tool as the program writes it; empty where it names none."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class ToolPath(ByValue):
     """The points of a program in the workpiece frame; entry i speaks of point i and of the way from i - 1 to i.
@@ -43,8 +62,22 @@ class ToolPath(ByValue):
     """Number of blocks that were read, moving or not."""
     skipped: dict[str, int] = field(default_factory=dict)
     """Statements without meaning for motion that were passed over, and how often."""
+    rapid: Bools = field(default_factory=no_rapids)
+    """(n,) whether the way to the point is a rapid; where it is not given, all that has neither feed nor time."""
+    operation: Ints = field(default_factory=no_operations)
+    """(n,) which of `operations` the way to the point belongs to; the first where it is not given."""
+    operations: tuple[Operation, ...] = (Operation(),)
+    """The operations of the program, in its order."""
+    controller: str = ""
+    """Name of the controller that the program was read for; empty for tables and points."""
+    assumed: tuple[str, ...] = ()
+    """What the program leaves open and the reader took for granted, a sentence each."""
 
     def __post_init__(self) -> None:
+        if len(self.rapid) != len(self.tip):
+            object.__setattr__(self, "rapid", np.isinf(self.feed) & (self.least_time <= 0.0))
+        if len(self.operation) != len(self.tip):
+            object.__setattr__(self, "operation", np.zeros(len(self.tip), dtype=np.int64))
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False

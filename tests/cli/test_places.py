@@ -153,6 +153,8 @@ import os, signal, sys
 from toolpace.cli import job, main
 
 number, plan_motion = int(sys.argv[1]), job.plan_motion
+if number == signal.SIGHUP:
+    signal.signal(number, signal.SIG_DFL)  # under nohup it is ignored, also by children
 
 def hit(*given):
     os.kill(os.getpid(), number)

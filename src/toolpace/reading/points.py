@@ -9,7 +9,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.reading.feeds import LONGEST, SLOWEST, feed_fault
 from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import Operation, ToolPath, no_operations, no_rapids
 
 SAME = 1e-12
 """Points closer than this [m, rad] are the same point."""
@@ -31,6 +31,11 @@ def assemble(
     rotary_joints: tuple[str, ...] = (),
     blocks: int = 0,
     skipped: dict[str, int] | None = None,
+    rapid: Bools | None = None,
+    operation: Ints | None = None,
+    operations: tuple[Operation, ...] = (Operation(),),
+    controller: str = "",
+    assumed: tuple[str, ...] = (),
 ) -> ToolPath:
     """ToolPath of points in order (see ToolPath for shapes and units).
 
@@ -68,6 +73,11 @@ def assemble(
         source=source.name,
         blocks=blocks,
         skipped=dict(skipped or {}),
+        rapid=no_rapids() if rapid is None else rapid[kept],
+        operation=no_operations() if operation is None else operation[kept],
+        operations=operations,
+        controller=controller,
+        assumed=assumed,
     )
 
 
