@@ -10,7 +10,7 @@ import numpy as np
 from toolpace.reading.arcs import Arc, ArcError, ArcTable, arc_about
 from toolpace.reading.cldata.feed import ClFeed
 from toolpace.reading.cldata.words import CANCELLABLE, CANCELLED_BY, ENDS, PASSED, STOPS, Statement, numbers, statements
-from toolpace.reading.gcode.unroll import slerp
+from toolpace.reading.control.unroll import slerp
 from toolpace.reading.points import assemble, unit_axes
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
