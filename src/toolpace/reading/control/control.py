@@ -27,6 +27,8 @@ from toolpace.units import MILLIMETRE
 
 LONGEST_DWELL = 86400.0
 """A day [s]: a longer dwell is a slip of units."""
+MOST_BLOCKS = 2_000_000
+"""Blocks that are executed: more is taken for a loop without end."""
 ALL = 7
 """Bits of X, Y and Z."""
 
@@ -54,6 +56,7 @@ class Control:
         rules: Rules | None = None,
         default_feed: float | None = None,
         controller: str = "",
+        most_blocks: int = MOST_BLOCKS,
     ) -> None:
         self.source, self.findings, self.rules = source, findings, rules or Rules()
         self.setup, self.controller = setup or SetUp(), controller
@@ -70,7 +73,8 @@ class Control:
         """Bits of X, Y, Z named so far."""
         self.line = 0
         """Of the block at hand."""
-        self.blocks = 0
+        self.blocks, self.most_blocks = 0, most_blocks
+        """Blocks that were executed, those of loops and calls each time, and how many there may be."""
         self.operations: list[Operation] = [Operation()]
         self.offset = ""
         self.frame: Matrix = affine.IDENTITY
@@ -80,6 +84,17 @@ class Control:
         self.compensated = False
         self._fixed_at: list[float] | None = None
         self.placement = self._placement()
+
+    def begin_block(self, line: int) -> None:
+        """Execute a block of this line next; ProgramError where there have been too many."""
+        self.line = line
+        self.blocks += 1
+        if self.blocks > self.most_blocks:
+            self.source.fail(
+                f"more than {self.most_blocks} blocks have been executed: is there a loop without end? "
+                "--max-blocks N allows more",
+                line,
+            )
 
     # Where the program's coordinates are
 

@@ -86,7 +86,7 @@ class GcodeReader:
         """Execute one block."""
         state, fail = self.state, self.source.fail
         if block[0] in "O:" and _PROGRAM_NUMBER.fullmatch(block):
-            self.control.blocks += 1
+            self.control.begin_block(line)
             self.findings.ignored("O")
             return
         numbers: dict[str, float] = {}
@@ -106,7 +106,7 @@ class GcodeReader:
                 fail(f"word {letter} stands twice in one block: remove one", line)
             else:
                 numbers[letter] = value
-        self.control.blocks += 1
+        self.control.begin_block(line)
         numbers.pop("N", None)
         new_motion, dwell, stop_here = (None, False, False)
         if g_codes:
