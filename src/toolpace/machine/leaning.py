@@ -26,20 +26,19 @@ def tool_axis(frame: Floats, first: float, second: float) -> Floats:
 
 
 def leaning(names: tuple[str, str], frame: Floats, joint: int) -> str:
-    """What 30 degrees of rotary joint 0 or 1 do to the tool axis, in words; the part's frame.
+    """Where 30 degrees of rotary joint 0 or 1 take the tool axis, in words, seen from the workpiece.
 
     `names` are of both rotary joints, nearest the workpiece first; `frame` begins u1, u2, a0. A joint that turns about
     the tool axis shows what it does once the other one has tilted it.
     """
-    angles = [SHOWN * (k == joint) for k in range(2)]
-    before, after = frame[2], tool_axis(frame, *angles)
-    how = f"{names[joint]} +30 deg"
-    if np.linalg.norm(after - before) > STILL:
-        return f"{how} leans the tool axis from {shown(before)} to {shown(after)}"
+    turn, other = f"{names[joint]} +30 deg", names[1 - joint]
+    after = tool_axis(frame, *(SHOWN * (k == joint) for k in range(2)))
+    if np.linalg.norm(after - frame[2]) > STILL:
+        return f"{turn} leans the tool axis to {shown(after)}"
     before, after = tool_axis(frame, SHOWN * joint, SHOWN * (1 - joint)), tool_axis(frame, SHOWN, SHOWN)
     if np.linalg.norm(after - before) > STILL:
-        return f"{how} turns a tool axis tilted by {names[1 - joint]} +30 from {shown(before)} to {shown(after)}"
-    return f"{how} leaves the tool axis where it is"
+        return f"{turn} turns the tool axis that {other} +30 leans to {shown(before)} on to {shown(after)}"
+    return f"{turn} leaves the tool axis where it is"
 
 
 def shown(vector: Floats) -> str:

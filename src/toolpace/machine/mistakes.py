@@ -6,8 +6,9 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import MachineError
-from toolpace.machine.file import ChainFile, MachineFile
+from toolpace.machine.file import MachineFile
 from toolpace.machine.leaning import leaning
+from toolpace.machine.text import listed
 
 PARALLEL = 1e-6
 """Sine below which two directions count as parallel."""
@@ -25,42 +26,46 @@ def check_rotary(file: MachineFile, rotary: tuple[str, str], frame: Floats, sour
     """
     first, second = rotary
     if parallel(frame[0], frame[1]):
-        given = " and ".join(str(list(file.joints[name].direction)) for name in rotary)
         raise MachineError(
             f"{source}: rotary joints {first} and {second} are parallel; the tool could tilt one way only; correct one "
-            f"of their directions {given}"
+            f"of their directions {_directions(file, rotary)}"
         )
     if parallel(frame[1], frame[2]):
         raise MachineError(
-            f"{source}: rotary joint {second} turns about the tool axis and cannot tilt it: {_order(file, rotary)}; "
-            f"as it stands {leaning(rotary, frame, 0)}, and {leaning(rotary, frame, 1)}"
+            f"{source}: rotary joint {second} turns about the tool axis and cannot tilt it: {_order(file, rotary)} "
+            f"As it stands {leaning(rotary, frame, 0)}, and {leaning(rotary, frame, 1)}"
         )
 
 
 def _order(file: MachineFile, rotary: tuple[str, str]) -> str:
-    """Where the joint that turns about the tool axis comes last, since the other one lies nearer to the workpiece."""
+    """The order that was most likely meant: what turns about the tool axis comes before what tilts it."""
     first, second = rotary
-    chain = file.chain
-    for side, end in (("workpiece", "workpiece"), ("tool", "spindle")):
-        order = _side(chain, side)
+    for side, order in (("workpiece", file.chain.workpiece), ("tool", file.chain.tool)):
         if first in order and second in order:
-            given, meant = (str(list(names)).replace("'", '"') for names in (order, order[::-1]))
-            return f"[chain] {side} = {given} is the wrong way round? It goes from the bed to the {end}: {meant}"
-    return f"[chain] has {first} and {second} on the wrong sides? {second} would carry the workpiece, {first} the tool"
+            # Linear joints that come last tell of a list that begins at its other end.
+            other = {first: second, second: first}
+            backwards = file.joints[order[0]].kind == "rotary" and file.joints[order[-1]].kind == "linear"
+            meant = order[::-1] if backwards else tuple(other.get(name, name) for name in order)
+            return (
+                f"[chain] {side} goes from the bed to the {side}, and is "
+                f"{listed(order)}; should it be {listed(meant)}?"
+            )
+    return f"should {second} be in [chain] workpiece, and {first} in tool?"
 
 
-def _side(chain: ChainFile, side: str) -> tuple[str, ...]:
-    return chain.workpiece if side == "workpiece" else chain.tool
+def _directions(file: MachineFile, names: tuple[str, str]) -> str:
+    given = ([f"{figure:g}" for figure in file.joints[name].direction] for name in names)
+    return " and ".join(f"[{', '.join(figures)}]" for figures in given)
 
 
 def lie_in_a_plane(file: MachineFile, names: list[str], directions: dict[str, Floats], source: str) -> MachineError:
-    """The error for linear joints that do not span space."""
+    """The error for linear joints that do not span space; those that move along one line are named."""
+    pairs = ((one, other) for k, one in enumerate(names) for other in names[k + 1 :])
+    alike = next((pair for pair in pairs if parallel(directions[pair[0]], directions[pair[1]])), None)
     why = ""
-    for k, name in enumerate(names):
-        for other in names[k + 1 :]:
-            if parallel(directions[name], directions[other]):
-                given = " and ".join(str(list(file.joints[each].direction)) for each in (name, other))
-                why = f"; {name} and {other} have one line of motion, directions {given}: correct one"
+    if alike is not None:
+        given = _directions(file, alike)
+        why = f"; {alike[0]} and {alike[1]} move along one line, directions {given}: correct one of them"
     return MachineError(
         f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; they must span space{why}"
     )

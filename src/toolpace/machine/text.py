@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
-
-
 
 from toolpace.errors import printable
 from toolpace.machine.file import ANGLES, LENGTHS, JointFile, MachineFile
@@ -35,7 +33,7 @@ def machine_text(file: MachineFile, leanings: Mapping[str, str]) -> str:
     if file.note:
         lines.append((f"note = {quoted(file.note)}", "what it is, in a line"))
     if order != list(file.joints):
-        lines.append((f"columns = {_names(file.joints)}", "order in which positions are listed"))
+        lines.append((f"columns = {listed(file.joints)}", "order in which positions are listed"))
     lines += [("", ""), ("[units]", "of this file only; seconds throughout")]
     lines.append((f'length = "{length}"', "mm, in or m"))
     lines.append((f'angle = "{angle}"', "deg or rad"))
@@ -80,8 +78,8 @@ def _exact(value: float, scale: float) -> str | None:
     if value == 0.0:
         return "0"
     if math.isinf(value) or scale == 1.0:
-        return _plain(repr(value))
-    about = value / scale
+        return _plain(repr(float(value)))
+    about = float(value) / scale
     for digits in range(1, 16):
         text = f"{about:.{digits}g}"
         if float(text) * scale == value:
@@ -101,9 +99,9 @@ def _plain(text: str) -> str:
 
 
 def _figure(value: float, scale: float = 1.0) -> str:
+    """A figure in units in which all of the machine are exact."""
     text = _exact(value, scale)
-    if text is None:
-        raise ValueError(f"{value!r} is no figure in units of {scale!r}")
+    assert text is not None
     return text
 
 
@@ -111,19 +109,15 @@ def _figures(values: tuple[float, ...], scale: float = 1.0) -> str:
     return "[" + ", ".join(_figure(value, scale) for value in values) + "]"
 
 
-def _names(names: Mapping[str, object] | tuple[str, ...]) -> str:
-    return "[" + ", ".join(quoted(name) for name in names) + "]"
-
-
 def _chain(file: MachineFile, scale: float) -> Iterator[Line]:
     chain = file.chain
-    yield f"workpiece = {_names(chain.workpiece)}", "joints that carry the workpiece, from the bed to it"
+    yield f"workpiece = {listed(chain.workpiece)}", "joints that carry the workpiece, from the bed to it"
     yield f"workpiece_origin = {_figures(chain.workpiece_origin, scale)}", "zero of the program"
     if chain.workpiece_x != (1.0, 0.0, 0.0):
         yield f"workpiece_x = {_figures(chain.workpiece_x)}", "direction of the program's X"
     if chain.workpiece_z != (0.0, 0.0, 1.0):
         yield f"workpiece_z = {_figures(chain.workpiece_z)}", "direction of the program's Z"
-    yield f"tool = {_names(chain.tool)}", "joints that carry the tool, from the bed to it"
+    yield f"tool = {listed(chain.tool)}", "joints that carry the tool, from the bed to it"
     yield f"spindle_nose = {_figures(chain.spindle_nose, scale)}", "where the tool is held"
     if chain.tool_axis != (0.0, 0.0, 1.0):
         yield f"tool_axis = {_figures(chain.tool_axis)}", "from the tip to the spindle"
@@ -138,9 +132,9 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
     yield f"[joints.{key}]", _carried(file, name)
     yield f'kind = "{joint.kind}"', f"{'turns' if rotary else 'moves'} the {side}"
     if rotary:
-        yield f"direction = {_figures(joint.direction)}", f"of its axis: {leaning}"
+        yield f"direction = {_figures(joint.direction)}", f"its axis; seen from the workpiece {leaning}"
     else:
-        yield f"direction = {_figures(joint.direction)}", f"where positive {printable(name)} moves the {side}"
+        yield f"direction = {_figures(joint.direction)}", f"where positive {name} moves the {side}"
     if rotary or joint.point != (0.0, 0.0, 0.0):
         yield f"point = {_figures(joint.point, LENGTHS[length])}", "a point on its axis"
     if joint.travel is None:
@@ -157,8 +151,8 @@ def _carried(file: MachineFile, name: str) -> str:
     for order, end in ((file.chain.workpiece, "workpiece"), (file.chain.tool, "tool")):
         if name in order:
             at = order.index(name)
-            below = "the bed" if at == 0 else printable(order[at - 1])
-            above = f"the {end}" if at + 1 == len(order) else printable(order[at + 1])
+            below = "the bed" if at == 0 else order[at - 1]
+            above = f"the {end}" if at + 1 == len(order) else order[at + 1]
             return f"sits on {below} and carries {above}"
     return ""
 
@@ -177,10 +171,15 @@ def _laid_out(lines: list[Line]) -> Iterator[str]:
     widest = max((len(text) for text, _ in lines if len(text) < WIDEST), default=0)
     column = max(COLUMN, widest + 2)
     for text, comment in lines:
-        yield (f"{text:<{column - 2}}  # {comment}" if comment else text) + "\n"
+        yield (f"{text:<{column - 2}}  # {printable(comment)}" if comment else text) + "\n"
 
 
 def quoted(text: str) -> str:
     """A TOML string, with what cannot be printed written as its number."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'
+
+
+def listed(names: Iterable[str]) -> str:
+    """A TOML array of strings."""
+    return "[" + ", ".join(quoted(name) for name in names) + "]"
