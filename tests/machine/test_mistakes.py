@@ -32,7 +32,7 @@ REVERSED = {
     ),
     "two of the tool": (
         changed("xyzac-head", ('"C", "A"]', '"A", "C"]')),
-        r'tool goes from the bed to the tool, and is \["X", "Y", "Z", "A", "C"\]; should it be \["X", "Y", "Z", "C", "A"\]',
+        r'tool goes from the bed to the tool, .* \["X", "Y", "Z", "A", "C"\]; should it be \["X", "Y", "Z", "C", "A"\]',
     ),
     "the whole tool": (
         changed("xyzac-head", ('["X", "Y", "Z", "C", "A"]', '["A", "C", "Z", "Y", "X"]')),

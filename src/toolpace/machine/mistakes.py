@@ -47,8 +47,7 @@ def _order(file: MachineFile, rotary: tuple[str, str]) -> str:
             backwards = file.joints[order[0]].kind == "rotary" and file.joints[order[-1]].kind == "linear"
             meant = order[::-1] if backwards else tuple(other.get(name, name) for name in order)
             return (
-                f"[chain] {side} goes from the bed to the {side}, and is "
-                f"{listed(order)}; should it be {listed(meant)}?"
+                f"[chain] {side} goes from the bed to the {side}, and is {listed(order)}; should it be {listed(meant)}?"
             )
     return f"should {second} be in [chain] workpiece, and {first} in tool?"
 

@@ -27,8 +27,8 @@ def poses(geometry: Geometry) -> Floats:
     at 30 and 90 degrees, and with the linear joints moved aside; both rotary joints, and all joints together.
     """
     zero = np.clip(0.0, geometry.travel[:, 0], geometry.travel[:, 1])
-    turns = {int(joint): _within(geometry, int(joint), TURNS) for joint in sorted(geometry.rotary)}
-    steps = {int(joint): _within(geometry, int(joint), (STEP,)) for joint in sorted(geometry.linear)}
+    turns = {int(joint): _positions(geometry, int(joint), TURNS) for joint in sorted(geometry.rotary)}
+    steps = {int(joint): _positions(geometry, int(joint), (STEP,)) for joint in sorted(geometry.linear)}
     aside = {joint: share * there[0] for share, (joint, there) in zip(LESS, steps.items())}
     moves: list[dict[int, float]] = [{}]
     moves += [{joint: position} for each in (steps, turns) for joint, there in each.items() for position in there]
@@ -45,7 +45,7 @@ def poses(geometry: Geometry) -> Floats:
     return np.array(list(dict.fromkeys(map(tuple, clipped.tolist()))))
 
 
-def _within(geometry: Geometry, joint: int, wanted: tuple[float, ...]) -> list[float]:
+def _positions(geometry: Geometry, joint: int, wanted: tuple[float, ...]) -> list[float]:
     """Which of the positions a joint reaches, forwards or else backwards; else the farther end of its travel."""
     low, high = geometry.travel[joint]
     for way in (1.0, -1.0):
