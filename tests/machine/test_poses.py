@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -48,18 +49,21 @@ def test_what_is_turned(name: str) -> None:
 
 @pytest.mark.parametrize("kind", CLASSES)
 def test_poses_lie_within_any_travel(kind: str) -> None:
-    import msgspec
-
+    """Also where zero lies outside, or where an end is infinite."""
     rng = np.random.default_rng(13)
-    for _ in range(30):
+    for _ in range(100):
         file = random_machine(rng, kind).file
+        ends = np.sort(rng.normal(0.0, 1.0, (5, 2)), axis=1)
+        ends[rng.random((5, 2)) < 0.2] = np.inf
+        ends[:, 0] = np.where(np.isinf(ends[:, 0]), -np.inf, ends[:, 0])
         joints = {
-            name: msgspec.structs.replace(joint, travel=tuple(np.sort(rng.normal(0.0, 1.0, 2)).tolist()))
-            for name, joint in file.joints.items()
+            name: msgspec.structs.replace(joint, travel=(float(low), float(high)))
+            for (name, joint), (low, high) in zip(file.joints.items(), ends)
         }
         machine = Machine(msgspec.structs.replace(file, joints=joints))
         q = poses(machine.geometry)
-        assert (q >= machine.travel[:, 0]).all() and (q <= machine.travel[:, 1]).all() and len(q) > 1
+        assert (q >= machine.travel[:, 0]).all() and (q <= machine.travel[:, 1]).all() and len(q) > 5
+        assert np.isfinite(q).all()
         assert len(table(machine)) == len(q)
 
 

@@ -41,18 +41,22 @@ def poses(geometry: Geometry) -> Floats:
     for row, move in zip(q, moves):
         for joint, position in move.items():
             row[joint] = position
-    clipped = np.clip(q, geometry.travel[:, 0], geometry.travel[:, 1])
-    return np.array(list(dict.fromkeys(map(tuple, clipped.tolist()))))
+    inside = np.clip(q, geometry.travel[:, 0], geometry.travel[:, 1])
+    return np.array(list(dict.fromkeys(map(tuple, inside.tolist()))))
 
 
 def _positions(geometry: Geometry, joint: int, wanted: tuple[float, ...]) -> list[float]:
-    """Which of the positions a joint reaches, forwards or else backwards; else the farther end of its travel."""
-    low, high = geometry.travel[joint]
+    """What a joint reaches of the positions, forwards or else backwards; else the farther end of its travel.
+
+    They count from zero, or from the end of a travel that zero lies outside of.
+    """
+    low, high = (float(end) for end in geometry.travel[joint])
+    start = min(max(0.0, low), high)
     for way in (1.0, -1.0):
-        reached = [way * position for position in wanted if low <= way * position <= high]
+        reached = [start + way * position for position in wanted if low <= start + way * position <= high]
         if reached:
             return reached
-    return [float(low if abs(low) > abs(high) else high)]
+    return [low if start - low > high - start else high]
 
 
 def pose_table(geometry: Geometry) -> str:
