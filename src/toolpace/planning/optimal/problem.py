@@ -266,4 +266,5 @@ def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: b
         1.0 / ratios[:, 1 + m : 1 + 2 * m].max(axis=1),
         ratios[:, 1 + 2 * m :].max(axis=1) ** (-2.0 / 3.0),
     )
-    return np.minimum.reduce(allowed)
+    least: Floats = np.minimum.reduce(allowed)
+    return least
