@@ -50,3 +50,24 @@ def test_plans_are_the_same_for_a_seed_and_cover_all():
     s = np.linspace(first.path.runs[0].s0, first.path.runs[0].s1, 20)
     np.testing.assert_array_equal(first.path.runs[0].evaluate(s), again.path.runs[0].evaluate(s))
     assert {random_plan(seed).family for seed in range(0, 60, 3)} == set(FAMILIES)
+
+
+def test_a_coarse_mesh_keeps_its_limits_next_to_rest():
+    """There a cell is long: speeds have their top between the states looked at, and what is raised on a finer mesh
+    fits to the rest beside it."""
+    turning = np.stack([np.array([30.0, 0.02]), np.array([0.0, 1.57])])
+    limits = Limits([0.05, 3.0], [8.0, 400.0], [900.0, 9000.0])
+
+    def jets(s):
+        angle, order = turning[0, 0] * s, np.arange(4)
+        shift = order[:, None] * np.pi / 2.0
+        round_ = turning[0, 0] ** order[:, None]
+        return np.stack([round_ * np.cos(angle + shift), 0.3 * round_ * np.sin(angle + shift)], axis=-1)
+
+    for mesh in (8, 12, 20, 50):
+        trajectory = plan(path_of(jets), limits, mesh=mesh, bound=False)
+        assert used_by_positions(trajectory).max() <= 1.0001
+        law = trajectory.laws[0]
+        for end, side in ((law.nodes[0], 1.0), (law.nodes[-1], -1.0)):
+            inside, beyond = law.states_at(np.array([end + side * 1e-9, end - side * 1e-9])).T
+            assert inside[2] == pytest.approx(beyond[2], rel=1e-5)

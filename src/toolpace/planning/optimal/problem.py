@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.kernels.motion import cubic_spline
+from toolpace.kernels.motion import cubic_spline, usage
 from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
@@ -249,11 +249,17 @@ def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bo
     state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
     state[0, REST_STATES:] = np.tile(breaks, 2)
     ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
-    m = len(limits)
-    return float(
-        min(
-            ratios[:, : 1 + m].max() ** -2.0,
-            1.0 / ratios[:, 1 + m : 1 + 2 * m].max(),
-            ratios[:, 1 + 2 * m :].max() ** (-2.0 / 3.0),
-        )
-    )
+    m, order = len(limits), np.argsort(state[0], kind="stable")
+    kinds = np.split(ratios[order], [1 + m, 1 + 2 * m], axis=1)
+    speed, acceleration, jerk = (highest(state[0][order], kind) for kind in kinds)
+    return float(min(speed**-2.0, 1.0 / acceleration, jerk ** (-2.0 / 3.0)))
+
+
+def highest(s: Floats, ratio: Floats) -> float:
+    """The largest of ratios (n, k) at places s (n,) in order, with the tops of parabolas between these."""
+    largest = float(ratio.max())
+    if not np.isfinite(largest):
+        return largest
+    share = ratio / largest
+    usage.summits(s, share, np.inf)
+    return largest * float(share.max())
