@@ -94,7 +94,7 @@ def summits(s: Floats, ratio: Floats, most: float) -> Bools:
                 continue
             top, at = summit(s[low], s[low + 1], s[high], value[low], value[low + 1], value[high])
             begin, end = s[i] if is_first else s[i - 1], s[i] if is_last else s[i + 1]
-            if not begin <= at <= end:
+            if not (begin <= at <= end and top > value[i]):
                 continue
             if top > value[i] + most:
                 if not is_first:
