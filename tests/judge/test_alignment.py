@@ -68,3 +68,18 @@ def test_decides_as_the_oracle_does(part):
 def test_decides_as_the_oracle_does_on_thousands(part):
     for seed in range(1000 + part, 5000, 9) if part >= 0 else range(6000, 6100):
         agrees_with_the_oracle(seed)
+
+
+@pytest.mark.parametrize("count", [2, 8, 9, 10, 17, 64, 65, 66, 73, 129, 513])
+@pytest.mark.parametrize("column", [0, 5])
+def test_an_end_that_is_not_reached_is_seen_however_many_points_lie_before_it(count, column):
+    """All points but the last lie within the tolerance of each other; rows are looked at in parts of 8, 64, ... ways."""
+    program = np.zeros((count, 6))
+    program[:, column] = np.linspace(0.0, 0.5, count)
+    motion = program.copy()
+    assert not aligned(motion, program).deviations
+    program[-1, column] = 3.0
+    # it ends at 0.5, 2.5 tolerances short; or it goes on by so much
+    for one, other in ((motion, program), (program, motion)):
+        ((_, far),) = aligned(one, other).deviations
+        assert far == pytest.approx(2.5, rel=1e-3)
