@@ -59,11 +59,12 @@ def test_position_noise_is_the_rounding_of_a_position_and_of_its_time():
     random = np.random.default_rng(1)
     for speed in (1e-3, 1.0, 50.0):
         t = np.append(0.0, random.uniform(0.0, 1e6, 50))
-        exact = [Fraction(speed) * Fraction(float(each)) for each in t]
+        # q = speed t, and another that comes back: the time that it is worked out at is off by half of its last place
         q = speed * t
-        # a time is itself rounded, by half of its last place
-        off = max(abs(float(Fraction(float(a)) - b)) + speed * float(np.spacing(c)) / 2.0 for a, b, c in zip(q, exact, t))
-        assert off <= position_noise(q, t, speed)
+        worked_out = max(abs(float(Fraction(float(a)) - Fraction(speed) * Fraction(float(b)))) for a, b in zip(q, t))
+        of_time = speed * float(np.spacing(t.max())) / 2.0
+        assert worked_out + of_time <= position_noise(q, t, speed)
+        assert of_time <= position_noise(np.sin(q), t, speed)
     # of a joint within a metre at the start of time: four units in the last place of a metre, no more
     assert position_noise(np.array([0.1, -0.9]), np.zeros(2), 1.0) <= 4.5 * np.finfo(float).eps
 

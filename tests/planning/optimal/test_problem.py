@@ -7,10 +7,12 @@ import pytest
 
 from testbed.jets import harmonics, path_of
 from tests.support.random_paths import random_limits
+from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.optimal.problem import discretise, rest_cap, weights, with_rows_between
+from toolpace.planning.optimal.problem import OnMesh, discretise, rest_cap, weights, with_rows_between
+from toolpace.planning.optimal.solve import pinned
 
 LOOSE = Limits([1e3] * 3, [1e7] * 3, [1e11] * 3)
 """Limits of joints that no motion within the feeds below comes near."""
@@ -122,3 +124,28 @@ def test_weights_sum_the_time_of_a_motion_by_trapezoids():
     # a rest cell of length h takes 3 h / sqrt(z)
     time = np.trapezoid(pace, places) + 3.0 * rest[0] * pace[0] + 3.0 * rest[1] * pace[-1]
     assert weights(places, rest) @ pace == pytest.approx(time, rel=1e-12)
+
+
+@pytest.mark.parametrize("rest", [(0.03, 0.2), (0.2, 0.03), (0.1, 0.1)])
+def test_accelerations_do_not_jump_at_the_inner_ends_of_rest_cells(rest):
+    """The outermost coefficients are tied so that z' there is what a constant third derivative of s gives."""
+    nodes = np.cumsum(np.random.default_rng(4).uniform(0.05, 0.3, 12))
+    c = pinned(OnMesh(nodes, rest, (AT_REST, AT_REST)), np.random.default_rng(5).uniform(0.5, 2.0, 14))
+    law = SplineLaw(nodes, c, rest)
+    for inner, outer in ((0.0, law.times[0]), (law.times[-1], law.duration)):
+        step = 1e-7 * (outer - inner)
+        at = law.times[0] if inner == 0.0 else law.times[-1]
+        before, after = law.at(np.array([at - step, at + step])).T
+        assert before[2] == pytest.approx(after[2], rel=1e-4, abs=1e-6)
+        assert abs(after[2]) > 0.01
+
+
+@pytest.mark.parametrize("ends", [(0.4, 0.3), (-0.2, -0.5)])
+def test_ends_in_motion_have_the_speed_and_the_acceleration_that_are_given(ends):
+    nodes = np.cumsum(np.random.default_rng(4).uniform(0.05, 0.3, 12))
+    start, end = EndState(1.1, ends[0]), EndState(0.9, ends[1])
+    c = pinned(OnMesh(nodes, (0.0, 0.0), (start, end)), np.random.default_rng(5).uniform(0.8, 1.2, 14))
+    law = SplineLaw(nodes, c, (0.0, 0.0))
+    at = law.at(np.array([0.0, law.duration]))
+    np.testing.assert_allclose(at[1], [1.1, 0.9], rtol=1e-9)
+    np.testing.assert_allclose(at[2], ends, rtol=1e-6)
