@@ -44,6 +44,9 @@ def test_the_feed_caps_every_point_at_the_nodes_and_between_them(ends):
         left, right = np.flatnonzero(problem.place == place)
         expected[left] = speed_cap(np.nextafter(place, 0.0)) ** 2
         assert expected[left] < expected[right]
+        # and none of what lies behind the break: its acceleration is not held further on
+        half = problem.rows.shape[1] // 2
+        assert (problem.rows[left, :half, 2] == 0.0).all() and (problem.rows[right, :half, 2] != 0.0).all()
     np.testing.assert_allclose(problem.cap[~at_end], expected[~at_end], rtol=1e-9)
     if ends[0].at_rest:
         assert (problem.cap[at_end] <= expected[at_end] * (1.0 + 1e-9)).all()
@@ -91,15 +94,18 @@ def test_lowered_limits_are_lowered_by_as_much_as_is_said():
 
 @pytest.mark.parametrize("forth", [True, False])
 @pytest.mark.parametrize("length", [1e-4, 3e-3, 0.05])
-@pytest.mark.parametrize("seed", range(4))
-def test_out_of_rest_no_limit_is_passed_and_one_is_reached(seed, length, forth):
-    """At the most z that is allowed at the inner end of the outermost cell, looked at at ten times as many states."""
-    broken = seed % 2 == 1
+@pytest.mark.parametrize("broken", [None, 0.3, 1.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_out_of_rest_no_limit_is_passed_and_one_is_reached(seed, broken, length, forth):
+    """At the most z that is allowed at the inner end of the outermost cell, looked at at ten times as many states.
+
+    The feed may jump within the cell, or at its inner end.
+    """
     random = np.random.default_rng(seed)
-    breaks = np.array([0.3 * length, 1.0 - 0.3 * length]) if broken else np.empty(0)
+    breaks = np.empty(0) if broken is None else np.array([broken * length, 1.0 - broken * length])
 
     def speed_cap(s):
-        inner = (s > breaks[0]) & (s < breaks[1]) if broken else s < 2.0
+        inner = (s >= breaks[0]) & (s < breaks[1]) if broken else s < 2.0
         return np.where(inner, 0.3, 0.02)
 
     path = path_of(harmonics(random, 3), speed_cap=speed_cap, breaks=breaks)
@@ -115,6 +121,16 @@ def test_out_of_rest_no_limit_is_passed_and_one_is_reached(seed, length, forth):
     assert state[1, -1] == pytest.approx(np.sqrt(most), rel=1e-6)
     used = np.abs(limit_ratios(run, limits, state, np.ones(len(t)))).max()
     assert 0.99 < used <= 1.0 + 2e-4
+
+
+def test_points_of_one_place_share_its_weight():
+    """At a pace of 1 the time is the length, with or without breaks and rows between; a rest cell counts three times."""
+    run, _ = fed((NODES[10], NODES[30]), 0.2)
+    problem = discretise(run, LOOSE, NODES, AT_REST, AT_REST)
+    between = with_rows_between(problem, run, LOOSE, problem.nodes[[3, 8]] + 1e-3)
+    length = problem.nodes[-1] - problem.nodes[0] + 3.0 * sum(problem.rest)
+    for each in (problem, between):
+        assert each.weight.sum() == pytest.approx(length, rel=1e-12)
 
 
 def test_weights_sum_the_time_of_a_motion_by_trapezoids():
