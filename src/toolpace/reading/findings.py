@@ -1,0 +1,82 @@
+"""What a reader came upon: words passed over, what it took for granted, and what it refuses, all of one run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+
+from toolpace.description import counted
+from toolpace.errors import ProgramError
+from toolpace.reading.source import Source
+
+MOST_LISTED = 60
+"""Refused words that a message lists: a file of more kinds is of another dialect."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A word that may move something and is not read."""
+
+    word: str
+    line: int
+    """Line, from 1, on which it stands first."""
+    count: int
+    """How often it stands in the program."""
+    cure: str
+    """What to write in its place, or to leave out."""
+
+    def __str__(self) -> str:
+        times = f", {self.count} times" if self.count > 1 else ""
+        return f"{self.word} (first line {self.line}{times}): {self.cure}"
+
+
+class Findings:
+    """Collected while a program is read; the reader goes on after a refused word, so that one run names all."""
+
+    def __init__(self) -> None:
+        self.skipped: Counter[str] = Counter()
+        """Words without meaning for motion, and how often."""
+        self._assumed: dict[str, None] = {}
+        self._refusals: dict[str, Refusal] = {}
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What was taken for granted, a sentence each, in the order of the program."""
+        return tuple(self._assumed)
+
+    @property
+    def refusals(self) -> tuple[Refusal, ...]:
+        """Refused words, each once, in the order of their first lines."""
+        return tuple(sorted(self._refusals.values(), key=lambda refusal: refusal.line))
+
+    def ignored(self, word: str) -> None:
+        """Count a word that has no meaning for motion."""
+        self.skipped[word] += 1
+
+    def assumed(self, sentence: str) -> None:
+        """Note what the program leaves open and how it was taken; a sentence said before is not said again."""
+        self._assumed.setdefault(sentence)
+
+    def refused(self, word: str, line: int, cure: str) -> None:
+        """Note a word that is not read; later ones are counted, with the line and the cure of the first."""
+        known = self._refusals.get(word)
+        if known is None:
+            self._refusals[word] = Refusal(word, line, 1, cure)
+        else:
+            self._refusals[word] = replace(known, line=min(line, known.line), count=known.count + 1)
+
+    def raise_if_refused(self, source: Source, skip_unknown: bool = False) -> None:
+        """One ProgramError that names every refused word; with `skip_unknown` each is an assumption instead."""
+        refusals = self.refusals
+        if skip_unknown:
+            for refusal in refusals:
+                self.assumed(f"skipped {refusal.word} (first line {refusal.line}, {counted(refusal.count, 'time')})")
+        elif len(refusals) == 1:
+            (only,) = refusals
+            times = f" (it stands {only.count} times)" if only.count > 1 else ""
+            source.fail(f"{only.word} is not read: {only.cure}{times}", only.line)
+        elif refusals:
+            listed = "; ".join(map(str, refusals[:MOST_LISTED]))
+            if len(refusals) > MOST_LISTED:
+                listed += f"; and {len(refusals) - MOST_LISTED} more"
+            raise ProgramError(f"{len(refusals)} kinds of words are not read: {listed}", source=source.name)
