@@ -299,9 +299,7 @@ def test_the_same_system_again_says_nothing_and_another_is_refused(frames):
 
 
 def test_what_shifts_nothing_is_counted():
-    p = path(
-        "FEDRAT/9\nTRANS/0,0,0\nTRACUT/1,0,0,0,0,1,0,0,0,0,1,0\nORIGIN/0,0,0\nCOPY/NOMORE\nGOTO/0,0,0\nGOTO/1,0,0"
-    )
+    p = path("FEDRAT/9\nTRANS/0,0,0\nTRACUT/1,0,0,0,0,1,0,0,0,0,1,0\nORIGIN/0,0,0\nCOPY/NOMORE\nGOTO/0,0,0\nGOTO/1,0,0")
     assert p.skipped == {"TRANS": 1, "TRACUT": 1, "ORIGIN": 1, "COPY": 1}
 
 

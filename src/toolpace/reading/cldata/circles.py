@@ -17,6 +17,8 @@ CREO_NUMBERS, NX_NUMBERS = 7, 11
 """How many numbers a CIRCLE has: centre, direction, radius; NX adds two of tolerance and two of the tool."""
 CLOSED = 1e-7
 """Ends closer than this [m] close a circle of CATIA: it writes five decimals."""
+TANGENT = 0.1
+"""Least share of a direction that lies along the circle: with less it does not tell which way round."""
 
 Point = tuple[float, float, float]
 _N = rf"\s*+{NUMBER.pattern}\s*+"
@@ -122,7 +124,7 @@ def driven(statement: Statement, start: Point, tangent: Point, unit: float) -> t
     if not all(map(math.isfinite, (*centre, *normal, *end, radius))):
         return None
     forward = (j * c - k * b) * tangent[0] + (k * a - i * c) * tangent[1] + (i * b - j * a) * tangent[2]
-    if forward == 0.0:
+    if not abs(forward) > TANGENT * math.hypot(a, b, c) * math.hypot(*tangent):
         return None
     if math.dist(start, end) < CLOSED:
         end = start
