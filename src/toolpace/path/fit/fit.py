@@ -98,9 +98,7 @@ def fit_run(
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
     check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
-    first, samples = inside_spline(
-        line, first_breaks(line.s), weight, axis_tolerance, machine, check.between, workers
-    )
+    first, samples = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine, check.between, workers)
     spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
     where: Floats | None = None

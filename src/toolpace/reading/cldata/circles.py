@@ -57,6 +57,7 @@ def circle(source: Source, statement: Statement, unit: float, findings: Findings
         if len(count) != 1 or count[0] != int(count[0]) or not 1 <= count[0] <= MOST_TURNS:
             source.fail(f"TIMES takes one whole number from 1 to {MOST_TURNS}", statement.line)
         words, turns = words[:at], int(count[0])
+        findings.assumed("TIMES of CIRCLE is taken for how often it is gone round")
     values = numbers(source, statement, words)
     if len(values) < CREO_NUMBERS:
         source.fail(f"CIRCLE has {len(values)} numbers: it takes centre, direction and radius", statement.line)

@@ -26,6 +26,7 @@ VALUES = frozenset(
 SAID = frozenset(("OPTION", "CAM", "TIMES"))
 """Words of which nothing follows for the motion, as far as is known."""
 CURE = "write RAPTO and FEDTO (or DEPTH and CLEAR) of a plain cycle, or let the CAM system write GOTO points"
+CURE_OF_PLACES = f"what its numbers mean is set in the post-processor: {CURE}"
 
 
 class Step(NamedTuple):
@@ -127,7 +128,7 @@ class CycleReader:
         else:
             found = self._of_places(kind, lengths)
             if found is None:
-                self._refuse(statement, kind)
+                self._refuse(statement, kind, CURE if worded else CURE_OF_PLACES)
                 return None
             cycle = found
         cycle = self._with_manner(replace(cycle, feed=self._feed(given, statement, unit)), given, lengths)
@@ -213,8 +214,8 @@ class CycleReader:
         if last > 0 and depth / last > MOST_PECKS:
             self.source.fail(f"a hole takes more than {MOST_PECKS} pecks: correct STEP", statement.line)
 
-    def _refuse(self, statement: Statement, word: str) -> None:
-        self.findings.refused(f"CYCLE/{word[:20]}", statement.line, CURE)
+    def _refuse(self, statement: Statement, word: str, cure: str = CURE) -> None:
+        self.findings.refused(f"CYCLE/{word[:20]}", statement.line, cure)
 
 
 def _grouped(statement: Statement) -> dict[str, list[str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.cldata.cycles import Cycle, CycleReader
+from toolpace.reading.cldata.cycles import Cycle, CycleReader, Step
 from toolpace.reading.cldata.feed import ClFeed
 from toolpace.reading.cldata.meanings import CANCELLED_BY
 from toolpace.reading.cldata.track import RAPID, Point, Track
@@ -27,6 +27,8 @@ class Drilling:
         self._line = 0
         self._plane: Point | None = None
         """The tip before the cycle."""
+        self._plan: tuple[Step, ...] | None = None
+        """Steps of each hole, where they are the same at all."""
         self._steps = 0
 
     def cycle(self, statement: Statement, unit: float) -> None:
@@ -42,6 +44,7 @@ class Drilling:
         elif self._cycle is None:
             self.findings.refused("CYCLE/ON", statement.line, "no cycle stands before it: write the cycle")
         self.active, self._line, self._plane = True, statement.line, self.track.tip
+        self._plan = None
 
     def end(self) -> None:
         """The operation is over, and its cycle with it."""
@@ -56,16 +59,21 @@ class Drilling:
             # It was refused: who goes on all the same sees the places come to.
             self.track.move(point, line, RAPID)
             return
-        plane = -math.inf
-        if self._plane is not None:
-            plane = sum((self._plane[i] - point[i]) * axis[i] for i in range(3))
         cut = self.feed.caps(line, cycle.feed)
-        for step in cycle.steps(plane):
-            h = step.height
-            tip = (point[0] + h * axis[0], point[1] + h * axis[1], point[2] + h * axis[2])
-            self.track.move(tip, line, cut if step.feeds else RAPID)
-            if step.dwells and cycle.dwell:
+        x, y, z = point
+        i, j, k = axis
+        steps = self._steps_at(cycle, point, axis)
+        for height, feeds, dwells in steps:
+            self.track.move((x + height * i, y + height * j, z + height * k), line, cut if feeds else RAPID)
+            if dwells and cycle.dwell:
                 self.track.stop(self.feed.seconds(cycle.dwell, cycle.dwell_revolutions, "CYCLE", self._line))
-            self._steps += 1
+        self._steps += len(steps)
         if self._steps > MOST_STEPS:
             self.source.fail(f"cycles make more than {MOST_STEPS} moves up to here: correct STEP", line)
+
+    def _steps_at(self, cycle: Cycle, point: Point, axis: Point) -> tuple[Step, ...]:
+        if cycle.returns_to_plane and self._plane is not None:
+            return tuple(cycle.steps(sum((self._plane[i] - point[i]) * axis[i] for i in range(3))))
+        if self._plan is None:
+            self._plan = tuple(cycle.steps(-math.inf))
+        return self._plan

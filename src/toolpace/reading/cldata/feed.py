@@ -98,6 +98,9 @@ class ClFeed:
         if len(figures) == 1 and _TURNING.issuperset(others):
             speed = figure(figures[0])
             self.revolutions = speed / MINUTE if 0 < speed < 1e9 else None
+        elif figures:
+            # A speed of the surface, SFM or SMM: the revolutions follow from a diameter that is not told.
+            self.revolutions = None
 
     def caps(self, line: int, feed: Feed | None = None) -> Caps:
         """What bounds a motion that is no rapid: `feed`, else FEDRAT."""

@@ -9,6 +9,7 @@ from toolpace.reading.cldata.words import NUMBER, Statement
 from toolpace.toolpath import Operation
 
 _NAME = re.compile(r"OPERATION NAME\s*+:(.*)", re.IGNORECASE)
+CHANGE = "a tool change is a stop; the machine's own motion in it is left out"
 
 
 class ClOperations:
@@ -25,7 +26,8 @@ class ClOperations:
         words = [word.strip() for word in statement.text.split(",")]
         at = next((i for i, word in enumerate(words) if word.upper() == "TOOL"), len(words))
         name, tool = ",".join(words[:at]), ",".join(words[at + 1 :])
-        if tool != self.track.operation.tool:
+        if tool != self.track.operation.tool and self.track.points:
+            self.motion.findings.assumed(CHANGE)
             self.track.stop()
         self._tool_named, self._loaded = tool != "", ""
         self.motion.begin_operation()
@@ -41,6 +43,7 @@ class ClOperations:
             return
         current, begins = self.track.operation, self.track.begins
         if not begins:
+            self.motion.findings.assumed(CHANGE)
             self.motion.drilling.end()
             self._tool_named = False
         if not self._tool_named:

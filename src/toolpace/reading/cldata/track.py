@@ -33,6 +33,8 @@ class Track:
         self.source = source
         self.tip: Point | None = None
         self.axis: Point = (0.0, 0.0, 1.0)
+        self._unit_of = (self.axis, self.axis)
+        """An axis as it was written, and at length 1."""
         self._rows: list[tuple[float, ...]] = []
         self._stops: set[int] = set()
         self._dwells: dict[int, float] = {}
@@ -64,8 +66,10 @@ class Track:
 
     def unit_axis(self, line: int) -> Point:
         """The tool axis at length 1; ProgramError where it has no direction."""
-        i, j, k = unit_axes(self.source, np.array([self.axis]), np.array([line]))[0].tolist()
-        return i, j, k
+        if self._unit_of[0] != self.axis:
+            i, j, k = unit_axes(self.source, np.array([self.axis]), np.array([line]))[0].tolist()
+            self._unit_of = (self.axis, (i, j, k))
+        return self._unit_of[1]
 
     def move(self, tip: Point, line: int, caps: Caps | None, curve: Arc | Spline | None = None) -> None:
         """Reach a point [m], straight or along a curve; as a rapid (RAPID) where nothing bounds it."""
