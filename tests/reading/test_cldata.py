@@ -164,7 +164,7 @@ START = "FEDRAT/100\nGOTO/0,0,0\n"
         ("TLLFT,GOFWD/C1", "TLLFT,GOFWD is not read: its motion depends on the shape"),
         ("P1 = POINT/0,0,0", "= is not read: its motion depends on the shape"),
         ("BLORK/1,2", "BLORK is not read: it is not known here and might move something"),
-        ("CYCLE/DRILL,5", "CYCLE/DRILL is not read: write RAPTO and FEDTO"),
+        ("CYCLE/DRILL,5", "CYCLE/DRILL is not read: what its numbers mean is set in the post-processor"),
         ("CUTCOM/LEFT", "CUTCOM is not read: the control would shift the tool"),
         ("ROTATE/TABLE,90", "ROTATE is not read: it moves or turns the points"),
         ("ORIGIN/1,0,0", "ORIGIN is not read: it moves or turns the points"),

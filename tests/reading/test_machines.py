@@ -20,7 +20,11 @@ def test_joint_mode_follows_the_joints_and_tip_mode_the_tip(name):
     linear = np.array([[1, 2, 3], [10, 2, 3], [10, -7, 3]]) * 1e-3
     rotary = np.radians([[5, 10], [-20, 40], [-20, 38]])
     q = np.zeros((3, len(machine.joints)))
-    q[:, [machine.joints.index(x) for x in "XYZ"]] = linear
+    columns = [machine.joints.index(x) for x in "XYZ"]
+    # without a set-up sheet the origin of the part is that of the work offset
+    zero, _ = machine.forward(np.zeros((1, 5)))
+    reach, _ = machine.forward(np.eye(5)[columns])
+    q[:, columns] = linear - np.linalg.solve((reach - zero).T, zero[0])
     q[:, machine.rotary] = rotary
     tip, axis = machine.forward(q)
     ends = np.flatnonzero(np.diff(joints.block, append=-1))

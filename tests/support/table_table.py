@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Bools, Floats
 
 
 class TableTable:
@@ -13,6 +13,8 @@ class TableTable:
     name = "table-table"
     joints = ("X", "Y", "Z", "A", "C")
     rotary = (3, 4)
+    travel = np.full((5, 2), (-np.inf, np.inf))
+    tool_length = 0.0
 
     def rotation(self, a: Floats, c: Floats) -> Floats:
         zero, one = np.zeros_like(a), np.ones_like(a)
@@ -23,6 +25,12 @@ class TableTable:
     def forward(self, q: Floats, /) -> tuple[Floats, Floats]:
         rotation = self.rotation(q[:, 3], q[:, 4])
         return np.einsum("nij,nj->ni", rotation, q[:, :3]), rotation[:, :, 2]
+
+    def rotary_solutions(self, axis: Floats, /) -> tuple[Floats, Bools]:
+        tilt = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
+        turn = np.where(tilt > 0.0, np.arctan2(axis[:, 0], axis[:, 1]), 0.0)
+        both = np.stack([np.stack([tilt, turn], axis=1), np.stack([-tilt, turn + np.pi], axis=1)], axis=1)
+        return both, tilt <= 0.0
 
 
 MACHINE = TableTable()

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from toolpace.errors import UsageError
 from toolpace.reading.cldata.reader import ClReader
+from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.dialect import dialect_of
 from toolpace.reading.feeds import FeedChange, apply_feed
-from toolpace.reading.gcode.kinematics import Kinematics
 from toolpace.reading.gcode.reader import GcodeReader
 from toolpace.reading.source import Source
 from toolpace.reading.table import read_table

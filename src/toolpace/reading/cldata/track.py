@@ -10,7 +10,7 @@ from toolpace.arrays import Floats, Ints
 from toolpace.reading.arcs import Arc, ArcTable
 from toolpace.reading.cldata.feed import Caps
 from toolpace.reading.findings import Findings
-from toolpace.reading.gcode.unroll import slerp
+from toolpace.reading.control.unroll import slerp
 from toolpace.reading.points import assemble, unit_axes
 from toolpace.reading.source import Source
 from toolpace.reading.splines import Spline

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import NoReturn
 
-from toolpace.reading.arcs import centre_of_radius, plane_arc
+from toolpace.reading.arcs import Arc, centre_of_radius, plane_arc
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.gcode import codes
-from toolpace.reading.gcode.kinematics import Frame
 from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.moves import FEED, RAPID, Moves, Rate
-from toolpace.reading.source import Source
 from toolpace.units import DEGREE
 
 FARTHEST = 1e6
@@ -22,19 +21,18 @@ _CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
 class MotionReader:
     """Turns axis words into moves, from the state the controller is in."""
 
-    def __init__(self, source: Source, frame: Frame, state: Modal, moves: Moves) -> None:
-        self.source, self.frame, self.state, self.moves = source, frame, state, moves
-        self.slots = frame.slots()
+    def __init__(self, control: Control, state: Modal) -> None:
+        self.source, self.control, self.state = control.source, control, state
 
     def execute(self, numbers: dict[str, float], number: float | None, stop: bool, line: int) -> None:
         """Move to the axis words of a block."""
-        state, slots = self.state, self.slots
-        motion = state.motion
+        state, control = self.state, self.control
+        motion, slots = state.motion, control.slots
         arc_words = {}
         if motion == 20 or motion == 30:
             arc_words = {letter: numbers.pop(letter) for letter in "IJKRP" if letter in numbers}
-        target = list(state.position)
-        named = state.named
+        target = list(control.words)
+        named = 0
         for letter, value in numbers.items():
             slot = slots.get(letter)
             if slot is None:
@@ -47,27 +45,21 @@ class MotionReader:
                 named |= 1 << slot
         if motion is None:
             self.source.fail("axis words without a motion: write G0, G1, G2 or G3 before them", line)
-        if not state.tip_mode:
-            self.need_linear_joints(line)
-        if not len(self.moves) and not state.absolute:
+        if not len(control.moves) and not state.absolute:
             # Distances start somewhere: at zero, as on a controller that was never told its place.
-            named = 7
-            self.moves.add(state.position, Rate(), line, RAPID, state.tip_mode, named)
+            control.begin_here()
         if motion >= 20:
-            if not len(self.moves):
-                self.source.fail("an arc cannot be the first motion, its start is not known: position with G0", line)
-            self._arc(arc_words, target, line)
-        elif motion == 0 and number is not None and state.inverse_time:
-            state.skipped["F with G0 under G93"] += 1
-        rate = Rate() if motion == 0 else state.rate(self.source, line, number)
-        state.position, state.named = target, named
-        self.moves.add(target, rate, line, RAPID if motion == 0 else FEED, state.tip_mode, named)
+            control.arc(target, named, self._arc(arc_words, target, line), number)
+        else:
+            if motion == 0 and number is not None and control.feed.mode == INVERSE:
+                control.findings.ignored("F with G0 under G93")
+            control.straight(target, named, rapid=motion == 0, number=number)
         if stop:
-            self.moves.stop()
+            control.stop()
 
-    def _arc(self, arc_words: dict[str, float], target: list[float], line: int) -> None:
-        """Note the arc of the motion that is added next."""
-        state, start = self.state, self.state.position
+    def _arc(self, arc_words: dict[str, float], target: list[float], line: int) -> Arc:
+        """The arc to `target`, in the program's coordinates."""
+        state, start = self.state, self.control.words
         clockwise = state.motion == 20
         turns = arc_words.pop("P", 1.0)
         if turns != int(turns) or not 1 <= turns <= MOST_TURNS:
@@ -82,12 +74,12 @@ class MotionReader:
             centre = centre_of_radius(start, target, radius, state.plane, clockwise)
         else:
             centre = self._centre(arc_words, line)
-        self.moves.arcs[len(self.moves)] = plane_arc(start, target, centre, state.plane, clockwise, int(turns))
+        return plane_arc(start, target, centre, state.plane, clockwise, int(turns))
 
     def _centre(self, arc_words: dict[str, float], line: int) -> list[float]:
         """Centre from I, J, K; a word that is not there is zero as a distance, but missing as a position."""
         state = self.state
-        centre = list(state.position[:3])
+        centre = self.control.words[:3]
         wanted = _CENTRES[state.plane]
         letters = [letter for letter, _ in wanted]
         if not any(letter in arc_words for letter in letters):
@@ -109,14 +101,6 @@ class MotionReader:
         if not abs(value) <= FARTHEST * self.state.unit:
             self.source.fail(f"{letter} is beyond {FARTHEST:g}: correct the number", line)
 
-    def need_linear_joints(self, line: int) -> None:
-        if self.frame.machine is not None and len(self.frame.linear) < 3:
-            self.source.fail(
-                f"machine '{self.frame.machine.name}' lacks a joint X, Y or Z (it has {', '.join(self.frame.joints)}): "
-                "switch tool-centre-point mode on (G43.4 or M428) before the first motion",
-                line,
-            )
-
     def _refuse_word(self, letter: str, value: float, line: int) -> NoReturn:
         fail = self.source.fail
         if letter in codes.WORD_USES:
@@ -124,15 +108,8 @@ class MotionReader:
                 f"{letter} has no use in this block, it belongs to {codes.WORD_USES[letter]}: remove it",
                 line,
             )
-        if letter in "ABC" and self.frame.machine is None:
-            fail(f"rotary word {letter} needs the machine: give --machine NAME (machine= in Python)", line)
-        if letter in "ABCUVW" and self.frame.machine is not None:
-            joints = ", ".join(self.frame.joints)
-            fail(
-                f"machine '{self.frame.machine.name}' has no axis {letter}, its joints are {joints}: "
-                "choose the machine the program was written for",
-                line,
-            )
+        if letter in "ABC" or (letter in "UVW" and self.control.poses.machine is not None):
+            self.control.slot(letter)
         if letter == "E":
             fail("E has no meaning here: write numbers without exponent, like 0.00001", line)
         fail(f"word {letter} is not known here and might move something: remove it", line)

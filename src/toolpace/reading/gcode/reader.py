@@ -5,19 +5,18 @@ from __future__ import annotations
 import re
 
 from toolpace.reading.arcs import ArcError
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE, PER_MINUTE
+from toolpace.reading.control.kinematics import Kinematics
+from toolpace.reading.control.setup import SetUp
+from toolpace.reading.findings import Findings
 from toolpace.reading.gcode import codes
-from toolpace.reading.gcode.kinematics import Frame, Kinematics
 from toolpace.reading.gcode.modal import Modal
 from toolpace.reading.gcode.motion import MotionReader
-from toolpace.reading.gcode.moves import JUMP, Moves, Rate
-from toolpace.reading.gcode.unroll import Unroll
 from toolpace.reading.gcode.words import WordError, without_comments, words
-from toolpace.reading.points import refuse_still
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
-LONGEST_DWELL = 86400.0
-"""A day [s]: a longer dwell is a slip of units."""
 _PROGRAM_NUMBER = re.compile(r"O[ \t]*[0-9]+|:[ \t]*[0-9]+")
 
 
@@ -31,13 +30,17 @@ class GcodeReader:
         *,
         block_delete: bool = True,
         default_feed: float | None = None,
+        setup: SetUp | None = None,
+        findings: Findings | None = None,
     ) -> None:
         self.source, self.block_delete = source, block_delete
-        self.frame = Frame(machine)
-        rotary = len(self.frame.rotary)
-        self.state = Modal([0.0] * (3 + rotary), default_feed)
-        self.moves = Moves(rotary)
-        self.motion = MotionReader(source, self.frame, self.state, self.moves)
+        self.findings = findings or Findings()
+        self.control = Control(
+            source, machine, setup, findings=self.findings, default_feed=default_feed, controller="linuxcnc"
+        )
+        self.moves = self.control.moves
+        self.state = Modal()
+        self.motion = MotionReader(self.control, self.state)
 
     def run(self) -> ToolPath:
         """Interpret every block, then lay the points."""
@@ -49,11 +52,12 @@ class GcodeReader:
                     break
                 tape_line = line
                 continue
+            self.control.line = line
             try:
                 block = without_comments(text)
                 if block.startswith("/"):
                     block = "" if self.block_delete else block.lstrip("/0123456789 \t")
-                    self.state.skipped["/"] += self.block_delete
+                    self.findings.skipped["/"] += self.block_delete
                 if block:
                     self.block(block, line)
             except (WordError, ArcError) as error:
@@ -61,9 +65,7 @@ class GcodeReader:
             if self.state.ended:
                 break
         self._refuse_cut_off(tape_line, tape_closed)
-        if not len(self.moves):
-            refuse_still(self.source, 0)
-        return Unroll(self.source, self.frame, self.moves.table()).toolpath(self.state.blocks, dict(self.state.skipped))
+        return self.control.toolpath()
 
     def _refuse_cut_off(self, tape_line: int, tape_closed: bool) -> None:
         if self.state.ended or tape_closed:
@@ -84,8 +86,8 @@ class GcodeReader:
         """Execute one block."""
         state, fail = self.state, self.source.fail
         if block[0] in "O:" and _PROGRAM_NUMBER.fullmatch(block):
-            state.blocks += 1
-            state.skipped["O"] += 1
+            self.control.begin_block(line)
+            self.findings.ignored("O")
             return
         numbers: dict[str, float] = {}
         g_codes: list[int] = []
@@ -104,21 +106,18 @@ class GcodeReader:
                 fail(f"word {letter} stands twice in one block: remove one", line)
             else:
                 numbers[letter] = value
-        state.blocks += 1
+        self.control.begin_block(line)
         numbers.pop("N", None)
         new_motion, dwell, stop_here = (None, False, False)
         if g_codes:
             new_motion, dwell, stop_here = self._modes(g_codes, numbers, line)
         number = numbers.pop("F", None)
         if number is not None:
-            if not 0 < number <= 1e9:
-                fail(f"feed F{number:g} must be above zero (and at most 1e9): correct F", line)
-            if not state.inverse_time:
-                state.set_feed(number)
+            self.control.feed.set(number, state.unit, line)
         ends = self._machine_functions(m_codes, line) if m_codes else False
         for letter in codes.PASSED_WORDS:
             if numbers.pop(letter, None) is not None:
-                state.skipped[letter] += 1
+                self.findings.ignored(letter)
         if dwell:
             self._dwell(numbers, line)
             if numbers and new_motion is None:
@@ -140,12 +139,12 @@ class GcodeReader:
         for code in g_codes:
             group = codes.GROUP_OF[code]
             if group == "passed over":
-                state.skipped[codes.code_text(code)] += 1
+                self.findings.ignored(codes.code_text(code))
             elif seen.setdefault(group, code) != code:
                 both = f"{codes.code_text(seen[group])} and {codes.code_text(code)}"
                 self.source.fail(f"{both} exclude each other in one block: write two blocks", line)
         if "feed" in seen:
-            state.set_feed_mode(seen["feed"])
+            self.control.feed.set_mode(INVERSE if seen["feed"] == 930 else PER_MINUTE)
         if "plane" in seen:
             state.plane = (170, 180, 190).index(seen["plane"])
         if "units" in seen:
@@ -159,10 +158,10 @@ class GcodeReader:
             state.exact_stop = code != 640
             if code == 640 and (numbers.pop("P", None) is not None) | (numbers.pop("Q", None) is not None):
                 # The tolerance of the path is given to the fit, not by the program.
-                state.skipped["G64 P"] += 1
+                self.control.tolerance("G64 P")
         if "tool length" in seen:
-            state.skipped["G43"] += seen["tool length"] == 430
-            self._tip_mode(state.switched_tip_mode, seen["tool length"] == 434, line)
+            self.findings.skipped["G43"] += seen["tool length"] == 430
+            self._tip_mode(state.switched_tip_mode, seen["tool length"] == 434)
         return seen.get("motion"), "dwell" in seen, "exact stop" in seen
 
     def _machine_functions(self, m_codes: list[int], line: int) -> bool:
@@ -172,9 +171,9 @@ class GcodeReader:
             if code in codes.STOPS_BEFORE:
                 self.moves.stop()
             elif code in codes.TIP_MODE:
-                self._tip_mode(codes.TIP_MODE[code], self.state.length_tip_mode, line)
+                self._tip_mode(codes.TIP_MODE[code], self.state.length_tip_mode)
             elif code in codes.PASSED_M:
-                self.state.skipped[f"M{code}"] += 1
+                self.findings.ignored(f"M{code}")
             elif code in codes.ENDS:
                 ends = True
             elif code not in codes.STOPS_AFTER:
@@ -182,23 +181,13 @@ class GcodeReader:
                 self.source.fail(f"M{code} cannot be read: {reason}" if code >= 0 else "M has no whole number", line)
         return ends
 
-    def _tip_mode(self, switched: bool, by_length: bool, line: int) -> None:
-        """Switch tool-centre-point mode; the machine stays where it is, so its coordinates change."""
-        state = self.state
-        before = state.tip_mode
-        state.switched_tip_mode, state.length_tip_mode = switched, by_length
-        if state.tip_mode != before and len(self.moves) and self.frame.machine is not None:
-            self.motion.need_linear_joints(line)
-            convert = self.frame.to_tip if state.tip_mode else self.frame.to_joints
-            state.position = convert(state.position)
-            self.moves.add(state.position, Rate(), line, JUMP, state.tip_mode, state.named)
+    def _tip_mode(self, switched: bool, by_length: bool) -> None:
+        """Switch tool-centre-point mode, by either of its words."""
+        self.state.switched_tip_mode, self.state.length_tip_mode = switched, by_length
+        self.control.set_tip_mode(switched or by_length)
 
     def _dwell(self, numbers: dict[str, float], line: int) -> None:
         seconds = numbers.pop("P", None)
         if seconds is None:
             self.source.fail("G4 needs its time as P in seconds: write it like G4 P0.5", line)
-        if not 0 <= seconds <= LONGEST_DWELL:
-            self.source.fail(f"dwell P{seconds:g} is not between 0 and a day: P of G4 is in seconds", line)
-        if not len(self.moves):
-            self.state.skipped["G4 before the first position"] += 1
-        self.moves.dwell(seconds)
+        self.control.dwell(seconds)

@@ -27,6 +27,8 @@ class Moves:
 
     def __init__(self, rotary: int) -> None:
         self.rotary = rotary
+        self.operation = 0
+        """Of the motions that are added from now on."""
         self.rows: list[tuple[float, ...]] = []
         self.arcs: dict[int, Arc] = {}
         self.stops: set[int] = set()
@@ -35,9 +37,21 @@ class Moves:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def add(self, position: list[float], rate: Rate, line: int, kind: float, tip_mode: bool, named: int) -> None:
-        """Note a motion to `position` (3 + rotary); `named` has a bit for each of X, Y, Z named so far."""
-        self.rows.append((*position, *rate, line, kind, tip_mode, named))
+    def add(
+        self,
+        position: list[float],
+        rate: Rate,
+        line: int,
+        kind: float,
+        tip_mode: bool,
+        named: int,
+        longer: float = 0.0,
+    ) -> None:
+        """Note a motion to `position` (3 + rotary); `named` has a bit for each of X, Y, Z named so far.
+
+        `longer`: by how much the tool whose tip is meant is longer than the machine's own [m].
+        """
+        self.rows.append((*position, *rate, line, kind, tip_mode, named, self.operation, longer))
 
     def stop(self) -> None:
         """Come to rest at the last position; before the first there is nothing to stop."""
@@ -54,7 +68,7 @@ class Moves:
     def table(self) -> MoveTable:
         """The motions as arrays, from the start of the path on."""
         width = 3 + self.rotary
-        array = np.array(self.rows, dtype=float).reshape(len(self.rows), width + 7)
+        array = np.array(self.rows, dtype=float).reshape(len(self.rows), width + 9)
         first = self._start(array[:, width + 4], array[:, width + 6].astype(int)) if len(array) else 0
         array = array[first:]
         count = len(array)
@@ -89,7 +103,7 @@ class MoveTable(NamedTuple):
     position: Floats
     """(n, 3 + rotary) [m, rad] at the end of each row, in the coordinates of its mode."""
     columns: Floats
-    """(n, 7): speed [m/s], turn [rad/s], time [s], line, kind, tip mode, named."""
+    """(n, 9): speed [m/s], turn [rad/s], time [s], line, kind, tip mode, named, operation, longer [m]."""
     stop: np.ndarray[tuple[int], np.dtype[np.bool_]]
     dwell: Floats
     arcs: dict[int, Arc]

@@ -8,15 +8,17 @@ into more until all agree; the gap falls with the square of their number.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.reading.arcs import ArcTable
-from toolpace.reading.gcode.kinematics import Frame
-from toolpace.reading.gcode.moves import FEED, JUMP, MoveTable
+from toolpace.reading.control.kinematics import Poses
+from toolpace.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.reading.points import SAME, assemble
 from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import Operation, ToolPath
 
 TIP_GAP = 0.45e-6
 """Most distance of the tip from the chords [m]; a tenth below the promised half micrometre."""
@@ -33,18 +35,29 @@ INSIDE = np.array([0.25, 0.5, 0.75])
 """Shares of a piece at which it is measured against chord and great circle."""
 
 
+class Told(NamedTuple):
+    """What a program tells beside its motions."""
+
+    skipped: dict[str, int]
+    operations: tuple[Operation, ...]
+    controller: str
+    assumed: tuple[str, ...]
+
+
 class Unroll:
     """The motions of a table as functions of a fraction from 0 to 1 of each."""
 
-    def __init__(self, source: Source, frame: Frame, table: MoveTable) -> None:
-        self.source, self.frame = source, frame
+    def __init__(self, source: Source, poses: Poses, table: MoveTable) -> None:
+        self.source, self.poses = source, poses
         self.end = table.position
         self.start = np.vstack([self.end[:1], self.end[:-1]])
-        self.speed, self.turn, self.time, line, kind, tip_mode, _ = table.columns.T
+        self.speed, self.turn, self.time, line, kind, tip_mode, _, operation, self.longer = table.columns.T
         jump = kind == JUMP
         self.start[jump] = self.end[jump]
         self.is_feed = kind == FEED
         self.line: Ints = line.astype(np.int64)
+        self.operation: Ints = operation.astype(np.int64)
+        self.is_rapid = kind == RAPID
         self.tip_mode: Bools = tip_mode > 0
         self.stop, self.dwell = table.stop, table.dwell
         self.arcs = ArcTable(list(table.arcs.values()))
@@ -64,7 +77,7 @@ class Unroll:
         position[done] = self.end[move[done]]
         curved = (self.arc[move] >= 0) & ~done
         position[curved, :3] = self.arcs.evaluate(self.arc[move[curved]], t[curved])
-        tip, axis = self.frame.place(position, self.tip_mode[move])
+        tip, axis = self.poses.place(position, self.tip_mode[move], self.longer[move])
         return tip, axis, position[:, 3:]
 
     def refine(self) -> None:
@@ -74,7 +87,7 @@ class Unroll:
         self._refuse_endless(turned)
         self.pieces = np.where(turning, np.maximum(self.pieces, turned.astype(np.int64)), self.pieces)
         self._refuse_endless(self.pieces)
-        todo = np.flatnonzero(turning) if self.frame.machine is not None else np.zeros(0, dtype=np.int64)
+        todo = np.flatnonzero(turning) if self.poses.machine is not None else np.zeros(0, dtype=np.int64)
         for _ in range(8):
             if not len(todo):
                 break
@@ -126,7 +139,8 @@ class Unroll:
         travels = self.length > SAME
         turns = self.rotation > SAME
         # The speed word speaks of the joints X, Y, Z outside tip mode: no cap on the tip, but a time.
-        by_time = self.is_feed & travels & turns & ~self.tip_mode
+        # So it does not cap the tip of a tool that is longer than the machine's, which stands for it here.
+        by_time = self.is_feed & travels & turns & (~self.tip_mode | (self.longer != 0.0))
         in_place = self.is_feed & ~travels & turns
         timed = self.is_feed & (self.time > 0)
         least_time = np.zeros(len(self.end))
@@ -136,7 +150,7 @@ class Unroll:
         feed = np.where(self.is_feed & ~by_time & ~in_place & ~timed, self.speed, np.inf)
         return feed, least_time
 
-    def toolpath(self, blocks: int, skipped: dict[str, int]) -> ToolPath:
+    def toolpath(self, blocks: int, told: Told) -> ToolPath:
         """The points of all moves; inserted ones share the block number and the least time of their block."""
         self.refine()
         move, piece, count = _pieces_of(np.arange(len(self.end)), self.pieces)
@@ -152,10 +166,15 @@ class Unroll:
             block=self.line[move],
             stop=self.stop[move] & ends,
             dwell=np.where(ends, self.dwell[move], 0.0),
-            rotary=None if self.frame.machine is None else rotary,
-            rotary_joints=self.frame.rotary_names,
+            rotary=None if self.poses.machine is None else rotary,
+            rotary_joints=self.poses.rotary_names,
             blocks=blocks,
-            skipped=skipped,
+            skipped=told.skipped,
+            rapid=self.is_rapid[move],
+            operation=self.operation[move],
+            operations=told.operations,
+            controller=told.controller,
+            assumed=told.assumed,
         )
 
 

@@ -1,0 +1,102 @@
+"""Canned cycles of holes, written out as the motions that they stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from toolpace.reading.control.control import Control
+
+MOST_PECKS = 10_000
+"""Strokes of one hole: more is a slip, and would fill memory."""
+RAPID_OUT, FEED_OUT = "rapid", "feed"
+
+
+@dataclass(frozen=True)
+class Drilling:
+    """One cycle; levels are coordinates of the program along the drill axis [m]."""
+
+    top: float
+    """Where the feed begins (R)."""
+    bottom: float
+    back: float
+    """Level that is gone back to behind the hole."""
+    axis: int = 2
+    """Of X, Y, Z, the one along which the tool goes."""
+    peck: float = 0.0
+    """Most depth of a stroke [m]; 0: the whole hole in one."""
+    first_peck: float = 0.0
+    """The same of the first stroke, where it differs."""
+    peck_less: float = 0.0
+    """By how much each stroke is shorter than the one before [m]."""
+    least_peck: float = 0.0
+    chip_break: float = 0.0
+    """How far a stroke is gone back to break the chip [m]; 0: back to the top."""
+    clearance: float = 0.0
+    """How far above the last depth the rapid ends with which the next stroke begins [m]."""
+    dwell: float = 0.0
+    """At the bottom [s]."""
+    peck_dwell: float = 0.0
+    """After each stroke but the last [s]."""
+    out: str = RAPID_OUT
+    stops: bool = False
+    """Whether the spindle stops or reverses at the bottom: so does the motion."""
+
+
+def depths(cycle: Drilling) -> list[float]:
+    """Depths below the top [m] of the ends of the strokes, the whole depth last."""
+    whole = abs(cycle.top - cycle.bottom)
+    peck = cycle.first_peck or cycle.peck
+    if peck <= 0.0 or peck >= whole:
+        return [whole]
+    found: list[float] = []
+    depth = 0.0
+    while depth + peck < whole - 1e-9 and len(found) < MOST_PECKS:
+        depth += peck
+        found.append(depth)
+        shorter = (cycle.peck if len(found) == 1 and cycle.first_peck else peck) - cycle.peck_less
+        peck = max(shorter, cycle.least_peck or cycle.peck_less or peck * 1e-3, 1e-6)
+    return [*found, whole]
+
+
+def drill(control: Control, cycle: Drilling, hole: list[float], number: float | None = None) -> None:
+    """Drill at the words `hole` (3 + rotary): its place in the plane counts, levels are the cycle's.
+
+    Rapid over the hole; rapid to the top; strokes at feed; out to the level `back`.
+    """
+    axis, line = cycle.axis, control.line
+    strokes = depths(cycle)
+    if len(strokes) > MOST_PECKS:
+        control.source.fail(f"this hole takes more than {MOST_PECKS} strokes: check its depth and its peck", line)
+    down = 1.0 if cycle.bottom >= cycle.top else -1.0
+
+    def to(level: float, rapid: bool) -> None:
+        words = list(hole)
+        words[axis] = level
+        control.straight(words, 7, rapid=rapid, number=number)
+
+    present = control.words[axis]
+    over = list(hole)
+    # above the top the tool goes sideways first, from below it first rises
+    over[axis] = present if (cycle.top - present) * down >= 0.0 else cycle.top
+    if over[axis] != present:
+        control.straight([*control.words[:axis], over[axis], *control.words[axis + 1 :]], 7, rapid=True)
+    control.straight(over, 7, rapid=True)
+    to(cycle.top, True)
+    for k, depth in enumerate(strokes):
+        to(cycle.top + down * depth, False)
+        if k + 1 == len(strokes):
+            break
+        if cycle.peck_dwell:
+            control.dwell(cycle.peck_dwell)
+        if cycle.chip_break:
+            to(cycle.top + down * max(depth - cycle.chip_break, 0.0), True)
+        else:
+            to(cycle.top, True)
+            to(cycle.top + down * max(depth - cycle.clearance, 0.0), True)
+    if cycle.dwell:
+        control.dwell(cycle.dwell)
+    if cycle.stops:
+        control.stop()
+    if cycle.out == FEED_OUT:
+        to(cycle.top, False)
+    to(cycle.back, True)

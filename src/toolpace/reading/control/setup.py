@@ -1,0 +1,45 @@
+"""What the set-up sheet of a job says: where offsets, references, machine zero and tools are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+Position = Mapping[str, float]
+"""Machine coordinates by axis letter [m, rad]; an axis that is not there is not known."""
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A line of the tool table."""
+
+    length: float
+    """From the spindle nose to the tip [m]."""
+    radius: float = 0.0
+    """[m]"""
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """A set-up sheet. All is optional: what is missing has a stand-in, which the reader names in what it assumed.
+
+    Machine coordinates count from the machine's zero; the joints of the machine file count from their own, and
+    `machine_zero` tells where the one is in the other.
+    """
+
+    source: str = ""
+    """The file, for messages."""
+    offsets: Mapping[str, Position] = field(default_factory=dict)
+    """Work offsets by name (G54, G54.1 P1, ...): machine coordinates of their origin, without a tool."""
+    references: Mapping[int, Position] = field(default_factory=dict)
+    """Reference points by number: 1 is G28's, 2 to 4 are those of G30."""
+    machine_zero: Position = field(default_factory=dict)
+    """Joint positions at which the machine's coordinates are zero; elsewhere the end of travel."""
+    tools: Mapping[str, Tool] = field(default_factory=dict)
+    """Tools by number or name."""
+    start: Position = field(default_factory=dict)
+    """Where the machine stands before the program."""
+    variables: Mapping[str, float] = field(default_factory=dict)
+    """Variables of the controller that are set before the program, by name."""
+    part: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    """Where the part is clamped: `origin` [m], `x` and `z` directions; see Machine.mounted."""

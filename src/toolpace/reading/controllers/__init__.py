@@ -1,0 +1,1 @@
+"""Controllers as data: what the words of each mean, and by what a program of it is known."""

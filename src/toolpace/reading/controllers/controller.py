@@ -1,0 +1,89 @@
+"""A controller: a TOML file that says what words mean to it, and by which signs its programs are known."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from toolpace.errors import UsageError, did_you_mean
+
+FOLDER = Path(__file__).parent / "builtin"
+LANGUAGES = ("word-address", "sinumerik", "heidenhain")
+LONGEST = 1 << 20
+"""Most characters of a controller's file."""
+
+
+class Sign(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Something in a program that tells its controller."""
+
+    pattern: str
+    """Regular expression, matched line by line, in capitals."""
+    reason: str
+    """What it is, in words: "G43.4 is Fanuc's tool-centre-point mode"."""
+    weight: float = 1.0
+
+
+class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What differs from controller to controller of one language."""
+
+    name: str
+    language: str
+    note: str = ""
+    suffixes: tuple[str, ...] = ()
+    """Endings of names that tell it, where nothing in the program does: ".mpf"."""
+    signs: tuple[Sign, ...] = ()
+    meanings: dict[str, str] = {}
+    """Word (G43.4, M6, TRAORI) to what it does: a name that the language knows, such as "tip mode on"."""
+    ignored: tuple[str, ...] = ()
+    """Words that move nothing: they are counted."""
+    refused: dict[str, str] = {}
+    """Words that may move something and are not read, with the cure."""
+    options: dict[str, bool | float | str] = {}
+    """What else differs: names that the language knows."""
+    source: str = ""
+
+    @staticmethod
+    def names() -> tuple[str, ...]:
+        """Names of the built-in controllers."""
+        return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
+
+    @classmethod
+    def load(cls, name_or_path: str | Path) -> Controller:
+        """A built-in controller by name, or one from a TOML file. Raises UsageError."""
+        given = str(name_or_path)
+        path = FOLDER / f"{given}.toml" if given in cls.names() else Path(given)
+        try:
+            with path.open(encoding="utf-8-sig") as stream:
+                text = stream.read(LONGEST)
+        except (OSError, ValueError) as error:
+            if path.suffix == ".toml":
+                reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
+                raise UsageError(f"controller file {given}: {reason}") from None
+            near = did_you_mean(given, cls.names())
+            raise UsageError(f"controller '{given}' is not known: {near}; or give the path of a .toml file") from None
+        return cls.from_toml(text, given)
+
+    @classmethod
+    def from_toml(cls, text: str, source: str = "controller file") -> Controller:
+        """A controller from the text of a file. Raises UsageError."""
+        try:
+            found = msgspec.toml.decode(text, type=cls)
+            for sign in found.signs:
+                re.compile(sign.pattern)
+        except (msgspec.DecodeError, re.error, ValueError, RecursionError) as error:
+            raise UsageError(f"{source}: {error}; see `toolpace controllers fanuc --toml` for an example") from None
+        if found.language not in LANGUAGES:
+            raise UsageError(f"{source}: language '{found.language}' is not known: use one of {', '.join(LANGUAGES)}")
+        return msgspec.structs.replace(found, source=source)
+
+    def option(self, name: str, default: Any) -> Any:
+        """The option, or the default; UsageError where it is of another kind than that."""
+        value = self.options.get(name, default)
+        if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if type(value) is not type(default):
+            raise UsageError(f"{self.source}: option {name} = {value!r} must be of the kind of {default!r}")
+        return value
