@@ -8,6 +8,7 @@ import pytest
 
 from tests.support import motions
 from toolpace.judge.figures import EARLY, Figures
+from toolpace.judge.usage import UsageFigures
 
 POINTS = motions.set_points()
 DURATION = float(POINTS.t[-1])
@@ -63,3 +64,18 @@ def test_a_bound_lies_above_nothing_and_not_above_the_duration(bound, good):
         gap = DURATION / bound - 1.0 if key == "lower_bound_s" and bound else None
         found = {check.what: check.ok for check in figures(**said, gap=gap).of_bounds()}
         assert found[f"plan.json {key}"] == good
+
+
+@pytest.mark.parametrize(("factor", "good"), [(1.0, True), (0.9, False), (1.15, False)])
+def test_a_peak_may_lie_between_set_points_by_what_half_a_step_can_add(factor, good):
+    """The true peaks, where every twentieth set-point does not show them all; less, and more than can hide."""
+    peaks = motions.peaks(motions.set_points(dt=1e-4))
+    machine = motions.with_limits(motions.machine(), **{kind: 1.3 * peak for kind, peak in peaks.items()})
+    coarse = motions.set_points(dt=0.02)
+    said = {kind: dict.fromkeys(machine.joints, 1.0 / 1.3) for kind in peaks}
+    said["velocity"] = dict.fromkeys(machine.joints, factor / 1.3)
+    given = {"usage": {**said, "feed": 0.0}}
+    found = UsageFigures(given, coarse, machine, None, None, 0.02).of_usage()
+    assert all(check.ok for check in found) == good
+    shown = motions.peaks(coarse)
+    assert min((shown[kind] / peaks[kind]).min() for kind in ("velocity", "acceleration")) < 0.999
