@@ -41,7 +41,9 @@ MOST_MENDED = 0.3
 """Share of the nodes beyond which mending is no cheaper than solving anew."""
 
 
-def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD) -> SplineLaw:
+def guarded(
+    meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD
+) -> SplineLaw:
     """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
 
     repeat

@@ -78,7 +78,9 @@ class Cells:
 
     def arrays(self, top: Floats) -> reachability.Rows:
         """The rows as the kernel takes them, with caps `top` (n + 1,) of the nodes."""
-        return reachability.Rows(np.diff(self.nodes), self.at, self.place, self.tight, self.q1, self.q2, self.cap, top)
+        return reachability.Rows(
+            np.diff(self.nodes), self.at, self.place, self.tight, self.q1, self.q2, self.cap, top
+        )
 
     def solve(self, z0: float, z1: float) -> tuple[Floats, int, int]:
         """The highest z (n + 1,) from z0 to z1, how it went, and at which node it failed (see the kernel).
