@@ -53,7 +53,7 @@ class JoinedPieces:
         self.run, self.limits, self.law, self.ends = run, limits, law, ends
         every = law.nodes[:: max(n // SAMPLES, 1)]
         self.highest = max(
-            highest_of(steady_speed(run, limits, every)[0], run.s1 - run.s0), ends[0].speed ** 2, ends[1].speed ** 2
+            highest_of(*steady_speed(run, limits, every), run.s1 - run.s0), ends[0].speed ** 2, ends[1].speed ** 2
         )
         self.gathered, self.cap, self.wait = np.zeros((n, 8)), np.empty(n), np.zeros(n)
         self.terms = 4 * len(limits)

@@ -19,6 +19,8 @@ MOST_PLACES = 4_000_000
 """Intervals that are looked at, and most places."""
 FLEETING = 1e-5
 """Share of the time in which the whole run would be passed at the highest ds/dt of a guess: more would gain nothing."""
+UNLIMITED = 1e12
+"""z [length of the run squared a second squared] that stands for the highest where no limit gives a scale."""
 CHUNK = 20_000
 """Points of a path that are worked out at a time, to keep memory low."""
 
@@ -54,11 +56,9 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
     s, first = np.unique(np.concatenate([part.s for look in looks for part in look]), return_index=True)
     steady = np.concatenate([part.steady for look in looks for part in look])[first]
     third = np.concatenate([part.third for look in looks for part in look])[first]
-    highest = highest_of(steady, length)
-    finite = np.isfinite(steady)
-    if not finite.all():
-        steady[~finite] = 1e6 * (steady[finite].max() if finite.any() else (length / 1e-6) ** 2)
-    third = np.where(np.isfinite(third), third, 1e6 * np.min(third, initial=length / 1e-9))
+    highest = highest_of(steady, third, length)
+    third[~np.isfinite(third)] = 1e6 * least_third(third, length)
+    steady[~np.isfinite(steady)] = 1e6 * highest
     z = first_guess.ramped(s, steady, third, ends[0], ends[1])
     # where nothing moves, or nearly so, ds/dt would be without bounds
     fastest = (length / (FLEETING * first_guess.times(s, z)[-1])) ** 2
@@ -75,10 +75,16 @@ def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Float
     return steady, third
 
 
-def highest_of(steady: Floats, length: float) -> float:
-    """The highest of the z (n,) that limits allow at steady speed; a large value where there are no limits."""
+def highest_of(steady: Floats, third: Floats, length: float) -> float:
+    """The highest of the z (n,) that limits allow at steady speed, or, without such limits, what jerks allow in all."""
     finite = np.isfinite(steady)
-    return float(steady[finite].max()) if finite.any() else (length / 1e-6) ** 2
+    return float(steady[finite].max() if finite.any() else (least_third(third, length) * length**2) ** (2.0 / 3.0))
+
+
+def least_third(third: Floats, length: float) -> float:
+    """The least of the d3s/dt3 (n,) that limits allow; a large value where there are no limits."""
+    finite = np.isfinite(third)
+    return float(third[finite].min()) if finite.any() else UNLIMITED**1.5 * length
 
 
 def places(run: AxisRun, limits: Limits, fewest: int) -> int:

@@ -141,7 +141,7 @@ def discretise(
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
-    cap, steady, problem.rows = rows_at(run, limits, point, ahead)
+    cap, scale, problem.rows = rows_at(run, limits, point, ahead)
     half = len(limits)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
@@ -152,18 +152,21 @@ def discretise(
             cap[here] = np.inf
             problem.rows[here & (ahead == 0.0), :half] = 0.0
     if highest is None:
-        highest = max(highest_of(steady, run.s1 - run.s0), start.speed**2, end.speed**2)
+        highest = max(highest_of(*scale, run.s1 - run.s0), start.speed**2, end.speed**2)
     problem.most = HIGHEST * highest
     problem.cap = np.minimum(cap, problem.most)
     return problem
 
 
-def rows_at(run: AxisRun, limits: Limits, s: Floats, ahead: Floats) -> tuple[Floats, Floats, Floats]:
-    """Caps on z (n,), z at steady speed (n,) and rows (n, 2 m, 3) at s (n,), acceleration held `ahead` (n,) of it."""
+def rows_at(run: AxisRun, limits: Limits, s: Floats, ahead: Floats) -> tuple[Floats, tuple[Floats, Floats], Floats]:
+    """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 m, 3) at s (n,).
+
+    Acceleration is held `ahead` (n,) of its place.
+    """
     q, cap = run.with_cap(s)
     q = np.ascontiguousarray(q)
-    most, steady, _ = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, cap)
-    return most, steady, limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
+    most, *scale = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, cap)
+    return most, (scale[0], scale[1]), limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
 
 
 def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Floats) -> Problem:
