@@ -50,6 +50,9 @@ def test_godlta_goes_by_a_distance_or_along_the_axis():
         ("SPINDL/2000,RPM,CLW\nFEDRAT/0.1,MMPR", 200),
         ("SPINDL/RPM,2000\nFEDRAT/IPR,0.01", 508),
         ("SPINDL/2000\nFEDRAT/0.1,PERREV", 200),
+        ("SPINDL/RPM,2000,FWD\nFEDRAT/0.1,MMPR", 200),
+        ("FEDRAT/FPM,1", 304.8),
+        ("SPINDL/100,RPM\nFEDRAT/FPR,0.01", 304.8),
     ],
 )
 def test_fedrat_in_its_forms(statement, feed):
@@ -156,6 +159,7 @@ START = "FEDRAT/100\nGOTO/0,0,0\n"
         ("FEDRAT/MMPM", "has no number"),
         ("FEDRAT/5,LENGTH", "FEDRAT/LENGTH is not read: give one number"),
         ("FEDRAT/0.1,MMPR", "needs the spindle speed"),
+        ("SPINDL/9,RPM\nSPINDL/9,SFM\nFEDRAT/0.1,MMPR", "needs the spindle speed"),
         ("DELAY/-1", "not between 0 and a day"),
         ("DELAY/NONE", "takes one number"),
         ("DELAY/5,REV", "needs the spindle speed"),
@@ -186,7 +190,7 @@ def test_refuses_with_line_text_and_cure(statement, says):
         read_text(START + statement + "\nGOTO/5,5,5,0,0,1\nFINI\n", None, "apt", name="part.apt")
     message = str(caught.value)
     assert says in message and "\n" not in message
-    line = 4 if "needs the spindle" in says and "FEDRAT" in statement else 3
+    line = 3 + statement.count("\n") + ("needs the spindle" in says and "FEDRAT" in statement)
     assert message.startswith(f"part.apt:{line}: ")
 
 
