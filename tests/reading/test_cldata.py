@@ -50,6 +50,9 @@ def test_godlta_goes_by_a_distance_or_along_the_axis():
         ("SPINDL/2000,RPM,CLW\nFEDRAT/0.1,MMPR", 200),
         ("SPINDL/RPM,2000\nFEDRAT/IPR,0.01", 508),
         ("SPINDL/2000\nFEDRAT/0.1,PERREV", 200),
+        ("SPINDL/RPM,2000,FWD\nFEDRAT/0.1,MMPR", 200),
+        ("FEDRAT/FPM,1", 304.8),
+        ("SPINDL/100,RPM\nFEDRAT/FPR,0.01", 304.8),
     ],
 )
 def test_fedrat_in_its_forms(statement, feed):
@@ -156,6 +159,7 @@ START = "FEDRAT/100\nGOTO/0,0,0\n"
         ("FEDRAT/MMPM", "has no number"),
         ("FEDRAT/5,LENGTH", "FEDRAT/LENGTH is not read: give one number"),
         ("FEDRAT/0.1,MMPR", "needs the spindle speed"),
+        ("SPINDL/9,RPM\nSPINDL/9,SFM\nFEDRAT/0.1,MMPR", "needs the spindle speed"),
         ("DELAY/-1", "not between 0 and a day"),
         ("DELAY/NONE", "takes one number"),
         ("DELAY/5,REV", "needs the spindle speed"),
@@ -186,7 +190,7 @@ def test_refuses_with_line_text_and_cure(statement, says):
         read_text(START + statement + "\nGOTO/5,5,5,0,0,1\nFINI\n", None, "apt", name="part.apt")
     message = str(caught.value)
     assert says in message and "\n" not in message
-    line = 4 if "needs the spindle" in says and "FEDRAT" in statement else 3
+    line = 3 + statement.count("\n") + ("needs the spindle" in says and "FEDRAT" in statement)
     assert message.startswith(f"part.apt:{line}: ")
 
 
@@ -250,6 +254,7 @@ def test_operations_tools_and_their_stops():
     assert p.rapid.tolist() == [1, 0, 0, 1, 1, 0]
     assert p.axis[:, 1].tolist() == [1, 1, 0, 0, 0, 0]
     assert "a TOOL PATH that names no tool axis begins with 0,0,1" in p.assumed
+    assert "a tool change is a stop; the machine's own motion in it is left out" in p.assumed
 
 
 @pytest.mark.parametrize("change", ["LOADTL/2", "TOOLNO/2,10.0\nLOADTL/2", "LOAD/TOOL,2,ADJUST,1", "TURRET/2"])
@@ -257,6 +262,7 @@ def test_a_tool_change_begins_an_operation_and_is_a_stop(change):
     p = path(f"LOADTL/1\nFEDRAT/100\nGOTO/0,0,0\nGOTO/1,0,0\n{change}\nGOTO/2,0,0\nLOADTL/2\nGOTO/3,0,0")
     assert p.operations == (Operation("", "1"), Operation("", "2"))
     assert p.operation.tolist() == [0, 0, 1, 1] and p.stop.tolist() == [1, 1, 1, 1]
+    assert "a tool change is a stop; the machine's own motion in it is left out" in p.assumed
 
 
 def test_operations_are_named_by_comments_of_catia_and_creo():
@@ -351,3 +357,36 @@ def test_gohome_is_a_rapid():
     p = path("FEDRAT/9\nGOTO/0,0,0\nGOTO/1,0,0\nGOHOME/5,0,9\nGOHOME")
     assert p.tip[-1] * 1e3 == pytest.approx([5, 0, 9]) and p.rapid.tolist() == [1, 0, 1]
     assert "GOHOME is taken for a rapid" in p.assumed
+
+
+def test_tlaxis_holds_and_a_program_of_upright_tools_has_nothing_to_say_of_it():
+    p = path(
+        "UNITS/MM\nTOOL PATH/A,TOOL,B\nFEDRAT/9,MMPM\nGOTO/0,0,0\nGOTO/1,0,0\nTOOL PATH/C,TOOL,B\nGOTO/2,0,0\n"
+        "TLAXIS/0.6,0,0.8\nGOTO/3,0,0"
+    )
+    assert p.axis == pytest.approx(np.array([[0, 0, 1], [0, 0, 1], [0, 0, 1], [0.6, 0, 0.8]]))
+    assert p.assumed == ()
+
+
+def test_another_tool_ends_a_cycle():
+    p = path("UNITS/MM\nLOADTL/1\nFEDRAT/MMPM,9\nCYCLE/DRILL,RAPTO,3,FEDTO,-9\nGOTO/0,0,0\nLOADTL/2\nGOTO/5,0,0")
+    assert p.tip[-1] * 1e3 == pytest.approx([5, 0, 0])
+
+
+@pytest.mark.parametrize(("unit", "length"), [("MM", 1), ("CM", 10), ("INCH", 25.4), ("INCHES", 25.4), ("M", 1000)])
+def test_units(unit, length):
+    assert path(f"UNITS/{unit}\nFEDRAT/9\nGOTO/0,0,0\nGOTO/1,0,0").tip[1, 0] * 1e3 == pytest.approx(length)
+
+
+def test_cutcom_off_is_counted_and_one_centre_line_is_of_its_operation():
+    assert path("FEDRAT/9\nCUTCOM/OFF\nGOTO/0,0,0\nGOTO/1,0,0").skipped == {"CUTCOM": 1}
+    body = "TOOL PATH/A,TOOL,B\n$$ centerline data\nFEDRAT/9\nCUTCOM/LEFT\nGOTO/0,0,0\nGOTO/1,0,0\n"
+    assert path(body).skipped == {"CUTCOM": 1}
+    with pytest.raises(ProgramError, match="CUTCOM is not read"):
+        path(body + "TOOL PATH/C,TOOL,B\nCUTCOM/LEFT\nGOTO/2,0,0")
+
+
+def test_curves_of_too_many_points_are_refused_before_they_are_laid_out():
+    circle = "CIRCLE/900000,0,0,0,0,1,900000,0,0,0,0,TIMES,1000\nGOTO/0,0,0"
+    with pytest.raises(ProgramError, match="curves take more than 50000000 points up to here"):
+        path("UNITS/MM\nFEDRAT/9\nGOTO/0,0,0\n" + circle)

@@ -110,6 +110,23 @@ def test_a_cycle_ends_with_its_operation():
 
 
 @pytest.mark.parametrize(
+    ("cycle", "said"),
+    [
+        ("DRILL,RAPTO,3,FEDTO,-10", []),
+        ("DRILL,RAPTO,3,FEDTO,0", ["CYCLE with FEDTO,0 has no depth: it feeds to the point itself"]),
+        ("DRILL,RAPTO,3,FEDTO,-9,OPTION,1", ["OPTION of CYCLE is taken to move nothing"]),
+        ("DEEP,RAPTO,3,FEDTO,-9", ["CYCLE with DEEP or BRKCHP but no STEP is taken to go down in one way"]),
+        ("DEEP,RAPTO,3,FEDTO,-9,STEP,1", ["pecks of CYCLE step back by, or stay off the last one by, 0.254 mm"]),
+        ("BRKCHP,RAPTO,3,FEDTO,-9,STEP,1,BACK,1", []),
+        ("BORE,RAPTO,3,FEDTO,-9", ["CYCLE with BORE or REAM is taken to feed out as it feeds in"]),
+        ("TAP,RAPTO,3,FEDTO,-9", []),
+    ],
+)
+def test_what_a_cycle_leaves_open_is_said(cycle, said):
+    assert path(f"UNITS/MM\nCYCLE/{cycle},MMPM,9\nGOTO/0,0,0\nCYCLE/OFF").assumed == tuple(said)
+
+
+@pytest.mark.parametrize(
     ("cycle", "word"),
     [
         ("CYCLE/THRU,RAPTO,3,FEDTO,-10,MMPM,9", "CYCLE/THRU"),

@@ -16,7 +16,9 @@ PER_REVOLUTION = {"MMPR": MILLIMETRE, "IPR": INCH, "FPR": FOOT, "PERREV": None, 
 """Length units of the forms of FEDRAT; None stands for the unit of the program."""
 LONGEST_DELAY = 86400.0
 """A day [s]: a longer delay is a slip of units."""
-_TURNING = frozenset(("RPM", "CLW", "CCLW", "ON", "OFF", "RANGE", "LOW", "MEDIUM", "HIGH", "AUTO", "MAXRPM"))
+_TURNING = frozenset(
+    ("RPM", "CLW", "CCLW", "FWD", "REV", "ON", "OFF", "RANGE", "LOW", "MEDIUM", "HIGH", "AUTO", "MAXRPM")
+)
 _INVERSE = ("INVERS", "AUTO", "ON", "OFF")
 
 

@@ -27,6 +27,8 @@ PASSED = frozenset(
         "LINTOL",
         "LPRINT",
         "MACHIN",
+        "MCHFIN",
+        "MCHTOL",
         "MODE",
         "MULTAX",
         "NOPOST",
@@ -41,6 +43,7 @@ PASSED = frozenset(
         "PRINT",
         "PSIS",
         "REMARK",
+        "REWIND",
         "SELECT",
         "SEQNO",
         "SET",
@@ -49,6 +52,7 @@ PASSED = frozenset(
         "TMARK",
         "TOLER",
         "TPRINT",
+        "VTLAXS",
     )
 )
 """Statements without meaning for motion: counted."""
