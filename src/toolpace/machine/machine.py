@@ -10,6 +10,7 @@ from toolpace.arrays import Bools, Floats, Ints
 from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import MachineError, UsageError, did_you_mean
+from toolpace.files.toml import toml_text
 from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
 from toolpace.machine.file import LONGEST, MachineFile, read_machine, write_machine
@@ -117,7 +118,8 @@ class Machine(ByValue):
 
     def to_toml(self) -> str:
         """The text of a machine file that loads to exactly this machine."""
-        return write_machine(self.file)
+        setup = {"setup": self.file.setup} if self.file.setup else {}
+        return write_machine(self.file) + ("\n" + toml_text(setup) if setup else "")
 
     def mounted(
         self,

@@ -90,7 +90,7 @@ class Datum:
 
     def length(self, tool: str | None) -> float:
         """Length of a tool of the table; of the machine's own where there is none."""
-        found = self.setup.tools.get(tool or "")
+        found = self.setup.tool(tool or "")
         return self.own_length if found is None else found.length
 
     def origin(self, offset: str) -> list[float]:
