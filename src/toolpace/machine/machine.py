@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.description import one_line
@@ -115,6 +116,11 @@ class Machine(ByValue):
     def from_toml(cls, text: str, source: str = "machine file") -> Machine:
         """A machine from the text of a file; `source` names it in messages. Raises MachineError."""
         return cls(read_machine(text, source), source)
+
+    @property
+    def setup(self) -> dict[str, Any]:
+        """The set-up sheet in its file, as it stands there; empty where there is none. Reading makes sense of it."""
+        return self.file.setup
 
     def to_toml(self) -> str:
         """The text of a machine file that loads to exactly this machine."""

@@ -77,8 +77,16 @@ def setup_text(setup: SetUp) -> str:
     return toml_text({"units": {"length": "m", "angle": "rad"}, **given})
 
 
-def check_axes(setup: SetUp, machine: Kinematics) -> None:
-    """Raise UsageError where the sheet names an axis that the machine does not have."""
+def setup_in(machine: object) -> SetUp:
+    """The set-up sheet in the file of a machine; an empty one where there is none. Raises UsageError."""
+    table = getattr(machine, "setup", None)
+    source = str(getattr(machine, "source", "") or getattr(machine, "name", "") or "machine file")
+    return setup_of_table(table, f"{source}: [setup]") if table else SetUp()
+
+
+def check_setup(setup: SetUp, machine: Kinematics) -> None:
+    """Raise UsageError where the sheet names an axis that the machine does not have, or clamps the part elsewhere."""
+    source = setup.source or "set-up sheet"
     known = Poses(machine).slots()
     places: dict[str, Position] = {f"offsets.{name}": place for name, place in setup.offsets.items()}
     places |= {f"references.{number}": place for number, place in setup.references.items()}
@@ -87,9 +95,15 @@ def check_axes(setup: SetUp, machine: Kinematics) -> None:
         for letter in place:
             if letter not in known:
                 raise UsageError(
-                    f"{setup.source or 'set-up sheet'}: [{name}] {letter}: machine '{machine.name}' has no axis "
-                    f"{letter}, its axes are {', '.join(known)}; remove the line, or choose the right machine"
+                    f"{source}: [{name}] {letter}: machine '{machine.name}' has no axis {letter}, its axes are "
+                    f"{', '.join(known)}; remove the line, or choose the right machine"
                 )
+    mounted = getattr(machine, "mounted", None)
+    if setup.part and mounted is not None and mounted(**setup.part) != machine:
+        raise UsageError(
+            f"{source}: [part] clamps the part elsewhere than machine '{machine.name}' has it; "
+            "read and plan with machine.mounted(**setup.part)"
+        )
 
 
 class _Sheet:
