@@ -161,6 +161,12 @@ def asked_for(record: PlanRecord) -> str:
     else:
         words.append("limits of the machine alone, no program")
     words += [f"read as {record.dialect}"] if record.dialect else []
+    words += [f"for {record.controller}"] if record.controller else []
+    how = record.reading
+    words += ["by its set-up sheet"] if how.setup_file else []
+    words += ["words that are not read skipped"] if how.skip_unknown else []
+    words += [f"G41 and G42 as the {how.compensation}med contour"] if how.compensation else []
+    words += [f"at most {how.max_blocks} blocks"] if how.max_blocks is not None else []
     return ", ".join(words)
 
 

@@ -51,7 +51,9 @@ class ReadOptions:
         elif isinstance(setup, (str, Path)):
             setup = load_setup(setup)
         if compensation not in ("", PROGRAM):
-            raise UsageError(f"--compensation '{compensation[:40]}' is not known; {did_you_mean(compensation, [PROGRAM])}")
+            raise UsageError(
+                f"--compensation '{compensation[:40]}' is not known; {did_you_mean(compensation, [PROGRAM])}"
+            )
         most = MOST_BLOCKS if max_blocks is None else max_blocks
         if most < 1:
             raise UsageError(f"--max-blocks {most}: give the most blocks that may be executed, 1 or more")

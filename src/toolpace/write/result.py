@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from toolpace.errors import printable
+from toolpace.reading.options import ReadOptions
 from toolpace.setpoints import SetPoints
 from toolpace.version import __version__
+from toolpace.write.how_read import reading_record
 from toolpace.write.plan_json import OpenPlaceRecord, PlanRecord, UsageRecord
 
 if TYPE_CHECKING:
@@ -61,6 +63,8 @@ class PlanResult:
     """What the program was to be read as, where that was said."""
     feed: str | None = None
     """What replaced the feeds of the program."""
+    options: ReadOptions = field(default_factory=ReadOptions)
+    """How the program was read, beside these two."""
     tip_tolerance: float | None = None
     """[m]"""
     axis_tolerance: float | None = None
@@ -117,6 +121,12 @@ class PlanResult:
                 OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
             ],
             step_s=dict(self.step_s),
+            controller=printable(toolpath.controller) if toolpath is not None else "",
+            assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
+            skipped=(
+                {printable(word): count for word, count in toolpath.skipped.items()} if toolpath is not None else {}
+            ),
+            reading=reading_record(self.options),
         )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.files.toml import toml_text
 
 FOLDER = Path(__file__).parent / "builtin"
 LANGUAGES = ("word-address", "sinumerik", "heidenhain")
@@ -53,18 +54,22 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @classmethod
     def load(cls, name_or_path: str | Path) -> Controller:
         """A built-in controller by name, or one from a TOML file. Raises UsageError."""
+        return cls.from_toml(cls.text_of(name_or_path), str(name_or_path))
+
+    @classmethod
+    def text_of(cls, name_or_path: str | Path) -> str:
+        """The text of its file, with the comments. Raises UsageError."""
         given = str(name_or_path)
         path = FOLDER / f"{given}.toml" if given in cls.names() else Path(given)
         try:
             with path.open(encoding="utf-8-sig") as stream:
-                text = stream.read(LONGEST)
+                return stream.read(LONGEST)
         except (OSError, ValueError) as error:
             if path.suffix == ".toml":
                 reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
                 raise UsageError(f"controller file {given}: {reason}") from None
             near = did_you_mean(given, cls.names())
             raise UsageError(f"controller '{given}' is not known: {near}; or give the path of a .toml file") from None
-        return cls.from_toml(text, given)
 
     @classmethod
     def from_toml(cls, text: str, source: str = "controller file") -> Controller:
@@ -78,6 +83,11 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if found.language not in LANGUAGES:
             raise UsageError(f"{source}: language '{found.language}' is not known: use one of {', '.join(LANGUAGES)}")
         return msgspec.structs.replace(found, source=source)
+
+    def to_toml(self) -> str:
+        """The text of a file that loads to this controller."""
+        given = {key: value for key, value in msgspec.to_builtins(self).items() if value and key != "source"}
+        return toml_text(given)
 
     def option(self, name: str, default: Any) -> Any:
         """The option, or the default; UsageError where it is of another kind than that."""
