@@ -55,6 +55,16 @@ def machine_with_setup(machine: Machine, reading: Reading) -> tuple[Machine, Rea
     return (machine.mounted(**how.setup.part) if how.setup.part else machine), how
 
 
+def one_machine(name: str | None, toml: bool, poses: bool) -> str:
+    """The machine whose file (`toml`) or whose poses are to be printed: one machine, and one of both."""
+    if toml and poses:
+        raise UsageError("--toml and --poses: one at a time, so that what is printed by --toml is a machine file")
+    if name is None:
+        option = "--toml" if toml else "--poses"
+        raise UsageError(f"{option} needs the name of one machine: toolpace machines xyzac-trunnion {option}")
+    return name
+
+
 def tolerances(tip: str, axis: str) -> tuple[float, float]:
     """Both tolerances [m], [rad], above zero."""
     metres, radians = units.parse_length(tip), units.parse_angle(axis)

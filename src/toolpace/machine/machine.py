@@ -14,12 +14,13 @@ from toolpace.errors import MachineError, UsageError, did_you_mean
 from toolpace.files.toml import toml_text
 from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
-from toolpace.machine.file import LONGEST, MachineFile, read_machine, write_machine
+from toolpace.machine.file import LONGEST, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
 from toolpace.machine.limits import Limits
 from toolpace.machine.refusals import check_travel
 from toolpace.machine.table import rows, title
+from toolpace.machine.text import machine_text
 from toolpace.toolpath import ToolPath
 
 __all__ = ["Limits", "Machine"]
@@ -123,9 +124,13 @@ class Machine(ByValue):
         return self.file.setup
 
     def to_toml(self) -> str:
-        """The text of a machine file that loads to exactly this machine."""
+        """The text of a machine file that loads to exactly this machine, each line explained.
+
+        It is in those units in which its figures are shortest, mm and deg before others.
+        """
+        leanings = dict(zip(self.geometry.rotary_joints, self.geometry.leanings))
         setup = {"setup": self.file.setup} if self.file.setup else {}
-        return write_machine(self.file) + ("\n" + toml_text(setup) if setup else "")
+        return machine_text(self.file, leanings) + ("\n" + toml_text(setup) if setup else "")
 
     def mounted(
         self,
