@@ -85,10 +85,12 @@ def reader_of(
         raise UsageError(f"controller {controller.name}: its language '{controller.language}' is not read yet")
     from toolpace.reading.gcode.reader import GcodeReader
 
-    return GcodeReader(
+    gcode = GcodeReader(
         source, machine, block_delete=options.block_delete, default_feed=options.default_feed, setup=options.setup,
         findings=findings,
     )  # fmt: skip
+    gcode.control.most_blocks = options.most_blocks
+    return gcode
 
 
 def _found(module: str, name: str):  # type: ignore[no-untyped-def]

@@ -42,6 +42,18 @@ class OpenPlaceRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     block: int
 
 
+class OperationRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """An operation of the program: time_s = cutting_s + rapid_s + dwell_s."""
+
+    name: str
+    tool: str
+    time_s: float
+    cutting_s: float
+    rapid_s: float
+    dwell_s: float
+    stops: int
+
+
 class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How the program was read."""
 
@@ -109,6 +121,12 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Words without meaning for motion, and how often they stand in the program."""
     reading: ReadingRecord = msgspec.field(default_factory=ReadingRecord)
     """How the program was read, beside `dialect` and `feed`."""
+    operations: list[OperationRecord] = []
+    """The operations of the program with their tools, in its order; empty where there is no program."""
+    cutting_s: float | None = None
+    rapid_s: float | None = None
+    dwell_s: float | None = None
+    """Their sums."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ...; of writing, the time until this file, the last."""
 

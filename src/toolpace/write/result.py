@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from toolpace.errors import printable
+from toolpace.operations import operation_times
 from toolpace.reading.options import ReadOptions
 from toolpace.setpoints import SetPoints
 from toolpace.version import __version__
 from toolpace.write.how_read import reading_record
-from toolpace.write.plan_json import OpenPlaceRecord, PlanRecord, UsageRecord
+from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, PlanRecord, UsageRecord
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
@@ -87,6 +88,7 @@ class PlanResult:
         # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
         blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
         source = toolpath.source if toolpath is not None else ""
+        times = operation_times(trajectory, toolpath) if toolpath is not None else []
         measured = [found for found in (verification, self.path) if found is not None][:1]
         t = self.setpoints.t
         return PlanRecord(
@@ -127,6 +129,21 @@ class PlanResult:
                 {printable(word): count for word, count in toolpath.skipped.items()} if toolpath is not None else {}
             ),
             reading=reading_record(self.options),
+            operations=[
+                OperationRecord(
+                    printable(each.name),
+                    printable(each.tool),
+                    each.time,
+                    each.cutting,
+                    each.rapid,
+                    each.dwell,
+                    each.stops,
+                )
+                for each in times
+            ],
+            cutting_s=sum(each.cutting for each in times) if times else None,
+            rapid_s=sum(each.rapid for each in times) if times else None,
+            dwell_s=sum(each.dwell for each in times) if times else None,
         )
 
 
