@@ -14,9 +14,10 @@ from toolpace.planning.planner import plan
     [
         (1000871, "a break in the first cell of a motion was dropped: 1400 times the acceleration"),
         (1000804, "a bend beside the end of a long cell next to rest fell between two looks: 1.003"),
+        (1001824, "a bend of the third derivative at a hint of the path, inside a cell of a fixed mesh: 1.01"),
     ],
 )
-def test_what_is_narrow_in_an_outermost_cell_is_seen(seed, why):
+def test_what_is_narrow_is_seen(seed, why):
     made = random_plan(seed)
     trajectory = plan(made.path, made.limits, **made.options)
     assert used_by_positions(trajectory).max() < 1.0001, why

@@ -29,6 +29,9 @@ EVEN_SHARE = 0.25
 """Nodes that lie evenly along the run, as a share of the others: a fifth of all, for what the guess does not see."""
 ONE_PLACE = 1e-4
 """Share of a cell up to which breaks are one place: cells that short spoil the spline, and nothing happens in them."""
+NARROWEST = 1e-6
+"""The same of breaks, and of places where more happens than even nodes would tell: of a cell that is shorter, z'' times
+its square is no more than the rounding of z."""
 MOST_UNLIKE = 8.0
 """Most ratio of the lengths of two cells side by side."""
 SHORTEST = 1e5
@@ -60,10 +63,10 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     measure = np.concatenate([[0.0], np.cumsum(count)])
     wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
     nodes = spread_nodes(run, rough, measure, wanted, ends, step)
-    nodes = apart(with_breaks(nodes, rough.detail, 0.0))
+    nodes = apart(with_breaks(nodes, rough.detail, NARROWEST))
     if cells is None:
         nodes = with_breaks(nodes, run.hints)
-    return graded(with_breaks(nodes, run.breaks, 0.0)), rough
+    return graded(with_breaks(nodes, run.breaks, NARROWEST)), rough
 
 
 def shortest_cell(nodes: Floats) -> float:

@@ -258,7 +258,8 @@ def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: b
     third = 2.0 / (9.0 * length**2)
     t = 3.0 * length * np.concatenate([share, inside, inside])
     state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
-    state[0, len(share) :] = np.tile(breaks, 2)
+    # rounded, the node could lie beyond a break that is there, and the breaks on the other side of themselves
+    state[0, : len(share)][share == 1.0], state[0, len(share) :] = node, np.tile(breaks, 2)
     ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
     m = len(limits)
     allowed = (
@@ -266,4 +267,5 @@ def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: b
         1.0 / ratios[:, 1 + m : 1 + 2 * m].max(axis=1),
         ratios[:, 1 + 2 * m :].max(axis=1) ** (-2.0 / 3.0),
     )
-    return np.minimum.reduce(allowed)
+    least: Floats = np.minimum.reduce(allowed)
+    return least
