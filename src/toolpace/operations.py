@@ -43,7 +43,8 @@ def operation_times(trajectory: Trajectory, toolpath: ToolPath) -> list[Operatio
     count = len(toolpath.operations)
     moving = np.zeros((2, count))
     for run, law in zip(trajectory.axis_path.runs, trajectory.laws):
-        if not len(run.entries()[1]):
+        entry = run.entries()[1]
+        if not len(entry) or entry.max() >= len(toolpath):
             return []
         moving += _of_run(run, law, toolpath)
     cutting, rapid = moving.tolist()

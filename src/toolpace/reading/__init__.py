@@ -93,14 +93,18 @@ def read_source(
     change = None if feed is None else FeedChange.parse(feed)
     options = dataclasses.replace(options or ReadOptions(), default_feed=None if change is None else change.speed)
     options.check(machine)
+    findings = Findings() if findings is None else findings
     found = recognised(source, dialect, options)
     if found.dialect == CONTROLS:
         assert found.controller is not None
-        toolpath = reader_of(source, machine, found.controller, options, findings or Findings()).run()
+        toolpath = reader_of(source, machine, found.controller, options, findings).run()
     elif found.dialect == "cldata":
         from toolpace.reading.cldata.reader import ClReader
 
-        toolpath = ClReader(source, default_feed=options.default_feed).run()
+        reader = ClReader(
+            source, default_feed=options.default_feed, skip_unknown=options.skip_unknown, findings=findings
+        )
+        toolpath = reader.run()
     else:
         from toolpace.reading.table import read_table
 
