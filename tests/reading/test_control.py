@@ -281,7 +281,7 @@ def test_after_a_move_in_machine_coordinates_words_go_on_from_there(tip_mode):
     made.set_tip_mode(tip_mode)
     go(made, place(0, 0, 10, 0, 0), place(30, 10, 10, 20, 40))
     made.straight_in_machine({"Z": -0.1})
-    made.straight(list(made.words[:2]) + [made.words[2] + 0.01] + made.words[3:], ALL, rapid=True)
+    made.straight([*made.words[:2], made.words[2] + 0.01, *made.words[3:]], ALL, rapid=True)
     made.straight(list(made.words), ALL, rapid=True)
     found = joints(made, machine)
     assert found[-2][2] == pytest.approx(0.1, abs=1e-12)
@@ -346,7 +346,7 @@ def test_operations_and_tools_are_those_of_the_moves_in_them():
 
 def test_blocks_without_end_are_refused_with_the_cure():
     made = Control(Source.from_text("G0\n"), None, findings=Findings(), most_blocks=10)
-    with pytest.raises(ProgramError, match="more than 10 blocks.*--max-blocks"):
+    with pytest.raises(ProgramError, match=r"more than 10 blocks.*--max-blocks"):
         for _ in range(11):
             made.begin_block(1)
 
