@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.reading.inspection import Range
 
+NAMED = 3
+"""Most machines that a table names."""
 SHOWN = 40
 """Most names of ignored words, tools and assumptions on a page; JSON has all."""
 
@@ -132,16 +135,31 @@ def show(console: Console, found: Sequence[Inspection]) -> None:
     for heading in ("program", "dialect", "blocks", "five-axis", "refused", "assumed", "runs on"):
         numbers = heading in ("blocks", "five-axis", "refused", "assumed")
         table.add_column(heading, justify="right" if numbers else "left", overflow="fold")
+    folder = os.path.commonpath([Path(each.program).parent for each in found]) if _relative(found) else ""
     for each in found:
+        name = os.path.relpath(each.program, folder) if folder else each.program
         cells = (
-            each.program, each.dialect or "?", str(each.blocks), str(each.five_axis_blocks), str(len(each.refused)),
-            str(len(each.assumed)), ", ".join(each.machines) or "none",
+            name, each.dialect or "?", str(each.blocks), str(each.five_axis_blocks), str(len(each.refused)),
+            str(len(each.assumed)), _machines_in_words(each),
         )  # fmt: skip
         table.add_row(*(Text(printable(cell), style="red" if each.refused else "") for cell in cells))
     console.print(table)
     for each in found:
         for refusal in each.refused:
             console.print(Text(printable(f"{each.program}: {refusal}")), soft_wrap=True)
+
+
+def _relative(found: Sequence[Inspection]) -> bool:
+    """Whether all names are of one kind, so that they can be told from where they all lie."""
+    return len({Path(each.program).is_absolute() for each in found}) == 1
+
+
+def _machines_in_words(found: Inspection) -> str:
+    """The machines that can run it: few by name, many by their number."""
+    most = len(found.machines) + len(found.not_on)
+    if len(found.machines) <= NAMED:
+        return ", ".join(found.machines) or "none"
+    return f"{len(found.machines)} of {most} machines"
 
 
 def page(found: Inspection) -> Table:
@@ -169,7 +187,10 @@ def page(found: Inspection) -> Table:
     rows.append(("refused", [str(each) for each in found.refused] or ["nothing: it is read whole"]))
     rows.append(("assumed", list(found.assumed[:SHOWN]) or ["nothing"]))
     rows.append(("runs on", [", ".join(found.machines) or "none of the machines that were tried"]))
-    rows.append(("not on", [f"{name}: {why}" for name, why in found.not_on.items()]))
+    alike: dict[str, list[str]] = {}
+    for name, why in found.not_on.items():
+        alike.setdefault(why, []).append(name)
+    rows.append(("not on", [f"{', '.join(names)}: {why}" for why, names in alike.items()]))
     for name, lines in rows:
         for k, line in enumerate(lines):
             style = "bold red" if name == "refused" and found.refused else ""

@@ -209,7 +209,7 @@ def _why_not(reading: _Reading, best: _Reading, source: Source) -> str:
     message = _message(reading.fault, source.name)
     if reading.machine is not None:
         message = message.replace(f"machine '{reading.machine.name}' has", "it has", 1)
-    message = message.removesuffix(": choose the machine the program was written for")
+    message = message.partition(", its joints are")[0]
     line = reading.fault.line if isinstance(reading.fault, ProgramError) else 0
     at = f"line {line}: " if line else "line " if message[:1].isdigit() else ""
     return at + message

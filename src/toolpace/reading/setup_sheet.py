@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from toolpace.errors import printable
 from toolpace.files.toml import toml_key
 from toolpace.reading.control.kinematics import Kinematics, Poses
 from toolpace.reading.control.placement import Datum
-from toolpace.reading.control.setup import SetUp
+from toolpace.reading.control.setup import SetUp, tool_name
 from toolpace.reading.findings import Used
 
 HEAD = """\
@@ -33,7 +34,7 @@ def setup_sheet(program: str, used: Used, machine: Kinematics | None, given: Set
     """
     poses = Poses(machine)
     own, filled = Datum(poses, SetUp()), Datum(poses, given)
-    parts = [HEAD.format(program=program, machine=f" on {machine.name}" if machine is not None else "")]
+    parts = [HEAD.format(program=printable(program), machine=f" on {machine.name}" if machine is not None else "")]
     if used.machine_zero or used.offsets or used.references or given.machine_zero:
         parts.append(_table("machine_zero", ZERO, _by_letter(poses, filled.zero)))
     for offset in dict.fromkeys([*used.offsets, *given.offsets]):
@@ -43,7 +44,7 @@ def setup_sheet(program: str, used: Used, machine: Kinematics | None, given: Set
     for number in dict.fromkeys([*used.references, *given.references]):
         said = REFERENCE.format(word="G28" if number == 1 else f"G30 P{number}")
         parts.append(_table(f"references.{number}", said, filled.reference(number)))
-    for name in dict.fromkeys([*used.tools, *given.tools]):
+    for name in dict.fromkeys(map(tool_name, [*used.tools, *given.tools])):
         tool = given.tool(name)
         length, radius = (tool.length, tool.radius) if tool is not None else (own.own_length, 0.0)
         parts.append(_table(f"tools.{toml_key(name)}", TOOL, {"length": length, "radius": radius}))
