@@ -7,52 +7,20 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.virtual_control import ALL, DEG, control, go, joints, place, turned
 from toolpace.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.reading.control import affine
-from toolpace.reading.control.control import Control, Rules
+from toolpace.reading.control.control import Control
 from toolpace.reading.control.setup import SetUp, Tool
 from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
 
-MM, DEG = 1e-3, math.pi / 180.0
-ALL = 7
 TOWARDS = ("xyzac-trunnion", "xyzbc-nutating", "xyzbc-head", "xyzab-trunnion-inch", "xyzbc-millturn", "xyzbc-table")
 """Table-table, head-table with an axis at 45 degrees, head-head, in inches, mill-turn, and a table that moves in X."""
 MACHINES = (*TOWARDS, "paper-ab")
 """On the paper's the joints X and Y count the way of the part, not that of the tool."""
 ZERO = {"X": 0.4, "Y": 0.3, "Z": 0.2}
-
-
-def control(machine, setup=None, **rules):
-    made = Control(Source.from_text("G0\n" * 50), machine, setup, findings=Findings(), rules=Rules(**rules))
-    made.feed.set(1000.0, MM, 1)
-    made.begin_block(1)
-    return made
-
-
-def place(x, y, z, *turned):
-    return [x * MM, y * MM, z * MM, *(angle * DEG for angle in turned)]
-
-
-def turned(made, x, y, z, **angles):
-    """Words with rotary axes by letter [deg]; those that are not named are zero."""
-    words = place(x, y, z) + [0.0] * (len(made.words) - 3)
-    for letter, angle in angles.items():
-        words[made.slot(letter)] = angle * DEG
-    return words
-
-
-def joints(made, machine):
-    """Joint positions at the points of the path."""
-    path = made.toolpath()
-    return machine.joints_at(path.tip, path.rotary)
-
-
-def go(made, *places):
-    for k, each in enumerate(places):
-        made.begin_block(k + 1)
-        made.straight(each, ALL, rapid=True)
 
 
 def angles(machine, k):

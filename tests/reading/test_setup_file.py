@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.virtual_control import control, go, joints, place
 from toolpace.errors import MachineError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.reading import read_text
@@ -144,8 +145,6 @@ def test_a_sheet_for_another_machine_is_refused():
 @pytest.mark.parametrize("name", ["xyzac-trunnion", "xyzbc-head", "xyzbc-nutating", "xyzab-trunnion-inch"])
 def test_a_sheet_to_fill_in_says_what_was_taken_without_it(name):
     """Reading with the sheet as it is written gives the motion that there was without one, tool lengths reckoned."""
-    from tests.reading.test_control import control, go, joints, place
-
     machine = Machine.load(name)
     used = Used({"G54": None, "G55": None}, {1: None, 2: None}, {"4": None, "D8": None}, True)
     sheet = setup_of_text(setup_sheet("part.nc", used, machine, SetUp()), "sheet.toml")
