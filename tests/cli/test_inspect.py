@@ -198,7 +198,7 @@ X = 0
 def test_a_plan_keeps_how_it_was_read_and_is_judged_by_it(five, tmp_path, capsys):
     sheet, mine, out = tmp_path / "setup.toml", tmp_path / "mine.toml", tmp_path / "out"
     sheet.write_text(SHEET)
-    mine.write_text(MINE + '[meanings]\n"G43.4" = "tip mode on"\n')
+    mine.write_text(MINE + '[meanings]\nG0 = "rapid"\nG1 = "feed"\nM30 = "end"\n')
     how = ["--setup", str(sheet), "--controller", str(mine), "--max-blocks", "100"]
     program = tmp_path / "short.ngc"
     program.write_text("G0 X0 Y0 Z50\nG1 X20 F6000\nG0 Z60\nM30\n")

@@ -31,7 +31,10 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What differs from controller to controller of one language."""
 
     name: str
-    language: str
+    language: str = ""
+    """How its programs are written; may be left out where it is like another."""
+    like: str = ""
+    """A built-in controller whose words and options hold where this file says nothing; its signs are not taken over."""
     note: str = ""
     suffixes: tuple[str, ...] = ()
     """Endings of names that tell it, where nothing in the program does: ".mpf"."""
@@ -80,6 +83,8 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 re.compile(sign.pattern)
         except (msgspec.DecodeError, re.error, ValueError, RecursionError) as error:
             raise UsageError(f"{source}: {error}; see `toolpace controllers fanuc --toml` for an example") from None
+        if found.like:
+            found = _upon(found, source)
         if found.language not in LANGUAGES:
             raise UsageError(f"{source}: language '{found.language}' is not known: use one of {', '.join(LANGUAGES)}")
         return msgspec.structs.replace(found, source=source)
@@ -97,3 +102,25 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if type(value) is not type(default):
             raise UsageError(f"{self.source}: option {name} = {value!r} must be of the kind of {default!r}")
         return value
+
+
+def _upon(own: Controller, source: str) -> Controller:
+    """The controller with all that the one it is like has, and it does not say itself. Raises UsageError."""
+    if own.like not in Controller.names() or own.like == own.name:
+        others = [name for name in Controller.names() if name != own.name]
+        raise UsageError(
+            f"{source}: like = '{own.like[:40]}' is no built-in controller; {did_you_mean(own.like, others)}"
+        )
+    base = Controller.load(own.like)
+    if own.language not in ("", base.language):
+        raise UsageError(f"{source}: language '{own.language}' is not that of {base.name}; leave the line out")
+    said = {*own.meanings, *own.ignored, *own.refused}
+    return msgspec.structs.replace(
+        own,
+        like="",
+        language=base.language,
+        meanings={word: meaning for word, meaning in base.meanings.items() if word not in said} | own.meanings,
+        ignored=(*(word for word in base.ignored if word not in said), *own.ignored),
+        refused={word: cure for word, cure in base.refused.items() if word not in said} | own.refused,
+        options=base.options | own.options,
+    )
