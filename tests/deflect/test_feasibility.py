@@ -9,6 +9,7 @@ import pytest
 
 from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.detour import DetourRun
 from toolpace.deflect.feasibility import IN_TRAVEL, Feasibility
 from toolpace.deflect.feed import FeedExcess, tip_velocity
 from toolpace.machine.limits import KINDS
@@ -99,3 +100,19 @@ def test_a_detour_passes_up_to_its_rung_of_the_guarantee(monkeypatch, usage, fin
             assert found.nearest_of == ("the joints' limits" if of == "joints" else "feed or travel")
         else:
             assert found.nearest == np.inf
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_detour_knows_where_its_jerk_jumps_and_that_its_run_is_waited_behind(seed):
+    """Where the joints cease to carry on; and the dwell at the end of the run that is rejoined."""
+    found, detour = a_detour(seed)
+    run = motion().axis_path.runs[0]
+    run.dwell = 0.25
+    try:
+        made = DetourRun(detour, MACHINE, found.excess)
+        assert made.dwell == 0.25
+    finally:
+        run.dwell = 0.0
+    assert (detour.carry in made.kinks) == (detour.carry > 0.0)
+    assert (made.kinks > 0.0).all() and (made.kinks < detour.duration).all()
+    assert set(made.parameter(made.kinks)[0]) <= set(made.breaks)

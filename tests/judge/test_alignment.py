@@ -73,7 +73,7 @@ def test_decides_as_the_oracle_does_on_thousands(part):
 @pytest.mark.parametrize("count", [2, 8, 9, 10, 17, 64, 65, 66, 73, 129, 513])
 @pytest.mark.parametrize("column", [0, 5])
 def test_an_end_that_is_not_reached_is_seen_however_many_points_lie_before_it(count, column):
-    """All points but the last lie within the tolerance of each other; rows are looked at in parts of 8, 64, ... ways."""
+    """All points but the last lie within the tolerance of each other; rows are seen in parts of 8, 64, ... ways."""
     program = np.zeros((count, 6))
     program[:, column] = np.linspace(0.0, 0.5, count)
     motion = program.copy()

@@ -1,4 +1,4 @@
-"""Motions that are near the program place by place, and yet are not its; and motions that have nothing to do with it."""
+"""Motions near the program place by place that are yet not its, and motions that have nothing to do with it."""
 
 from __future__ import annotations
 

@@ -102,7 +102,8 @@ def test_a_column_of_accelerations_that_jump_is_right_where_jerk_has_no_limit(sh
     q = sum(w * each**2 / 2.0 for w, each in zip(weight, after))
     qd = sum(w * each for w, each in zip(weight, after))
     since = (t - begin) / half
-    ramp = np.where((since > -1e-9) & (since < 1.0 - 1e-9), 1.0, np.where((since > 0.5) & (since < 2.0 - 1e-9), -1.0, 0.0))
+    up, down = (since > -1e-9) & (since < 1.0 - 1e-9), (since > 1.0 - 1e-9) & (since < 2.0 - 1e-9)
+    ramp = up.astype(float) - down
     limits = Limits([1.0], [acceleration], [np.inf], ("X",))
     assert not failed(joint(t, q, qd, acceleration * ramp), limits)
 

@@ -124,7 +124,7 @@ def test_out_of_rest_no_limit_is_passed_and_one_is_reached(seed, broken, length,
 
 
 def test_points_of_one_place_share_its_weight():
-    """At a pace of 1 the time is the length, with or without breaks and rows between; a rest cell counts three times."""
+    """At a pace of 1 the time is the length, with breaks and rows between too; a rest cell counts three times."""
     run, _ = fed((NODES[10], NODES[30]), 0.2)
     problem = discretise(run, LOOSE, NODES, AT_REST, AT_REST)
     between = with_rows_between(problem, run, LOOSE, problem.nodes[[3, 8]] + 1e-3)
