@@ -7,9 +7,12 @@ from pathlib import Path
 from toolpace.errors import UsageError
 from toolpace.reading.cldata.reader import ClReader
 from toolpace.reading.control.kinematics import Kinematics
+from toolpace.reading.controllers.recognise import recognise
 from toolpace.reading.dialect import dialect_of
 from toolpace.reading.feeds import FeedChange, apply_feed
-from toolpace.reading.gcode.reader import GcodeReader
+from toolpace.reading.findings import Findings
+from toolpace.reading.gcode.reader import WordAddressReader
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 from toolpace.reading.table import read_table
 from toolpace.toolpath import ToolPath
@@ -66,7 +69,9 @@ def read_source(
     default_feed = None if change is None else change.speed
     found = dialect_of(source, dialect)
     if found == "gcode":
-        toolpath = GcodeReader(source, machine, block_delete=block_delete, default_feed=default_feed).run()
+        controller, _ = recognise(source)
+        options = ReadOptions(block_delete=block_delete, default_feed=default_feed)
+        toolpath = WordAddressReader(source, machine, controller, options, Findings()).run()
     elif found == "cldata":
         toolpath = ClReader(source, default_feed=default_feed).run()
     elif found == "csv":
