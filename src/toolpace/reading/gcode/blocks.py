@@ -11,9 +11,10 @@ from toolpace.reading.gcode.meanings import ORDER, Action, Vocabulary, conflict
 from toolpace.reading.gcode.statements import Statement, statement
 from toolpace.reading.gcode.words import WordError, fault, plain_words, without_comments
 
-_NUMBERED = re.compile(r"N[ \t]*([0-9]{1,9})[ \t]*(?![0-9.])")
-_INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*=")
-_OPERATION = re.compile(r"\([ \t]*(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*[:=][ \t]*([^()]{1,80})\)", re.IGNORECASE)
+_NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
+_INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
+_EQUALS = re.compile(r"[ \t]*+=")
+_OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
 _CORNER = "let the CAM system write the corner out as blocks"
 
 
@@ -172,9 +173,10 @@ class Compiler:
         reference = parser.value()
         if not isinstance(reference, Reference):
             raise WordError("a variable stands at the left of '=': write it like #100=1.5")
-        if parser.text[parser.at :].lstrip()[:1] != "=":
+        equals = _EQUALS.match(parser.text, parser.at)
+        if equals is None:
             raise WordError("a variable at the beginning of a block is set: write = and a value behind it")
-        parser.at = parser.text.index("=", parser.at) + 1
+        parser.at = equals.end()
         block.assignments.append((reference, parser.expression()))
 
     def _word(self, block: Block, key: str, node: Node) -> None:
@@ -195,7 +197,6 @@ class Compiler:
 
 def _no_value(parser: Parser, letter: str) -> bool:
     kind, text = parser.peek()
-    behind = parser.text[parser.at :].lstrip()
     if kind == "name":
-        return "[" not in behind[len(text) : len(text) + 3] and text != letter
+        return "[" not in parser.text[parser.end : parser.end + 3] and text != letter
     return not kind or text in ("]", "/", "*", "**", "<")

@@ -51,8 +51,8 @@ class Executor:
         self.calls = Calls(flow, by)
         self.least_increment = by.option("whole_numbers", "as written") == "least increment"
         self.whole_varies = by.option("whole_numbers_vary", False)
-        self.dwell_whole = by.option("dwell_whole_s", 1.0)
-        self.dwell_point = by.option("dwell_point_s", 1.0)
+        self.dwell_whole: float = by.option("dwell_whole_s", 1.0)
+        self.dwell_point: float = by.option("dwell_point_s", 1.0)
         self.cycles_apart = by.option("cycles_are_a_group", False)
         self.indexed = by.option("indexed_words", False)
         self.whole: frozenset[str] = frozenset()
@@ -166,7 +166,7 @@ class Executor:
             control.feed.spindle = numbers["S"] / 60.0
         if "T" in numbers:
             state.next_tool = f"{numbers['T']:g}"
-        self.after = None
+        self.after: Callable[[], None] | None = None
         for action in actions[block.before_feed :]:
             handlers[action.meaning](numbers, action.word)
         for word in block.ignored:

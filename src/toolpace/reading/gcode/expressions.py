@@ -78,13 +78,15 @@ class Parser:
         self.operations = OPERATIONS | (BITS if bits else TRUTH)
         self.functions = FUNCTIONS | TOWARDS_ZERO if bits else FUNCTIONS
         self.depth = 0
+        self.end = at
+        """Where the token that was looked at last ends."""
 
     def peek(self) -> tuple[str, str]:
         """Kind (number, name, mark, or nothing) and text of the next token, without taking it."""
         match = _TOKEN.match(self.text, self.at)
         if match is None:
             return "", ""
-        self._end = match.end()
+        self.end = match.end()
         for kind, text in zip(("number", "name", "mark"), match.groups()):
             if text is not None:
                 return kind, text
@@ -94,7 +96,7 @@ class Parser:
         """Go past a mark that has to stand here."""
         if self.peek() != ("mark", mark):
             raise WordError(f"'{mark}' is missing before '{self.text[self.at : self.at + 20]}': correct the expression")
-        self.at = self._end
+        self.at = self.end
 
     def value(self) -> Node:
         """A number, a variable, an expression in brackets, or a function of one, with signs before it."""
@@ -103,19 +105,19 @@ class Parser:
             raise WordError(f"an expression is nested more than {MOST_NESTED} deep: split it")
         kind, text = self.peek()
         if kind == "number":
-            self.at = self._end
+            self.at = self.end
             found: Node = float(text)
         elif kind == "name":
             found = self._named(text)
         elif text == "#":
-            self.at = self._end
+            self.at = self.end
             found = self._reference()
         elif text == "[":
-            self.at = self._end
+            self.at = self.end
             found = self.expression()
             self.take("]")
         elif text in ("-", "+"):
-            self.at = self._end
+            self.at = self.end
             inner = self.value()
             found = inner if text == "+" else _applied(lambda a: -a, inner)
         else:
@@ -133,12 +135,12 @@ class Parser:
             power, operation = self.operations.get(text, (0, None))
             if operation is None or power <= least:
                 return left
-            self.at = self._end
+            self.at = self.end
             right = self.expression(power)
             left = _equal(text, left, right) if text in ("EQ", "NE") else _combined(operation, left, right)
 
     def _named(self, name: str) -> Node:
-        self.at = self._end
+        self.at = self.end
         if name == self.letter and self.peek()[0] == "number":
             number = self.value()
             assert isinstance(number, float)
@@ -172,7 +174,7 @@ class Parser:
         """What stands behind #."""
         _, text = self.peek()
         if text == "<":
-            match = _NAME.match(self.text, self._end)
+            match = _NAME.match(self.text, self.end)
             if match is None:
                 raise WordError("the name of a variable must end with '>': write it like #<depth>")
             self.at = match.end()

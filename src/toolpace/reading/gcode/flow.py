@@ -244,9 +244,9 @@ class Flow:
             if frame.counts[begin] > 0:
                 frame.next = begin + 1
         elif kind in ("break", "continue"):
-            begin = layout.end.get(line)
-            if begin is None:
+            loop = layout.end.get(line)
+            if loop is None:
                 self.fail(f"{kind} stands in no loop of its name: write the loop around it")
-            frame.next = self._partner(begin) + (kind == "break")
+            frame.next = self._partner(loop) + (kind == "break")
         elif kind == "do":
             self._partner(line)

@@ -9,12 +9,12 @@ from collections import defaultdict
 from toolpace.reading.gcode.statements import O_WORD
 from toolpace.reading.source import Source
 
-_LABEL = re.compile(r"[ \t]*/?[0-9]?[ \t]*N[ \t]*([0-9]{1,9})(?![0-9.])")
-_PROGRAM = re.compile(r"[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?[O:][ \t]*([0-9]{1,9})[ \t]*(?:\(.*|;.*)?$")
-_NAMED = re.compile(r"[ \t]*O[ \t]*<([^<>]{1,200})>[ \t]*(?:\(.*|;.*)?$")
-_O_LINE = re.compile(r"[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?" + O_WORD.pattern)
-_DO = re.compile(r"^[^(;]*?\bDO[ \t]*([1-3])(?![0-9])")
-_END = re.compile(r"[ \t]*/?[0-9]?[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?END[ \t]*([1-3])(?![0-9])")
+_LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")
+_PROGRAM = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[O:][ \t]*+([0-9]{1,9})[ \t]*+(?:\(.*|;.*)?$")
+_NAMED = re.compile(r"[ \t]*+O[ \t]*+<([^<>]{1,200})>[ \t]*+(?:\(.*|;.*)?$")
+_O_LINE = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?" + O_WORD.pattern)
+_DO = re.compile(r"^[^(;]*?\bDO[ \t]*+([1-3])(?![0-9])")
+_END = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?END[ \t]*+([1-3])(?![0-9])")
 _OPENS = frozenset(("SUB", "WHILE", "DO", "REPEAT", "IF"))
 _CLOSES = {"ENDSUB": "SUB", "ENDWHILE": "WHILE", "ENDREPEAT": "REPEAT", "ENDIF": "IF"}
 

@@ -128,7 +128,7 @@ class MotionReader:
         if control.poses.machine is None:
             return np.eye(3), np.array([0.0, 0.0, 1.0])
         _, columns, axis = control.poses.linear_map(rotary)
-        way = axis if control.placement.tip_mode else np.linalg.solve(columns, axis)
+        way: Floats = axis if control.placement.tip_mode else np.linalg.solve(columns, axis).astype(np.float64)
         if not self.state.stands:
             return np.eye(3), way
         _, zero, _ = control.poses.linear_map([0.0] * len(rotary))

@@ -70,6 +70,10 @@ def _checked(name: str, function: Callable[[float], float]) -> Callable[[float],
     return applied
 
 
+def _absolute(value: float) -> float:
+    return abs(value)
+
+
 def _half_away(value: float) -> float:
     return math.copysign(math.floor(abs(value) + 0.5), value)
 
@@ -84,7 +88,7 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
         "ACOS": lambda a: math.degrees(math.acos(a)),
         "SQRT": math.sqrt,
         "SQR": math.sqrt,
-        "ABS": abs,
+        "ABS": _absolute,
         "LN": math.log,
         "EXP": math.exp,
         "FIX": math.floor,

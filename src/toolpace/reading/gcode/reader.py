@@ -26,7 +26,7 @@ from toolpace.toolpath import ToolPath
 MOST_KEPT = 5000
 """Lines that are kept taken apart: those of loops come again, those of long programs do not."""
 ALARM, PAUSE = 3000, 3006
-_CODE = re.compile(r"[ \t]*/?[0-9]?[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?[GXYZ][ \t]*[-+.#\[0-9]", re.IGNORECASE)
+_CODE = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[GXYZ][ \t]*+[-+.#\[0-9]", re.IGNORECASE)
 
 
 class WordAddressReader:

@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from toolpace.reading.gcode.blocks import Compiler
 
 O_WORD = re.compile(
-    r"O[ \t]*(<[^<>]{1,200}>|[0-9]{1,9})[ \t]*"
+    r"O[ \t]*+(<[^<>]{1,200}>|[0-9]{1,9})[ \t]*+"
     r"(SUB|ENDSUB|RETURN|CALL|WHILE|ENDWHILE|DO|IF|ELSEIF|ELSE|ENDIF|REPEAT|ENDREPEAT|BREAK|CONTINUE)(?![A-Z])"
 )
-HEADER = re.compile(r"[O:][ \t]*(?:[0-9]|<|[A-Z])")
+HEADER = re.compile(r"[O:][ \t]*+(?:[0-9]|<|[A-Z])")
 _MACRO = re.compile(r"(IF|WHILE|DO|END|GOTO)(?![A-Z])")
 _OUTPUT = re.compile(r"(?:POPEN|PCLOS|DPRNT|BPRNT|SETVN)(?![A-Z])")
 _LOOPS = (1, 2, 3)
