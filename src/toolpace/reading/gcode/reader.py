@@ -10,15 +10,15 @@ from toolpace.reading.control.feed import FeedRules
 from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.findings import Findings
-from toolpace.reading.gcode.blocks import Block, Compiler
+from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.execute import Executor
-from toolpace.reading.gcode.expressions import value_of
-from toolpace.reading.gcode.flow import Flow, Frame
-from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.statements import Statement
+from toolpace.reading.gcode.program.blocks import Block, Compiler
+from toolpace.reading.gcode.program.expressions import value_of
+from toolpace.reading.gcode.program.flow import Flow, Frame
+from toolpace.reading.gcode.program.statements import Statement
+from toolpace.reading.gcode.program.variables import UnsetError, Variables
+from toolpace.reading.gcode.program.words import WordError
 from toolpace.reading.gcode.system import System
-from toolpace.reading.gcode.variables import UnsetError, Variables
-from toolpace.reading.gcode.words import WordError
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
@@ -64,7 +64,7 @@ class WordAddressReader:
         )
         self.flow = Flow(source, self.variables)
         self.compiler = Compiler(controller)
-        self.executor = Executor(self.control, self.state, self.flow, self.compiler, controller, options)
+        self.executor = Executor(self.control, self.state, self.flow, controller, options)
         self.blocks: dict[str, Block] = {}
         self.tape_line, self.tape_closed = 0, False
 

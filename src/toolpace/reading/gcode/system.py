@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.variables import Key
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.program.variables import Key
 from toolpace.units import DEGREE, INCH
 
 _MOTIONS = {"rapid": 0.0, "feed": 1.0, "arc clockwise": 2.0, "arc counter-clockwise": 3.0}

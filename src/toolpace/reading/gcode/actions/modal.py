@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 from toolpace.units import MILLIMETRE
 
+ARCS = ("arc clockwise", "arc counter-clockwise")
+
 
 @dataclass(slots=True)
 class Modal:
@@ -23,6 +25,10 @@ class Modal:
     exact_stop: bool = False
     stop_here: bool = False
     """Exact stop in this block."""
+    cycle_word: bool = False
+    """Whether this block has the word of a cycle."""
+    whole: frozenset[str] = frozenset()
+    """Letters of this block whose numbers have no point."""
     in_machine: bool = False
     """Machine coordinates in this block."""
     to_initial: bool = True

@@ -8,11 +8,11 @@ from toolpace.reading.control import affine
 from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.frames import Frames, Numbers
-from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.motion import MotionReader
-from toolpace.reading.gcode.variables import Variables
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.actions.motion import MotionReader
+from toolpace.reading.gcode.program.variables import Variables
+from toolpace.reading.gcode.program.words import Numbers, WordError
 from toolpace.units import DEGREE
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.expressions import Node, value_of, whole
-from toolpace.reading.gcode.flow import Flow
-from toolpace.reading.gcode.frames import Numbers
-from toolpace.reading.gcode.variables import Key
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.program.expressions import Node, value_of, whole
+from toolpace.reading.gcode.program.flow import Flow
+from toolpace.reading.gcode.program.variables import Key
+from toolpace.reading.gcode.program.words import Numbers, WordError
 
 ARGUMENTS = {
     **dict(zip("ABC", (1, 2, 3))), **dict(zip("DEF", (7, 8, 9))), "H": 11, "M": 13,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.program.words import WordError
 
 _COMPARED: dict[str, Callable[[float, float], float]] = {
     "EQ": lambda a, b: float(a == b),
@@ -78,24 +78,23 @@ def _half_away(value: float) -> float:
     return math.copysign(math.floor(abs(value) + 0.5), value)
 
 
-FUNCTIONS: dict[str, Callable[[float], float]] = {
-    name: _checked(name, function)
-    for name, function in {
-        "SIN": lambda a: math.sin(math.radians(a)),
-        "COS": lambda a: math.cos(math.radians(a)),
-        "TAN": lambda a: math.tan(math.radians(a)),
-        "ASIN": lambda a: math.degrees(math.asin(a)),
-        "ACOS": lambda a: math.degrees(math.acos(a)),
-        "SQRT": math.sqrt,
-        "SQR": math.sqrt,
-        "ABS": _absolute,
-        "LN": math.log,
-        "EXP": math.exp,
-        "FIX": math.floor,
-        "FUP": math.ceil,
-        "ROUND": _half_away,
-    }.items()
+_PLAIN: dict[str, Callable[[float], float]] = {
+    "SIN": lambda a: math.sin(math.radians(a)),
+    "COS": lambda a: math.cos(math.radians(a)),
+    "TAN": lambda a: math.tan(math.radians(a)),
+    "ASIN": lambda a: math.degrees(math.asin(a)),
+    "ACOS": lambda a: math.degrees(math.acos(a)),
+    "SQRT": math.sqrt,
+    "SQR": math.sqrt,
+    "ABS": _absolute,
+    "LN": math.log,
+    "EXP": math.exp,
+    "FIX": math.floor,
+    "FUP": math.ceil,
+    "ROUND": _half_away,
 }
+FUNCTIONS = {name: _checked(name, function) for name, function in _PLAIN.items()}
+"""Of angles in degrees."""
 TOWARDS_ZERO: dict[str, Callable[[float], float]] = {
     "FIX": _checked("FIX", math.trunc),
     "FUP": _checked("FUP", lambda a: math.copysign(math.ceil(abs(a)), a)),

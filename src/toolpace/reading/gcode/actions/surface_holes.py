@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
-from toolpace.reading.gcode.frames import Numbers
-from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.motion import MotionReader
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.actions.motion import MotionReader
+from toolpace.reading.gcode.program.words import Numbers, WordError
 
 
 class SurfaceHoles:

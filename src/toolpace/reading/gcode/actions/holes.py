@@ -8,9 +8,9 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.motion import MotionReader
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.actions.motion import MotionReader
+from toolpace.reading.gcode.program.words import WordError
 from toolpace.units import MILLIMETRE
 
 MOST_HOLES = 100_000
@@ -60,7 +60,7 @@ class Holes:
         """Forget the words of the cycle before."""
         self.words, self.level = {}, None
 
-    def execute(self, numbers: dict[str, float], dwell: float | None, cycle_word: bool) -> None:
+    def execute(self, numbers: dict[str, float], dwell: float | None) -> None:
         """A block under a cycle: its words, its repeats, and a hole where it names an axis.
 
         dwell: P in seconds, where the block has it.
@@ -75,7 +75,7 @@ class Holes:
             raise WordError(f"{self.repeats}{repeats:g} counts holes: write a whole number from 0 to {MOST_HOLES}")
         if self.level is None:
             self.level = control.words[state.drill_axis]
-        drills = bool(plane) or letter in numbers or cycle_word
+        drills = bool(plane) or letter in numbers or (state.cycle_word and self.drills_again)
         for name in (letter, *"RQIJK"):
             if name in numbers:
                 self.words[name] = numbers.pop(name)

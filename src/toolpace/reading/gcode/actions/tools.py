@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.gcode.frames import Numbers
-from toolpace.reading.gcode.modal import Modal
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.program.words import Numbers
 from toolpace.reading.options import PROGRAM, ReadOptions
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.program.words import WordError
 
 Key = int | str
 

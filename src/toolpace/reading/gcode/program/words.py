@@ -11,6 +11,10 @@ _COMMENT = re.compile(r"\([^()]*\)")
 _NAME = re.compile(r"[A-Z_][A-Z_]+")
 
 
+Numbers = dict[str, float]
+"""Values of the words of a block, by letter."""
+
+
 class WordError(ValueError):
     """A block that cannot be read; the message says where and what to write."""
 

@@ -11,11 +11,11 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from toolpace.reading.gcode.operations import BITS, FUNCTIONS, OPERATIONS, TOWARDS_ZERO, TRUTH
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.program.operations import BITS, FUNCTIONS, OPERATIONS, TOWARDS_ZERO, TRUTH
+from toolpace.reading.gcode.program.words import WordError
 
 if TYPE_CHECKING:
-    from toolpace.reading.gcode.variables import Variables
+    from toolpace.reading.gcode.program.variables import Variables
 
 Node: TypeAlias = "float | Reference | Callable[[Variables], float]"
 """A constant, a variable, or what is made of them."""

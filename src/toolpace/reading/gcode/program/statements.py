@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
-from toolpace.reading.gcode.expressions import Node, Parser, Reference
-from toolpace.reading.gcode.words import WordError
-
-if TYPE_CHECKING:
-    from toolpace.reading.gcode.blocks import Compiler
+from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
+from toolpace.reading.gcode.program.words import WordError
 
 O_WORD = re.compile(
     r"O[ \t]*+(<[^<>]{1,200}>|[0-9]{1,9})[ \t]*+"
@@ -35,18 +33,22 @@ class Statement(NamedTuple):
     assignments: tuple[tuple[Reference, Node], ...] = ()
 
 
-def statement(text: str, compiler: Compiler) -> Statement | None:
+Assignments = Callable[[str], list[tuple[Reference, Node]]]
+"""Reads a text of assignments."""
+
+
+def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assignments) -> Statement | None:
     """The statement that a block is; None where it has words. Raises WordError."""
     if text[0] in "O:":
         match = O_WORD.match(text)
         if match:
-            return _o_word(match, compiler.parser(text, match.end()))
+            return _o_word(match, parser(text, match.end()))
         if HEADER.match(text) and "=" not in text:
             return Statement("header", text[1:].strip())
         raise WordError("O is followed by neither a number nor a name: write it like O1000")
     match = _MACRO.match(text)
     if match:
-        return _macro(match[1], text, compiler.parser(text, match.end()), compiler)
+        return _macro(match[1], text, parser(text, match.end()), assignments)
     return Statement("output") if _OUTPUT.match(text) else None
 
 
@@ -66,7 +68,7 @@ def _o_word(match: re.Match[str], parser: Parser) -> Statement:
     return Statement(kind, name, values[0] if values else None)
 
 
-def _macro(kind: str, text: str, parser: Parser, compiler: Compiler) -> Statement:
+def _macro(kind: str, text: str, parser: Parser, assignments: Assignments) -> Statement:
     if kind == "GOTO":
         return Statement("goto", value=_last(parser))
     if kind == "END" or kind == "DO":
@@ -85,7 +87,7 @@ def _macro(kind: str, text: str, parser: Parser, compiler: Compiler) -> Statemen
         parser.at += 4
         return Statement("if goto", value=condition, label=_last(parser))
     if rest.startswith("THEN"):
-        return Statement("if then", value=condition, assignments=tuple(compiler.assignments(rest[4:].strip())))
+        return Statement("if then", value=condition, assignments=tuple(assignments(rest[4:].strip())))
     raise WordError("GOTO or THEN is missing behind IF [ ]: write it like IF [#1 EQ 0] GOTO 100")
 
 

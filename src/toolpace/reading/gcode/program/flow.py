@@ -3,31 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
-from pathlib import Path
 from typing import NoReturn
 
-from toolpace.reading.gcode.expressions import Node, value_of, whole
-from toolpace.reading.gcode.layout import Layout
-from toolpace.reading.gcode.statements import Statement
-from toolpace.reading.gcode.variables import Key, Variables
+from toolpace.reading.gcode.program.expressions import Node, value_of, whole
+from toolpace.reading.gcode.program.files import Files, Text
+from toolpace.reading.gcode.program.statements import Statement
+from toolpace.reading.gcode.program.variables import Key, Variables
 from toolpace.reading.source import Source
 
 DEEPEST = 64
 """Calls within each other: controllers allow four to ten, and more is a program that calls itself without end."""
 MOST_REPEATS = 1_000_000
-
-
-class Text:
-    """A file of blocks."""
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-
-    @cached_property
-    def layout(self) -> Layout:
-        """Where its labels and loops are."""
-        return Layout(self.source)
 
 
 @dataclass(slots=True)
@@ -57,9 +43,9 @@ class Flow:
 
     def __init__(self, source: Source, variables: Variables) -> None:
         self.variables = variables
-        self.main = Text(source)
+        self.files = Files(source)
+        self.main = self.files.main
         self.frames = [Frame(self.main)]
-        self.files: dict[str, Text | None] = {}
         self.ended = False
 
     @property
@@ -77,7 +63,7 @@ class Flow:
         self, name: str, times: float = 1.0, given: dict[Key, float | None] | None = None, *, sub: bool = False
     ) -> None:
         """Run a program of a name, so often, with local variables of its own where they are given."""
-        found = self._find(name, sub)
+        found = self.files.find(self.frame.text, name, sub)
         if found is None:
             where = "in this file, nor in a file beside it"
             self.fail(f"O{name} is called, and is not {where}: give it with the program, or write its blocks out")
@@ -120,35 +106,6 @@ class Flow:
         self.frames.pop()
         if frame.outer is not None:
             self.variables.local = frame.outer
-
-    def _find(self, name: str, sub: bool) -> tuple[Text, int] | None:
-        for text in (self.frame.text, self.main):
-            found = self._in(text, name, sub)
-            if found is not None:
-                return found
-        beside = self._beside(name)
-        if beside is None:
-            return None
-        return self._in(beside, name, sub) or (beside, 0)
-
-    @staticmethod
-    def _in(text: Text, name: str, sub: bool) -> tuple[Text, int] | None:
-        line = (text.layout.subs if sub else text.layout.programs).get(name)
-        return None if line is None else (text, line + 1)
-
-    def _beside(self, name: str) -> Text | None:
-        """A file of that name in the folder of the program."""
-        if name not in self.files:
-            self.files[name] = None
-            path = Path(self.main.source.name)
-            safe = all(mark.isalnum() or mark in "_-." for mark in name)
-            if safe and path.is_file():
-                stems = [name.lower(), f"o{name.lower()}", f"o{name.lower():0>4}", f"{name.lower():0>4}"]
-                wanted = {stem + suffix for stem in stems for suffix in (path.suffix.lower(), ".ngc", ".nc", "")}
-                files = sorted(other for other in path.parent.iterdir() if other.name.lower() in wanted)
-                found = next((other for other in files if other.is_file() and other != path), None)
-                self.files[name] = None if found is None else Text(Source.load(found))
-        return self.files[name]
 
     # Jumps
 

@@ -6,8 +6,8 @@ import math
 
 from toolpace.reading.arcs import Arc, ArcError, centre_of_radius, plane_arc
 from toolpace.reading.control.control import Control
-from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.program.words import WordError
 
 FARTHEST = 1e6
 """Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""

@@ -6,7 +6,7 @@ import re
 from bisect import bisect_right
 from collections import defaultdict
 
-from toolpace.reading.gcode.statements import O_WORD
+from toolpace.reading.gcode.program.statements import O_WORD
 from toolpace.reading.source import Source
 
 _LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")

@@ -12,13 +12,12 @@ from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.circles import FARTHEST, ArcReader
-from toolpace.reading.gcode.modal import Modal
-from toolpace.reading.gcode.words import WordError
+from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
+from toolpace.reading.gcode.actions.modal import ARCS, Modal
+from toolpace.reading.gcode.program.words import WordError
 from toolpace.units import DEGREE
 
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
-ARCS = ("arc clockwise", "arc counter-clockwise")
 _USES = {
     "P": "dwells, calls or arcs (turns)",
     "Q": "cycles",

@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass, field
 
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.expressions import Node, Parser, Reference
-from toolpace.reading.gcode.meanings import ORDER, Action, Vocabulary, conflict
-from toolpace.reading.gcode.statements import Statement, statement
-from toolpace.reading.gcode.words import WordError, fault, plain_words, without_comments
+from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
+from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict
+from toolpace.reading.gcode.program.statements import Statement, statement
+from toolpace.reading.gcode.program.words import WordError, fault, plain_words, without_comments
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
@@ -72,7 +72,7 @@ class Compiler:
             text = text[match.end() :] if match else text
         block.text, block.empty = text, not text
         if text and text[0] in "OIWDEGSPB:":
-            block.statement = statement(text, self)
+            block.statement = statement(text, self.parser, self.assignments)
         if text and block.statement is None:
             self._words(block)
             self.arrange(block)
