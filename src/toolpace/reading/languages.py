@@ -10,7 +10,7 @@ from typing import Protocol
 from toolpace.errors import UsageError
 from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.dialect import CONTROLS, Told, dialect_of, is_conversational
+from toolpace.reading.dialect import CONTROLS, dialect_of
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
@@ -55,49 +55,25 @@ def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Rec
     told = dialect_of(source, dialect)
     if told.dialect != CONTROLS:
         return Recognised(told.dialect, None, told.reason)
-    controller, reason = _controller(source, told)
-    return Recognised(CONTROLS, controller, reason)
+    from toolpace.reading.controllers.recognise import recognise
 
-
-def _controller(source: Source, told: Told) -> tuple[Controller, str]:
-    recognise = _found("toolpace.reading.controllers.recognise", "recognise")
-    if recognise is None:
-        if is_conversational(source):
-            source.fail(
-                "this looks like Heidenhain conversational code, which is not read: "
-                "export G-code (ISO), APT or CLSF from the CAM system",
-                0,
-            )
-        return Controller("linuxcnc", "word-address"), told.reason
     controller, reason = recognise(source)
-    return controller, reason
+    return Recognised(CONTROLS, controller, reason)
 
 
 def reader_of(
     source: Source, machine: Kinematics | None, controller: Controller, options: ReadOptions, findings: Findings
 ) -> Reader:
     """The reader of a program for a controller. Raises UsageError where its language has none."""
-    reader = _found(*READERS[controller.language])
-    if reader is not None:
-        made: Reader = reader(source, machine, controller, options, findings)
-        return made
-    if controller.language != "word-address":
-        raise UsageError(f"controller {controller.name}: its language '{controller.language}' is not read yet")
-    from toolpace.reading.gcode.reader import GcodeReader
-
-    gcode = GcodeReader(
-        source, machine, block_delete=options.block_delete, default_feed=options.default_feed, setup=options.setup,
-        findings=findings,
-    )  # fmt: skip
-    gcode.control.most_blocks = options.most_blocks
-    return gcode
-
-
-def _found(module: str, name: str):  # type: ignore[no-untyped-def]
+    module, name = READERS[controller.language]
     try:
-        return getattr(importlib.import_module(module), name, None)
+        reader = getattr(importlib.import_module(module), name)
     except ModuleNotFoundError:
-        return None
+        raise UsageError(
+            f"controller {controller.name}: its language '{controller.language}' is not read yet"
+        ) from None
+    made: Reader = reader(source, machine, controller, options, findings)
+    return made
 
 
 def with_controller(source: Source, dialect: str | None, options: ReadOptions) -> tuple[ReadOptions, Recognised]:

@@ -9,8 +9,8 @@ import numpy as np
 from toolpace.arrays import Floats, Ints
 from toolpace.reading.arcs import Arc, ArcTable
 from toolpace.reading.cldata.feed import Caps
-from toolpace.reading.findings import Findings
 from toolpace.reading.control.unroll import slerp
+from toolpace.reading.findings import Findings
 from toolpace.reading.points import assemble, unit_axes
 from toolpace.reading.source import Source
 from toolpace.reading.splines import Spline
