@@ -34,7 +34,7 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     language: str = ""
     """How its programs are written; may be left out where it is like another."""
     like: str = ""
-    """A built-in controller whose words and options hold where this file says nothing; its signs are not taken over."""
+    """A built-in controller whose words and options hold where this file says nothing; its signs are this one's too."""
     note: str = ""
     suffixes: tuple[str, ...] = ()
     """Endings of names that tell it, where nothing in the program does: ".mpf"."""
@@ -90,8 +90,10 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return msgspec.structs.replace(found, source=source)
 
     def to_toml(self) -> str:
-        """The text of a file that loads to this controller."""
-        given = {key: value for key, value in msgspec.to_builtins(self).items() if value and key != "source"}
+        """The text of a file that loads to this controller, with all that it has from the one that it is like."""
+        given = {
+            key: value for key, value in msgspec.to_builtins(self).items() if value and key not in ("source", "like")
+        }
         return toml_text(given)
 
     def option(self, name: str, default: Any) -> Any:
@@ -117,8 +119,8 @@ def _upon(own: Controller, source: str) -> Controller:
     said = {*own.meanings, *own.ignored, *own.refused}
     return msgspec.structs.replace(
         own,
-        like="",
         language=base.language,
+        signs=(*base.signs, *own.signs),
         meanings={word: meaning for word, meaning in base.meanings.items() if word not in said} | own.meanings,
         ignored=(*(word for word in base.ignored if word not in said), *own.ignored),
         refused={word: cure for word, cure in base.refused.items() if word not in said} | own.refused,

@@ -19,8 +19,8 @@ _COMMENT = re.compile(r"\([^()]*\)")
 
 @cache
 def built_in() -> tuple[Controller, ...]:
-    """All of them."""
-    return tuple(Controller.load(name) for name in Controller.names())
+    """All of them; those that are like another behind the others, since they have its signs too."""
+    return tuple(sorted(map(Controller.load, Controller.names()), key=lambda controller: controller.like != ""))
 
 
 def recognise(source: Source, controllers: tuple[Controller, ...] | None = None) -> tuple[Controller, str]:
