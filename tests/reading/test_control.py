@@ -12,6 +12,7 @@ from toolpace.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.placement import INSIDE
 from toolpace.reading.control.setup import SetUp, Tool
 from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
@@ -264,8 +265,8 @@ def test_without_a_sheet_machine_coordinates_end_within_travel_and_that_is_said(
     made.straight_in_machine({"Z": 0.0})
     made.straight_in_machine({"X": 0.3})
     found = joints(made, machine)
-    assert found[-2][2] == pytest.approx(machine.travel[2, 1], abs=1e-12)
-    assert found[-1][0] == pytest.approx(machine.travel[0, 1], abs=1e-12)
+    assert found[-2][2] == pytest.approx(machine.travel[2, 1] - INSIDE, abs=1e-12)
+    assert found[-1][0] == pytest.approx(machine.travel[0, 1] - INSIDE, abs=1e-12)
     assert any("upper ends of the travel" in a for a in made.findings.assumptions)
     assert any("of X beyond its travel" in a for a in made.findings.assumptions)
 

@@ -16,7 +16,7 @@ from toolpace.reading.control.feed import Feed, FeedRules
 from toolpace.reading.control.kinematics import Kinematics, Poses
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, Rate
 from toolpace.reading.control.orientation import Orientation
-from toolpace.reading.control.placement import Datum, Placement
+from toolpace.reading.control.placement import INSIDE, Datum, Placement
 from toolpace.reading.control.setup import Position, SetUp
 from toolpace.reading.control.unroll import Told, Unroll
 from toolpace.reading.findings import Findings
@@ -292,8 +292,8 @@ class Control:
         if self.setup.machine_zero or self.setup.references:
             return joints
         self.findings.assumed(
-            "machine coordinates and reference points count from the upper ends of the travel of X, Y and Z "
-            "(--setup FILE tells others)"
+            "machine coordinates and reference points count from the upper ends of the travel of X, Y and Z, 1 mm "
+            "inside (--setup FILE tells others)"
         )
         columns = [*self.poses.linear, *self.poses.rotary]
         for letter in coordinates:
@@ -301,7 +301,8 @@ class Control:
             low, high = (float(end) for end in machine.travel[columns[slot]])
             if not low <= joints[slot] <= high:
                 self.findings.assumed(f"machine coordinates of {letter} beyond its travel end at the end of travel")
-            joints[slot] = min(max(joints[slot], low), high)
+            inside = min(INSIDE, 0.5 * (high - low)) if slot < 3 else 0.0
+            joints[slot] = min(max(joints[slot], low + inside), high - inside)
         return joints
 
     def reference(self, number: int, letters: list[str]) -> None:
