@@ -181,7 +181,6 @@ FIGURES = {
 """What is changed in plan.json, and what the verdict names."""
 
 
-
 def moved(said, seconds):
     """Time of the first operation told as rapid, with all sums right."""
     for of in (said, said["operations"][0]):
