@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from toolpace.planning.planner import Planner, plan
     from toolpace.planning.second_order.planner import SecondOrder
     from toolpace.reading import Kinematics, apply_feed, read, read_text
+    from toolpace.reading.control.setup import SetUp, Tool
+    from toolpace.reading.controllers.controller import Controller, Sign
     from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import Operation, ToolPath
@@ -52,6 +54,7 @@ __all__ = [
     "AxisRun",
     "ChainFile",
     "Check",
+    "Controller",
     "EndState",
     "Genetic",
     "Geometry",
@@ -74,7 +77,10 @@ __all__ = [
     "Sampled",
     "SecondOrder",
     "SetPoints",
+    "SetUp",
+    "Sign",
     "TimeLaw",
+    "Tool",
     "ToolPath",
     "ToolpaceError",
     "Trajectory",
@@ -97,6 +103,7 @@ _HOME = {
     "AxisRun": "axispath.run",
     "ChainFile": "machine.file",
     "Check": "judge",
+    "Controller": "reading.controllers.controller",
     "EndState": "planning.endstate",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
@@ -119,7 +126,10 @@ _HOME = {
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
     "SetPoints": "setpoints",
+    "SetUp": "reading.control.setup",
+    "Sign": "reading.controllers.controller",
     "TimeLaw": "laws.law",
+    "Tool": "reading.control.setup",
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",

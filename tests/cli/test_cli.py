@@ -52,7 +52,9 @@ def test_plan_writes_the_contract(planned):
 
 def test_plan_writes_the_files(planned):
     names = {path.name for path in (planned / "plan").iterdir()}
-    assert names == {"plan.json", "setpoints.npz", "setpoints.csv", "report.html", "machine.toml", "program.ngc"}
+    assert names == {
+        "plan.json", "setpoints.npz", "setpoints.csv", "report.html", "machine.toml", "controller.toml", "program.ngc"
+    }  # fmt: skip
     points = tp.SetPoints.load(planned / "plan" / "setpoints.npz")
     plan = json.loads((planned / "plan" / "plan.json").read_text())
     assert points.t[-1] == pytest.approx(plan["duration_s"], abs=1e-3)

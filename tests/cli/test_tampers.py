@@ -164,8 +164,29 @@ FIGURES = {
     "a time below zero": (put("solve_s", -1.0), "solve_s"),
     "a step's time below zero": (put("step_s/reading", -1.0), "step_s reading"),
     "no planner": (put("planner", ""), "planner"),
+    "another controller": (put("controller", "haas"), "controller"),
+    "an assumption": (put("assumed", ["the part is round"]), "assumed"),
+    "a word passed over": (put("skipped", {"M8": 3}), "skipped"),
+    "no controller file": (put("reading/controller_file", ""), "controller_file"),
+    "a set-up sheet that is not there": (put("reading/setup_file", "setup.toml"), "setup_file"),
+    "a file elsewhere": (put("reading/controller_file", "../controller.toml"), "controller_file"),
+    "fewer blocks than were read": (put("reading/max_blocks", 3), "more than 3 blocks"),
+    "no operations": (put("operations", []), "operations"),
+    "an operation's tool": (put("operations/0/tool", "7"), "operations"),
+    "an operation's stops": (put("operations/0/stops", 0), "operations"),
+    "an operation's dwell": (put("operations/0/dwell_s", 0.4), "operations"),
+    "time moved from cutting to rapids": (lambda said: moved(said, 0.5), "operations"),
+    "cutting alone": (put("cutting_s", times(0.99)), "operations"),
 }
 """What is changed in plan.json, and what the verdict names."""
+
+
+def moved(said, seconds):
+    """Time of the first operation told as rapid, with all sums right."""
+    for of in (said, said["operations"][0]):
+        of["cutting_s"] -= seconds
+        of["rapid_s"] += seconds
+
 
 SET_POINTS = {
     "joints renamed": (column("joints", lambda names: names[::-1].copy()), "joints"),

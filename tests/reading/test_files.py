@@ -50,7 +50,6 @@ def test_line_ends_of_every_kind_and_accents(tmp_path):
         (bytes(range(256)) * 4, "binary"),
         (GCODE.encode("utf-16"), "binary"),
         (b"hello world\n", "--dialect gcode, apt or csv"),
-        (b"0 BEGIN PGM A MM\n1 L X+1 R0 FMAX\n", "Heidenhain conversational"),
     ],
 )
 def test_files_that_are_no_programs(tmp_path, data, says):

@@ -14,7 +14,7 @@ from toolpace.errors import ToolpaceError
 from toolpace.reading import dialect, read_text, table
 from toolpace.reading.cldata import words as cl_words
 from toolpace.reading.feeds import FeedChange
-from toolpace.reading.gcode import words as gcode_words
+from toolpace.reading.gcode.program import words as gcode_words
 
 HEADS = [
     "", "x [mm],y [mm],z [mm]\n", "x [mm],y [mm],z [mm],feed [mm/min]\n0,0,0,1\n", "x[", '"', "GOTO/", "FEDRAT/",

@@ -156,6 +156,9 @@ class FollowRun(AxisRun):
     def speed_cap(self, s: Floats) -> Floats:
         return self._cap(self.run.evaluate(s), s)
 
+    def entries(self) -> tuple[Floats, Ints]:
+        return self.run.block_start, self.run.entry
+
     def block_at(self, s: Floats) -> Ints:
         return self.run.block_at(s)
 

@@ -26,6 +26,11 @@ class AxisRun(ABC):
     blocks: int = 0
     """Number of blocks of a program that it follows; 0 where there is no program."""
 
+    def entries(self) -> tuple[Floats, Ints]:
+        """Parameters (b + 1,) between which the ways of a tool path lie, and the points (b,) that they lead to; none
+        where it follows no tool path."""
+        return np.zeros(1), np.zeros(0, dtype=np.int64)
+
     def __repr__(self) -> str:
         blocks = counted(self.blocks, "block") if self.blocks else ""
         return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g}", blocks)

@@ -19,6 +19,7 @@ acceleration and jerk limits, judges it independently, and shows it in a report.
 EXAMPLES = """
 Examples:
 
+    toolpace inspect part.ngc         what a program is, asks for and needs
     toolpace demo                     see it work, on a part of its own
     toolpace machines                 the built-in machines and their limits
     toolpace plan part.ngc -m xyzac-trunnion        plan, and write a report
@@ -57,6 +58,7 @@ def plan_command(
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
     no_report: options.NoReport = False,
+    reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
     """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
 
@@ -70,15 +72,17 @@ def plan_command(
         toolpace plan part.cls -m my-mill.toml --tip-tolerance 5um --feed 120%
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
+        toolpace plan part.mpf -m my-mill.toml --controller sinumerik --setup setup.toml
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
     from toolpace.cli import arguments, job, summary
 
     tip, axis = arguments.tolerances(tip_tolerance, axis_tolerance)
     arguments.planner_named(planner)
+    on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     task = job.Job(
         program=Path(program),
-        machine=arguments.machine_named(machine, tool_length),
+        machine=on,
         out=arguments.folder_for_results(arguments.default_folder(program) if out is None else out),
         tip_tolerance=tip,
         axis_tolerance=axis,
@@ -86,6 +90,7 @@ def plan_command(
         prove_within=arguments.time_to_prove(prove_within, planner) if prove else None,
         feed=arguments.feed_asked(feed),
         dialect=dialect,
+        options=how,
         dt=arguments.time_step(dt),
         csv=csv,
         report=not no_report,
@@ -93,18 +98,19 @@ def plan_command(
     console = new_console()
     record, verification = job.carry_out(task, Steps(console))
     summary.show_plan(console, record, verification)
-    summary.show_files(console, task.out, job.written(task))
+    summary.show_files(console, task.out, job.written(task, record))
     return job.exit_code(record, verification)
 
 
 @app.command(name="verify", help_epilogue="")
-def verify_command(directory: options.PlanFolder, /) -> int:
+def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading = options.AS_WRITTEN) -> int:
     """Judge a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel, figures.
 
     Nothing of the planner is used: set-points are differentiated, put through the
     machine's forward kinematics and compared with the program; each column and
     each figure of plan.json is recomputed, or named where only the planner can
-    know it. Exit code 1 if anything fails.
+    know it. Exit code 1 if anything fails. The program is read as it was for the
+    plan; options given here take the place of those.
 
     For example:
 
@@ -113,9 +119,52 @@ def verify_command(directory: options.PlanFolder, /) -> int:
     from toolpace.cli import folder, summary
 
     console = new_console()
-    record, verification = folder.verify_folder(Path(directory), Steps(console))
+    record, verification = folder.verify_folder(Path(directory), Steps(console), reading)
     summary.show_verification(console, record, verification)
     return 0 if verification.ok else 1
+
+
+@app.command(name="inspect", help_epilogue="")
+def inspect_command(
+    programs: options.Programs,
+    /,
+    *,
+    machine: options.MachineToInspect = None,
+    dialect: options.Dialect = None,
+    feed: options.Feed = None,
+    json: options.Json = False,
+    write_setup: options.WriteSetup = None,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Tell what programs are, ask for and need: dialect, blocks, extents, words that are not read, fitting machines.
+
+    Nothing is planned. Several programs are listed in one table. Exit code 0
+    where all of them are read whole, 2 where a word is refused; each refused
+    word is named with its first line, its count and its cure.
+
+    For example:
+
+        toolpace inspect part.ngc
+        toolpace inspect part.mpf -m my-mill.toml --write-setup setup.toml
+        toolpace inspect programs/*.nc --json
+    """
+    from toolpace.cli import inspecting
+
+    return inspecting.run_inspect(programs, machine, dialect, feed, json, write_setup, reading)
+
+
+@app.command(name="controllers", help_epilogue="")
+def controllers_command(name: options.OneController = None, /, *, toml: options.ControllerToml = False) -> int:
+    """List the controllers whose programs are read.
+
+    For example:
+
+        toolpace controllers
+        toolpace controllers fanuc --toml > my-control.toml
+    """
+    from toolpace.cli import controllers
+
+    return controllers.run_controllers(name, toml)
 
 
 @app.command(name="machines", help_epilogue="")

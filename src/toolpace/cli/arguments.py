@@ -16,7 +16,9 @@ from toolpace.reading.source import STANDARD_INPUT
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
+    from toolpace.cli.options import Reading
     from toolpace.machine.machine import Machine
+    from toolpace.reading import ReadOptions
 
 
 TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
@@ -45,6 +47,12 @@ def machine_named(name: str | None, tool_length: str | None = None) -> Machine:
         )
     machine = Machine.load(name)
     return machine if tool_length is None else machine.with_tool(units.parse_length(tool_length))
+
+
+def machine_with_setup(machine: Machine, reading: Reading) -> tuple[Machine, ReadOptions]:
+    """The machine with the part clamped as the set-up sheet says, and how to read for it."""
+    how = reading.options(machine)
+    return (machine.mounted(**how.setup.part) if how.setup.part else machine), how
 
 
 def one_machine(name: str | None, toml: bool, poses: bool) -> str:

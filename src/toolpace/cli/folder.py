@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.cli import job, summary
+from toolpace.cli.options import AS_WRITTEN, Reading
 from toolpace.cli.steps import Steps
 from toolpace.errors import UsageError, printable
 from toolpace.units import DEGREE, MILLIMETRE
@@ -16,12 +17,13 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from toolpace.judge import Verification
+    from toolpace.reading import ReadOptions
     from toolpace.write import PlanRecord
 
 
-def verify_folder(folder: Path, steps: Steps) -> tuple[PlanRecord, Verification]:
+def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> tuple[PlanRecord, Verification]:
     """Judge the files in a folder by the machine and the program in it: set-points, figures, and the table if it is
-    there."""
+    there. The program is read as it was for the plan, but for what `reading` says."""
     import msgspec
 
     from toolpace import write
@@ -30,7 +32,7 @@ def verify_folder(folder: Path, steps: Steps) -> tuple[PlanRecord, Verification]
     from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
     from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
-    from toolpace.reading import read
+    from toolpace.reading import Source, read_source
     from toolpace.setpoints import SetPoints
 
     if not os.path.isdir(folder):  # noqa: PTH112 (that of Path raises where the name is too long)
@@ -40,11 +42,15 @@ def verify_folder(folder: Path, steps: Steps) -> tuple[PlanRecord, Verification]
     with steps.step("reading") as step:
         machine = Machine.load(folder / write.MACHINE)
         setpoints = SetPoints.load(folder / write.SET_POINTS)
-        toolpath = read(program, machine, record.dialect, feed=record.feed) if program is not None else None
+        options = read_as_planned(folder, record, reading)
+        toolpath = None
+        if program is not None:
+            toolpath = read_source(Source.load(program), machine, record.dialect, options, feed=record.feed)
         step.note = f"{len(setpoints)} set-points" + (f", {toolpath.blocks} blocks" if toolpath else "")
     tip, axis = record.tip_tolerance_mm or DEFAULT_TIP_MM, record.axis_tolerance_deg or DEFAULT_AXIS_DEG
     with steps.step("verifying"):
         said = msgspec.to_builtins(record)
+        record = msgspec.structs.replace(record, reading=write.reading_record(options))
         found = verify_plan(setpoints, machine, toolpath, said, tip * MILLIMETRE, axis * DEGREE)
         table = folder / write.TABLE
         found = with_table(found, table, setpoints, machine) if table.exists() else found
@@ -54,6 +60,21 @@ def verify_folder(folder: Path, steps: Steps) -> tuple[PlanRecord, Verification]
             raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
         seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
         return record, replace(found, checks=(*found.checks, seal))
+
+
+def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadOptions:
+    """How the program was read for a plan, but for what is asked for now."""
+    from toolpace import write
+
+    then, now = write.read_again(folder, record.reading), reading.options(None)
+    return replace(
+        then,
+        controller=now.controller if reading.controller is not None else then.controller,
+        setup=now.setup if reading.setup is not None else then.setup,
+        skip_unknown=now.skip_unknown or then.skip_unknown,
+        compensation=now.compensation or then.compensation,
+        most_blocks=now.most_blocks if reading.max_blocks is not None else then.most_blocks,
+    )
 
 
 def program_in(folder: Path, record: PlanRecord) -> Path | None:
@@ -86,7 +107,7 @@ def run_demo(out: Path, console: Console) -> int:
     task = job.Job(Path(source.name), machine, out, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
     record, verification = job.carry_out(task, steps)
     summary.show_plan(console, record, verification)
-    summary.show_files(console, out, job.written(task))
+    summary.show_files(console, out, job.written(task, record))
     report = (out / write.REPORT).resolve()
     console.print(f"\nOpen the report in a browser:\n{printable(str(report))}", soft_wrap=True)
     return job.exit_code(record, verification)

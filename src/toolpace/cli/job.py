@@ -12,12 +12,13 @@ carry out a job:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.cli.steps import Steps
 from toolpace.planning.guarantee import PROMISED
+from toolpace.reading.options import ReadOptions
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
@@ -46,6 +47,8 @@ class Job:
     """Time for raising the lower bound [s]; None: it stays as it is found with the plan."""
     feed: str | None = None
     dialect: str | None = None
+    options: ReadOptions = field(default_factory=ReadOptions)
+    """How the program is read, beside these two."""
     dt: float = 1e-3
     """[s]"""
     csv: bool = False
@@ -98,10 +101,13 @@ def refuse_without_room(job: Job, duration: float, what: str) -> None:
 
 
 def loaded(job: Job) -> Job:
-    """The job with its program in memory: what is planned, judged and kept is what was read now."""
+    """The job with its program in memory, and its controller known: what is planned, judged and kept is what was read
+    now."""
     from toolpace.reading import Source
+    from toolpace.reading.languages import with_controller
 
-    return job if job.source is not None else replace(job, source=Source.load(job.program))
+    source = job.source if job.source is not None else Source.load(job.program)
+    return replace(job, source=source, options=with_controller(source, job.dialect, job.options)[0])
 
 
 def read_program(job: Job, steps: Steps) -> ToolPath:
@@ -110,7 +116,7 @@ def read_program(job: Job, steps: Steps) -> ToolPath:
 
     assert job.source is not None
     with steps.step("reading") as step:
-        toolpath = read_source(job.source, job.machine, job.dialect, feed=job.feed)
+        toolpath = read_source(job.source, job.machine, job.dialect, job.options, feed=job.feed)
         skipped = sum(toolpath.skipped.values())
         step.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
     return toolpath
@@ -184,6 +190,7 @@ def write_results(
             program_bytes=job.source.data if job.source is not None else None,
             dialect=job.dialect,
             feed=job.feed,
+            options=job.options,
             tip_tolerance=job.tip_tolerance,
             axis_tolerance=job.axis_tolerance,
             step_s=dict(steps.seconds),
@@ -201,11 +208,11 @@ def warm_up(steps: Steps) -> None:
         warm.warm_up(tell)
 
 
-def written(job: Job) -> list[str]:
+def written(job: Job, record: PlanRecord) -> list[str]:
     """Names of the files of its folder, the one to look at last."""
     from toolpace.write import written_files
 
-    return written_files(job.program, csv=job.csv, report=job.report)
+    return written_files(job.program, record, csv=job.csv, report=job.report)
 
 
 def exit_code(record: PlanRecord, verification: Verification) -> int:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+    from toolpace.reading import ReadOptions
 
 Switch = Parameter(negative="", show_default=False)
 """An option that is there or not."""
@@ -57,6 +62,53 @@ ToolLength = Annotated[
 Dialect = Annotated[str | None, Parameter(help="gcode, apt or csv, where the name of the program does not tell.")]
 NoReport = Annotated[bool, Switch, Parameter(help="Leave report.html out.")]
 
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Reading:
+    """How a program is to be read."""
+
+    controller: Annotated[
+        str | None,
+        Parameter(
+            help="Controller that the program is for: a name (see `toolpace controllers`) or a file (.toml). Found from"
+            " its content where it is not named."
+        ),
+    ] = None
+    setup: Annotated[
+        str | None,
+        Parameter(
+            help="Set-up sheet (.toml): work offsets, reference points, tools, where the part is clamped."
+            " `toolpace inspect --write-setup` writes one to fill in."
+        ),
+    ] = None
+    skip_unknown: Annotated[
+        bool, Switch, Parameter(help="Pass over words that are not read, and say so, in place of refusing them.")
+    ] = False
+    compensation: Annotated[
+        str | None,
+        Parameter(help="program: what G41 and G42 follow is the programmed contour. Refused otherwise."),
+    ] = None
+    max_blocks: Annotated[
+        int | None, Parameter(help="Most blocks that may be executed; more is taken for a loop without end.")
+    ] = None
+
+    def options(self, machine: Machine | None) -> ReadOptions:
+        """The options, with files loaded. Raises UsageError."""
+        from toolpace.reading import ReadOptions
+
+        return ReadOptions.of(
+            machine, self.controller, self.setup, self.skip_unknown, True, self.compensation or "", self.max_blocks
+        )
+
+    @property
+    def given(self) -> bool:
+        """Whether any was."""
+        return self != Reading()
+
+
+AS_WRITTEN = Reading()
+"""Nothing but the program tells."""
 PlanFolder = Annotated[str, Parameter(help="The folder that `toolpace plan` wrote.")]
 OneMachine = Annotated[
     str | None, Parameter(help="One machine, or a machine file to look at; all built-in ones without.")
@@ -72,3 +124,20 @@ Poses = Annotated[
     ),
 ]
 Results = Annotated[str, Parameter(name=["--out", "-o"], help="Folder for the results.")]
+
+Programs = Annotated[
+    list[str], Parameter(help="Programs: G-code of any controller, APT, CLSF, CSV; - is standard input.")
+]
+MachineToInspect = Annotated[
+    str | None,
+    Parameter(name=["--machine", "-m"], help="The machine to read for; each built-in one without."),
+]
+Json = Annotated[
+    bool, Switch, Parameter(name="--json", help="Print the findings as JSON, a list with an entry a file.")
+]
+WriteSetup = Annotated[
+    str | None,
+    Parameter(help="Write a set-up sheet to fill in to this file: the offsets, references and tools that are used."),
+]
+OneController = Annotated[str | None, Parameter(help="One controller; all built-in ones without.")]
+ControllerToml = Annotated[bool, Switch, Parameter(name="--toml", help="Print the controller's file.")]

@@ -30,6 +30,8 @@ PLACES_SHOWN = 3
 """How many of these places are named."""
 SHOWN = 6
 """How many limits are named."""
+SENTENCES = 12
+"""How many operations, and how many assumptions, are told of."""
 FULL = 0.999
 """Usage from which a limit counts as used to the full."""
 
@@ -60,6 +62,13 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
             grid.add_row("", f"no motion at all takes less than {least}: {unmeshed:.3%}")
         if record.gap > WORTH_A_WORD and record.open_places:
             grid.add_row("", Text(places_in_words(record.open_places)))
+    if record.operations:
+        for k, told in enumerate(times_in_words(record)):
+            grid.add_row("" if k else "operations", Text(told))
+    for k, sentence in enumerate(record.assumed[:SENTENCES]):
+        grid.add_row("" if k else "assumed", Text(sentence))
+    if len(record.assumed) > SENTENCES:
+        grid.add_row("", f"and {len(record.assumed) - SENTENCES} more: see plan.json")
     grid.add_row("limited by", Text(limits_in_words(record.limited_by)))
     if record.tip_deviation_mm is not None:
         grid.add_row("tip", Text(_within(record.tip_deviation_mm, record.tip_tolerance_mm, MILLIMETRE, format_length)))
@@ -79,6 +88,20 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
             more = "  between the set-points accelerations jump: jerk limits are not held"
         line = Text.assemble(("FAILED", "bold red"), more)
     console.print(line, soft_wrap=True)
+
+
+def times_in_words(record: PlanRecord) -> list[str]:
+    """ "cutting 2 min 03.1 s, rapid 12.3 s, dwell 0 ms", and a line for each operation where there are several."""
+    parts = (("cutting", record.cutting_s), ("rapid", record.rapid_s), ("dwell", record.dwell_s))
+    lines = [", ".join(f"{name} {format_time(seconds)}" for name, seconds in parts if seconds)]
+    several = record.operations if len(record.operations) > 1 else []
+    for each in several[:SENTENCES]:
+        parts = (("cutting", each.cutting_s), ("rapid", each.rapid_s), ("dwell", each.dwell_s))
+        told = ", ".join(f"{name} {format_time(seconds)}" for name, seconds in parts if seconds)
+        name = " ".join(word for word in (each.name, f"tool {each.tool}" if each.tool else "") if word) or "before"
+        lines.append(f"{name}: {format_time(each.time_s)} ({told})")
+    more = len(several) - SENTENCES
+    return lines + ([f"and {more} more: see plan.json"] if more > 0 else [])
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
@@ -161,6 +184,12 @@ def asked_for(record: PlanRecord) -> str:
     else:
         words.append("limits of the machine alone, no program")
     words += [f"read as {record.dialect}"] if record.dialect else []
+    words += [f"for {record.controller}"] if record.controller else []
+    how = record.reading
+    words += ["by its set-up sheet"] if how.setup_file else []
+    words += ["words that are not read skipped"] if how.skip_unknown else []
+    words += [f"G41 and G42 as the {how.compensation}med contour"] if how.compensation else []
+    words += [f"at most {how.max_blocks} blocks"] if how.max_blocks is not None else []
     return ", ".join(words)
 
 

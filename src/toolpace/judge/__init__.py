@@ -77,7 +77,7 @@ def verify_plan(
     found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan)
     if judged is None:
         return found
-    checks = Figures(figures, points, machine, toolpath, found, judged.feed_use).checks()
+    checks = Figures(figures, points, machine, toolpath, found, judged.feed_use, judged.passages).checks()
     return replace(found, checks=found.checks + tuple(checks))
 
 

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from toolpace.errors import printable
+from toolpace.judge.operations import OperationFigures, Passages
 from toolpace.judge.pace import FeedUse
 from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification
@@ -28,9 +30,10 @@ DEFAULT_TIP_MM, DEFAULT_AXIS_DEG = 0.01, 0.05
 
 RECOMPUTED = (
     "duration_s", "gap", "blocks", "stops", "usage", "limited_by", "tip_deviation_mm", "axis_deviation_deg", "machine",
-    "dt_s", "set_points", "path_length_mm", "verified", "program_file", "lower_bound_of",
+    "dt_s", "set_points", "path_length_mm", "verified", "program_file", "lower_bound_of", "controller", "assumed",
+    "skipped", "operations", "cutting_s", "rapid_s", "dwell_s",
 )  # fmt: skip
-IN_THE_VERDICT = ("tip_tolerance_mm", "axis_tolerance_deg", "feed", "dialect")
+IN_THE_VERDICT = ("tip_tolerance_mm", "axis_tolerance_deg", "feed", "dialect", "reading")
 """What was asked for: judged by, and said with the verdict."""
 AS_SAID = (
     "lower_bound_s", "continuous_bound_s", "open_places", "mesh_points", "solve_s", "fit_s", "step_s", "planner",
@@ -52,12 +55,15 @@ class Figures:
     """What the set-points came to."""
     feed_use: FeedUse | None
     """Of the tip; None where the program has no feeds, or was not judged."""
+    passages: Passages | None = None
+    """When the motion passes the points of the program; None where it is not its, or was not judged."""
 
     def checks(self) -> list[Check]:
         """One check a figure, or a group of them."""
         dt = self.verification.dt
         usage = UsageFigures(self.said, self.points, self.machine, self.toolpath, self.feed_use, dt)
         found = self.of_time() + self.of_bounds() + self.of_counts() + usage.of_usage() + self.of_names()
+        found += self.of_reading()
         return found + self.of_deviations() + usage.of_shares() + self.of_places()
 
     def same(self, key: str, right: float, unit: str = "", share: float = SAME) -> Check:
@@ -125,6 +131,18 @@ class Figures:
             ok = said["verified"] == self.verification.ok
             checks.append(wrong("verified", f"says {said['verified']}".lower(), ok))
         return checks
+
+    def of_reading(self) -> list[Check]:
+        """What the program is for, what was taken for granted and passed over, and the time of its operations."""
+        if self.toolpath is None:
+            return []
+        right = {
+            "controller": printable(self.toolpath.controller),
+            "assumed": [printable(sentence) for sentence in self.toolpath.assumed],
+            "skipped": {printable(word): count for word, count in self.toolpath.skipped.items()},
+        }
+        checks = [wrong(key, f"found: {value!r:.200}", self.said[key] == value) for key, value in right.items()]
+        return checks + OperationFigures(self.said, self.toolpath, self.passages, self.verification.dt).checks()
 
     def of_deviations(self) -> list[Check]:
         """How far the motion strays, and the tolerances it is judged by."""

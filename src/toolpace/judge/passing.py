@@ -9,6 +9,7 @@ import numpy as np
 from toolpace.arrays import Floats, Ints
 from toolpace.judge.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE, still_step
+from toolpace.judge.operations import Passages
 from toolpace.judge.rows import MotionRow
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
@@ -33,6 +34,12 @@ class Passing:
     back: Alignment
     line: Ints
     """Pose of the program's line that each program point is."""
+
+    def passages(self) -> Passages:
+        """Between which times each point can be passed, in order."""
+        early = self.motion.times(self.back.first[self.line], latest=False)
+        late = self.motion.times(self.back.last[self.line], latest=True)
+        return Passages(np.maximum.accumulate(early), np.minimum.accumulate(late[::-1])[::-1])
 
     def least_times(self, dt: float) -> list[Check]:
         """Any stretch of whole blocks takes at least the sum of their least times: the worst one is a drawdown."""

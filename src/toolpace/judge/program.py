@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.judge.alignment import Alignment, BothWays, Lost, align
+from toolpace.judge.operations import Passages
 from toolpace.judge.pace import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passing
 from toolpace.judge.rows import MotionRow, motion_row, program_line
@@ -30,6 +31,8 @@ class ProgramJudgement:
     axis_deviation: float
     feed_use: FeedUse | None = None
     """Of the tip; None where the program has no feeds, or the motion is not its."""
+    passages: Passages | None = None
+    """When it passes the points of the program; None where the motion is not its."""
 
 
 def program_checks(
@@ -58,7 +61,7 @@ def program_checks(
     checks += block_check(points, toolpath, motion, found.there, owner)
     worst_tip = max(float(way.tip.max()) for way in (found.there, found.back)) * tip_tolerance
     worst_axis = max(float(way.axis.max()) for way in (found.there, found.back)) * axis_tolerance
-    return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use)
+    return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use, passing.passages())
 
 
 @dataclass(frozen=True)

@@ -61,13 +61,18 @@ class TimeLaw(ABC):
         """States between which nothing is hidden, in pieces that do not take much memory."""
 
     def states_at(self, s: Floats) -> Floats:
-        """(4, n) the states in which places s (n,) in order are passed, by bisection."""
+        """(4, n) the states in which places s (n,) in order are passed."""
+        return self.at(self.times_at(s))
+
+    def times_at(self, s: Floats) -> Floats:
+        """(n,) when places s (n,) in order are passed [s], by bisection."""
         low, high = np.zeros(len(s)), np.full(len(s), self.duration)
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             before = self.at(middle)[0] < s
             low, high = np.where(before, middle, low), np.where(before, high, middle)
-        return self.at(0.5 * (low + high))
+        times: Floats = 0.5 * (low + high)
+        return times
 
     def passing_time(self, s: float) -> float:
         """When s is passed [s], by bisection; the start or the end where s is at or beyond it."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import msgspec
 
@@ -63,6 +63,8 @@ class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     chain: ChainFile
     joints: dict[str, JointFile]
     note: str = ""
+    setup: dict[str, Any] = {}
+    """The set-up sheet in the file, as it stands there but for its units, which are named: for reading alone."""
 
     def __hash__(self) -> int:
         return hash((self.name, self.chain, tuple(self.joints.items()), self.note))
@@ -78,7 +80,8 @@ def read_machine(text: str, source: str) -> MachineFile:
         raise MachineError(f"{source}: not a machine file: tables or arrays lie too deep in each other") from None
     except ValueError as error:
         raise MachineError(f"{source}: not a TOML file: {str(error).partition(';')[0][:200]}") from None
-    _check_keys(raw, ("name", "note", "columns", "units", "chain", "joints"), ("name", "chain", "joints"), "", source)
+    known = ("name", "note", "columns", "units", "chain", "joints", "setup")
+    _check_keys(raw, known, ("name", "chain", "joints"), "", source)
     units = _convert(raw.get("units", {}), Units, "[units]", source)
     chain = _convert(raw["chain"], ChainFile, "[chain]", source)
     if not isinstance(raw["joints"], dict):
@@ -117,7 +120,18 @@ def read_machine(text: str, source: str) -> MachineFile:
             jerk=joint.jerk * scale,
             travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
         )
-    return MachineFile(raw["name"], chain, _in_columns(raw.get("columns"), joints, source), raw.get("note", ""))
+    in_order = _in_columns(raw.get("columns"), joints, source)
+    setup = _setup(raw.get("setup", {}), units, source)
+    return MachineFile(raw["name"], chain, in_order, raw.get("note", ""), setup)
+
+
+def _setup(table: object, units: Units, source: str) -> dict[str, Any]:
+    """The set-up sheet in a machine file, in the units of the file unless it names its own."""
+    if not isinstance(table, dict):
+        raise MachineError(f"{source}: setup must be a table; write it under headings like [setup.offsets.G54]")
+    own = table.get("units", {})
+    named = {**msgspec.structs.asdict(units), **own} if isinstance(own, dict) else own
+    return {**table, "units": named} if table else {}
 
 
 def _in_columns(columns: object, joints: dict[str, JointFile], source: str) -> dict[str, JointFile]:

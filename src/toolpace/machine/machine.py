@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import MachineError, UsageError, did_you_mean
+from toolpace.files.toml import toml_text
 from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
 from toolpace.machine.file import LONGEST, MachineFile, read_machine
@@ -116,13 +118,19 @@ class Machine(ByValue):
         """A machine from the text of a file; `source` names it in messages. Raises MachineError."""
         return cls(read_machine(text, source), source)
 
+    @property
+    def setup(self) -> dict[str, Any]:
+        """The set-up sheet in its file, as it stands there; empty where there is none. Reading makes sense of it."""
+        return self.file.setup
+
     def to_toml(self) -> str:
         """The text of a machine file that loads to exactly this machine, each line explained.
 
         It is in those units in which its figures are shortest, mm and deg before others.
         """
         leanings = dict(zip(self.geometry.rotary_joints, self.geometry.leanings))
-        return machine_text(self.file, leanings)
+        setup = {"setup": self.file.setup} if self.file.setup else {}
+        return machine_text(self.file, leanings) + ("\n" + toml_text(setup) if setup else "")
 
     def mounted(
         self,

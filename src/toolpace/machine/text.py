@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 
 from toolpace.errors import printable
+from toolpace.files.toml import toml_value
 from toolpace.machine.file import ANGLES, LENGTHS, JointFile, MachineFile
 
 LENGTH_ORDER, ANGLE_ORDER = ("mm", "in", "m"), ("deg", "rad")
@@ -29,9 +30,9 @@ def machine_text(file: MachineFile, leanings: Mapping[str, str]) -> str:
     """
     length, angle = units_of(file)
     order = [*file.chain.workpiece, *file.chain.tool]
-    lines: list[Line] = [(f"name = {quoted(file.name)}", "what the machine is called")]
+    lines: list[Line] = [(f"name = {toml_value(file.name)}", "what the machine is called")]
     if file.note:
-        lines.append((f"note = {quoted(file.note)}", "what it is, in a line"))
+        lines.append((f"note = {toml_value(file.note)}", "what it is, in a line"))
     if order != list(file.joints):
         lines.append((f"columns = {listed(file.joints)}", "order in which positions are listed"))
     lines += [("", ""), ("[units]", "of this file only; seconds throughout")]
@@ -128,7 +129,7 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
     joint, rotary = file.joints[name], file.joints[name].kind == "rotary"
     unit, scale = (angle, ANGLES[angle]) if rotary else (length, LENGTHS[length])
     side = "workpiece" if name in file.chain.workpiece else "tool"
-    key = name if name.isidentifier() and name.isascii() else quoted(name)
+    key = name if name.isidentifier() and name.isascii() else toml_value(name)
     yield f"[joints.{key}]", _carried(file, name)
     yield f'kind = "{joint.kind}"', f"{'turns' if rotary else 'moves'} the {side}"
     if rotary:
@@ -174,12 +175,6 @@ def _laid_out(lines: list[Line]) -> Iterator[str]:
         yield (f"{text:<{column - 2}}  # {printable(comment)}" if comment else text) + "\n"
 
 
-def quoted(text: str) -> str:
-    """A TOML string, with what cannot be printed written as its number."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'
-
-
 def listed(names: Iterable[str]) -> str:
     """A TOML array of strings."""
-    return "[" + ", ".join(quoted(name) for name in names) + "]"
+    return toml_value(list(names))

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from toolpace.arrays import Floats, Ints, frozen
 from toolpace.description import counted, one_line
+
+
+def no_entries() -> Ints:
+    """None."""
+    return np.zeros(0, dtype=np.int64)
 
 
 class PathJet(NamedTuple):
@@ -54,6 +59,8 @@ class PathRun(ABC):
     """(b,) least time of each block [s]."""
     dwell: float = 0.0
     """Time to wait at the end of the run [s]."""
+    entry: Ints = field(default_factory=no_entries)
+    """(b,) point of the tool path that each block leads to; (0,) where the path is of no tool path."""
 
     def __post_init__(self) -> None:
         for value in vars(self).values():

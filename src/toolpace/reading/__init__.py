@@ -1,20 +1,25 @@
-"""Programs in, ToolPath out: G-code, cutter-location data (APT, CLSF) and tables of points."""
+"""Programs in, ToolPath out: programs for controllers, cutter-location data (APT, CLSF) and tables of points."""
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
-from toolpace.errors import UsageError
-from toolpace.reading.cldata.reader import ClReader
 from toolpace.reading.control.kinematics import Kinematics
-from toolpace.reading.dialect import dialect_of
+from toolpace.reading.control.setup import SetUp
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.dialect import CONTROLS
 from toolpace.reading.feeds import FeedChange, apply_feed
-from toolpace.reading.gcode.reader import GcodeReader
+from toolpace.reading.findings import Findings
+from toolpace.reading.languages import reader_of, recognised
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
-from toolpace.reading.table import read_table
 from toolpace.toolpath import ToolPath
 
-__all__ = ["Kinematics", "Source", "apply_feed", "read", "read_source", "read_text"]
+__all__ = [
+    "Controller", "Findings", "Kinematics", "ReadOptions", "SetUp", "Source", "apply_feed", "read", "read_source",
+    "read_text",
+]  # fmt: skip
 
 
 def read(
@@ -24,20 +29,33 @@ def read(
     *,
     feed: str | None = None,
     block_delete: bool = True,
+    controller: str | Path | Controller | None = None,
+    setup: str | Path | SetUp | None = None,
+    skip_unknown: bool = False,
+    compensation: str = "",
+    max_blocks: int | None = None,
 ) -> ToolPath:
     """Read a program.
 
     path: a file, a pipe, or `-` for standard input; it is read once, from its beginning to its end.
     machine: needed by G-code with rotary words. Outside tool-centre-point mode axis words are joint positions;
         without a machine they are the tip, under the tool axis +z.
-    dialect: `gcode`, `apt` or `csv`; None tells it by the file's name and content.
+    dialect: `gcode` (any program for a controller), `apt` or `csv`; None tells it by the file's name and content.
     feed: `none`, a factor such as `120%`, or a value such as `3000mm/min` in place of the program's feeds.
-    block_delete: whether G-code blocks that begin with `/` are passed over.
+    block_delete: whether blocks that begin with `/` are passed over.
+    controller: name of a built-in controller or a file (TOML); None tells it by the program's content.
+    setup: set-up sheet (TOML file) with offsets, references and tools; None takes the one in the machine file, if any.
+        Where it tells how the part is clamped, the machine must be mounted so: `machine.mounted(**setup.part)`.
+    skip_unknown: whether words that are not read are passed over, and said in `ToolPath.assumed`.
+    compensation: `program` where what G41 and G42 follow is the programmed contour; else they are refused, but with
+        a radius of zero.
+    max_blocks: most blocks that may be executed; more is taken for a loop without end.
 
     The path starts where the program first has every axis positioned: where the machine stands before is
     unknown. Rotary joints that are not named by then are at zero. Raises ProgramError with file, line, text and cure.
     """
-    return read_source(Source.load(path), machine, dialect, feed=feed, block_delete=block_delete)
+    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks)
+    return read_source(Source.load(path), machine, dialect, options, feed=feed)
 
 
 def read_text(
@@ -47,30 +65,48 @@ def read_text(
     *,
     feed: str | None = None,
     block_delete: bool = True,
+    controller: str | Path | Controller | None = None,
+    setup: str | Path | SetUp | None = None,
+    skip_unknown: bool = False,
+    compensation: str = "",
+    max_blocks: int | None = None,
     name: str = "program",
 ) -> ToolPath:
     """Read a program from its text; as `read`, with `name` in messages."""
-    return read_source(Source.from_text(text, name), machine, dialect, feed=feed, block_delete=block_delete)
+    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks)
+    return read_source(Source.from_text(text, name), machine, dialect, options, feed=feed)
 
 
 def read_source(
     source: Source,
     machine: Kinematics | None = None,
     dialect: str | None = None,
+    options: ReadOptions | None = None,
     *,
     feed: str | None = None,
-    block_delete: bool = True,
+    findings: Findings | None = None,
 ) -> ToolPath:
-    """Read a program that was loaded before: its bytes can be kept as they were read; as `read`."""
+    """Read a program that was loaded before: its bytes can be kept as they were read; as `read`.
+
+    findings: collects what the reader comes upon, also where it ends with an error.
+    """
     change = None if feed is None else FeedChange.parse(feed)
-    default_feed = None if change is None else change.speed
-    found = dialect_of(source, dialect)
-    if found == "gcode":
-        toolpath = GcodeReader(source, machine, block_delete=block_delete, default_feed=default_feed).run()
-    elif found == "cldata":
-        toolpath = ClReader(source, default_feed=default_feed).run()
-    elif found == "csv":
-        toolpath = read_table(source, default_feed=default_feed)
+    options = dataclasses.replace(options or ReadOptions(), default_feed=None if change is None else change.speed)
+    options.check(machine)
+    findings = Findings() if findings is None else findings
+    found = recognised(source, dialect, options)
+    if found.dialect == CONTROLS:
+        assert found.controller is not None
+        toolpath = reader_of(source, machine, found.controller, options, findings).run()
+    elif found.dialect == "cldata":
+        from toolpace.reading.cldata.reader import ClReader
+
+        reader = ClReader(
+            source, default_feed=options.default_feed, skip_unknown=options.skip_unknown, findings=findings
+        )
+        toolpath = reader.run()
     else:
-        raise UsageError(f"dialect '{found}' is not known: use gcode, apt or csv")
+        from toolpace.reading.table import read_table
+
+        toolpath = read_table(source, default_feed=options.default_feed)
     return toolpath if change is None else change.apply(toolpath)

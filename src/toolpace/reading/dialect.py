@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import PurePath
+from typing import NamedTuple
 
 from toolpace.errors import UsageError
 from toolpace.reading.source import Source
@@ -38,26 +39,41 @@ HEAD = 200
 """Lines by which a program without a known suffix is told."""
 
 
-def dialect_of(source: Source, wanted: str | None = None) -> str:
-    """`gcode`, `cldata` or `csv`: as wanted, else by the file's suffix, else by its first lines."""
+CONTROLS = "gcode"
+"""The dialect of all programs for controllers, of whatever language."""
+
+
+class Told(NamedTuple):
+    """What a program is written in, and why it is taken for that."""
+
+    dialect: str
+    """`gcode`, `cldata` or `csv`."""
+    reason: str
+
+
+def dialect_of(source: Source, wanted: str | None = None) -> Told:
+    """The dialect: as wanted, else by the file's suffix, else by its first lines. Raises ProgramError, UsageError."""
     if wanted is not None:
         if wanted.lower() not in DIALECTS:
             raise UsageError(f"dialect '{wanted}' is not known: use gcode, apt or csv")
-        return DIALECTS[wanted.lower()]
+        return Told(DIALECTS[wanted.lower()], "named")
     head = "\n".join(source.lines[:HEAD])
-    if _CONVERSATIONAL.search(head):
-        source.fail(
-            "this looks like Heidenhain conversational code, which is not read: "
-            "export G-code (ISO), APT or CLSF from the CAM system",
-            0,
-        )
-    by_name = SUFFIXES.get(PurePath(source.name).suffix.lower())
-    if by_name is not None:
-        return by_name
-    for dialect, pattern in (("cldata", _CLDATA), ("csv", _TABLE), ("gcode", _GCODE)):
-        if pattern.search(head):
-            return dialect
+    if is_conversational(source):
+        return Told(CONTROLS, "it has blocks of Heidenhain conversational code")
+    suffix = PurePath(source.name).suffix.lower()
+    if suffix in SUFFIXES:
+        return Told(SUFFIXES[suffix], f"its name ends in {suffix}")
+    for dialect, pattern in (("cldata", _CLDATA), ("csv", _TABLE), (CONTROLS, _GCODE)):
+        if found := pattern.search(head):
+            line = head[: found.end()].rpartition("\n")[2].strip()
+            return Told(dialect, f"it has lines like '{line[:30]}'")
     source.fail(
-        "neither G-code nor APT, CLSF or CSV can be recognised here: name it with --dialect gcode, apt or csv",
+        "neither a program for a controller nor APT, CLSF or CSV can be recognised here: name it with --dialect gcode, "
+        "apt or csv",
         0,
     )
+
+
+def is_conversational(source: Source) -> bool:
+    """Whether the first lines are Heidenhain conversational code."""
+    return _CONVERSATIONAL.search("\n".join(source.lines[:HEAD])) is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from toolpace.description import counted
 from toolpace.errors import ProgramError
@@ -30,12 +30,29 @@ class Refusal:
         return f"{self.word} (first line {self.line}{times}): {self.cure}"
 
 
+@dataclass
+class Used:
+    """What of a set-up sheet a program uses, in its order."""
+
+    offsets: dict[str, None] = field(default_factory=dict)
+    """Names of work offsets."""
+    references: dict[int, None] = field(default_factory=dict)
+    """Numbers of reference points."""
+    tools: dict[str, None] = field(default_factory=dict)
+    """Numbers or names of tools."""
+    machine_zero: bool = False
+    """Whether it moves in machine coordinates."""
+
+
 class Findings:
     """Collected while a program is read; the reader goes on after a refused word, so that one run names all."""
 
     def __init__(self) -> None:
         self.skipped: Counter[str] = Counter()
         """Words without meaning for motion, and how often."""
+        self.used = Used()
+        self.arcs = 0
+        """Motions along arcs."""
         self._assumed: dict[str, None] = {}
         self._refusals: dict[str, Refusal] = {}
 
@@ -43,6 +60,12 @@ class Findings:
     def assumptions(self) -> tuple[str, ...]:
         """What was taken for granted, a sentence each, in the order of the program."""
         return tuple(self._assumed)
+
+    @property
+    def assumptions_of_meaning(self) -> tuple[str, ...]:
+        """Those that speak of words that are read, and not of skipped ones."""
+        skipped = {_skips(refusal) for refusal in self.refusals}
+        return tuple(sentence for sentence in self._assumed if sentence not in skipped)
 
     @property
     def refusals(self) -> tuple[Refusal, ...]:
@@ -70,7 +93,7 @@ class Findings:
         refusals = self.refusals
         if skip_unknown:
             for refusal in refusals:
-                self.assumed(f"skipped {refusal.word} (first line {refusal.line}, {counted(refusal.count, 'time')})")
+                self.assumed(_skips(refusal))
         elif len(refusals) == 1:
             (only,) = refusals
             times = f" (it stands {only.count} times)" if only.count > 1 else ""
@@ -80,3 +103,7 @@ class Findings:
             if len(refusals) > MOST_LISTED:
                 listed += f"; and {len(refusals) - MOST_LISTED} more"
             raise ProgramError(f"{len(refusals)} kinds of words are not read: {listed}", source=source.name)
+
+
+def _skips(refusal: Refusal) -> str:
+    return f"skipped {refusal.word} (first line {refusal.line}, {counted(refusal.count, 'time')})"

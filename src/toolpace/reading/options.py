@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from toolpace.errors import UsageError, did_you_mean
 from toolpace.reading.control.control import MOST_BLOCKS
+from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.control.setup import SetUp
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.setup_file import check_setup, load_setup, setup_in
 
 PROGRAM = "program"
+"""What `compensation` may be."""
 
 
 @dataclass(frozen=True)
@@ -27,3 +32,34 @@ class ReadOptions:
     most_blocks: int = MOST_BLOCKS
     default_feed: float | None = None
     """Speed of motions for which the program gives no F [m/s]; None makes that an error."""
+
+    @staticmethod
+    def of(
+        machine: Kinematics | None = None,
+        controller: str | Path | Controller | None = None,
+        setup: str | Path | SetUp | None = None,
+        skip_unknown: bool = False,
+        block_delete: bool = True,
+        compensation: str = "",
+        max_blocks: int | None = None,
+    ) -> ReadOptions:
+        """Options as people give them: names and files are loaded. Raises UsageError."""
+        if isinstance(controller, (str, Path)):
+            controller = Controller.load(controller)
+        if setup is None:
+            setup = setup_in(machine)
+        elif isinstance(setup, (str, Path)):
+            setup = load_setup(setup)
+        if compensation not in ("", PROGRAM):
+            raise UsageError(
+                f"--compensation '{compensation[:40]}' is not known; {did_you_mean(compensation, [PROGRAM])}"
+            )
+        most = MOST_BLOCKS if max_blocks is None else max_blocks
+        if most < 1:
+            raise UsageError(f"--max-blocks {most}: give the most blocks that may be executed, 1 or more")
+        return ReadOptions(controller, setup, skip_unknown, block_delete, compensation, most)
+
+    def check(self, machine: Kinematics | None) -> None:
+        """Raise UsageError where the set-up sheet does not fit the machine."""
+        if machine is not None:
+            check_setup(self.setup, machine)

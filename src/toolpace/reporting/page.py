@@ -15,6 +15,7 @@ import numpy as np
 from toolpace.machine.limits import KINDS
 from toolpace.reporting.figures import PlanFigures
 from toolpace.reporting.limiting import NOTHING, binding, limit_names
+from toolpace.reporting.operations import operations_section
 from toolpace.reporting.policy import with_policy
 from toolpace.reporting.scene import scene_data, stations
 from toolpace.reporting.series import blocks_over_time, channels, encoded, feed_cap, packed
@@ -67,6 +68,7 @@ def report_page(
         bars=_bars(trajectory.limited_by(), palette),
         open_places=_open_places(trajectory),
         usage=_usage(trajectory, units),
+        operations=operations_section(trajectory, toolpath),
         checks=_checks(verification),
         version=escape(__version__),
         planner=escape(trajectory.planner),

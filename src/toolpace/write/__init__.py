@@ -12,12 +12,13 @@ import msgspec
 from toolpace.errors import UsageError
 from toolpace.files import reason, whole_folder
 from toolpace.write.csv import write_csv
+from toolpace.write.how_read import CONTROLLER, SETUP, read_again, reading_record, write_how_read
 from toolpace.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.write.result import PlanResult, copy_name
 
 __all__ = [
-    "MACHINE", "PLAN", "REPORT", "SET_POINTS", "TABLE", "WRITING", "PlanRecord", "PlanResult", "read_plan",
-    "write_csv", "write_folder",
+    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "SET_POINTS", "TABLE", "WRITING", "PlanRecord", "PlanResult",
+    "read_again", "read_plan", "reading_record", "write_csv", "write_folder",
 ]  # fmt: skip
 
 SET_POINTS = "setpoints.npz"
@@ -37,8 +38,8 @@ def write_folder(
     report: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> PlanRecord:
-    """Write setpoints.npz, machine.toml, a copy of the program (program.<ext>), as asked setpoints.csv and
-    report.html, and last plan.json; return what plan.json says.
+    """Write setpoints.npz, machine.toml, a copy of the program (program.<ext>), controller.toml and setup.toml where
+    it was read with them, as asked setpoints.csv and report.html, and last plan.json; return what plan.json says.
 
     `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which
     takes its place in one step. What is there already is replaced only where toolpace wrote all of it; where it is
@@ -53,6 +54,7 @@ def write_folder(
         (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
+        write_how_read(folder, result.options)
         if csv:
             tell(0.1)
             write_csv(folder / TABLE, result.setpoints, result.machine)
@@ -82,7 +84,7 @@ def copy_program(result: PlanResult, copy: Path) -> None:
     copy.write_bytes(data)
 
 
-def written_files(program: Path, *, csv: bool, report: bool) -> list[str]:
+def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool) -> list[str]:
     """Names of the files of a plan, the one to look at last."""
-    names = [PLAN, SET_POINTS, MACHINE, copy_name(program)]
-    return names + [TABLE] * csv + [REPORT] * report
+    how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
+    return [PLAN, SET_POINTS, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

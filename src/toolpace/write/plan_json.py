@@ -42,6 +42,31 @@ class OpenPlaceRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     block: int
 
 
+class OperationRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """An operation of the program: time_s = cutting_s + rapid_s + dwell_s."""
+
+    name: str
+    tool: str
+    time_s: float
+    cutting_s: float
+    rapid_s: float
+    dwell_s: float
+    stops: int
+
+
+class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """How the program was read."""
+
+    controller_file: str = ""
+    """The file of its controller, beside this one; empty where it is for none."""
+    setup_file: str = ""
+    """The set-up sheet, beside this file; empty where there was none."""
+    skip_unknown: bool = False
+    compensation: str = ""
+    max_blocks: int | None = None
+    """Null where it was not said."""
+
+
 class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """plan.json, key by key. What is not known is null. Keys may be added, never changed or taken away.
 
@@ -88,6 +113,20 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """What lower_bound_s and gap are of: "this mesh"; null where there is no bound."""
     open_places: list[OpenPlaceRecord] = []
     """Where most of the gap lies, in the order of time."""
+    controller: str = ""
+    """What the program was read for; empty where it is for no controller."""
+    assumed: list[str] = []
+    """What the program leaves open and was taken for granted, a sentence each."""
+    skipped: dict[str, int] = {}
+    """Words without meaning for motion, and how often they stand in the program."""
+    reading: ReadingRecord = msgspec.field(default_factory=ReadingRecord)
+    """How the program was read, beside `dialect` and `feed`."""
+    operations: list[OperationRecord] = []
+    """The operations of the program with their tools, in its order; empty where there is no program."""
+    cutting_s: float | None = None
+    rapid_s: float | None = None
+    dwell_s: float | None = None
+    """Their sums."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ...; of writing, the time until this file, the last."""
 

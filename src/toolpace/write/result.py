@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from toolpace.errors import printable
+from toolpace.operations import operation_times
+from toolpace.reading.options import ReadOptions
 from toolpace.setpoints import SetPoints
 from toolpace.version import __version__
-from toolpace.write.plan_json import OpenPlaceRecord, PlanRecord, UsageRecord
+from toolpace.write.how_read import reading_record
+from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, PlanRecord, UsageRecord
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
@@ -61,6 +64,8 @@ class PlanResult:
     """What the program was to be read as, where that was said."""
     feed: str | None = None
     """What replaced the feeds of the program."""
+    options: ReadOptions = field(default_factory=ReadOptions)
+    """How the program was read, beside these two."""
     tip_tolerance: float | None = None
     """[m]"""
     axis_tolerance: float | None = None
@@ -83,6 +88,7 @@ class PlanResult:
         # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
         blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
         source = toolpath.source if toolpath is not None else ""
+        times = operation_times(trajectory, toolpath) if toolpath is not None else []
         measured = [found for found in (verification, self.path) if found is not None][:1]
         t = self.setpoints.t
         return PlanRecord(
@@ -117,6 +123,27 @@ class PlanResult:
                 OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
             ],
             step_s=dict(self.step_s),
+            controller=printable(toolpath.controller) if toolpath is not None else "",
+            assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
+            skipped=(
+                {printable(word): count for word, count in toolpath.skipped.items()} if toolpath is not None else {}
+            ),
+            reading=reading_record(self.options),
+            operations=[
+                OperationRecord(
+                    printable(each.name),
+                    printable(each.tool),
+                    each.time,
+                    each.cutting,
+                    each.rapid,
+                    each.dwell,
+                    each.stops,
+                )
+                for each in times
+            ],
+            cutting_s=sum(each.cutting for each in times) if times else None,
+            rapid_s=sum(each.rapid for each in times) if times else None,
+            dwell_s=sum(each.dwell for each in times) if times else None,
         )
 
 

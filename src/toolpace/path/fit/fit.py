@@ -218,4 +218,5 @@ def piecewise(
         feed=toolpath.feed[entry],
         least_time=toolpath.least_time[entry],
         dwell=line.dwell,
+        entry=entry,
     )

@@ -102,6 +102,7 @@ class ClMotion:
         if self.circle is not None and self.track.tip is not None:
             curve, self.circle = circle_arc(self.source, self.circle, self.track.tip, tip), None
         rapid, self.rapid = self.rapid or self.track.tip is None, False
+        self.findings.arcs += isinstance(curve, Arc)
         self.track.move(tip, line, RAPID if rapid else self.feed.caps(line), curve)
 
     def _point(self, statement: Statement) -> Point:

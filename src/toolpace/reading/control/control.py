@@ -16,8 +16,8 @@ from toolpace.reading.control.feed import Feed, FeedRules
 from toolpace.reading.control.kinematics import Kinematics, Poses
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, Rate
 from toolpace.reading.control.orientation import Orientation
-from toolpace.reading.control.placement import Datum, Placement
-from toolpace.reading.control.setup import SetUp
+from toolpace.reading.control.placement import INSIDE, Datum, Placement
+from toolpace.reading.control.setup import Position, SetUp
 from toolpace.reading.control.unroll import Told, Unroll
 from toolpace.reading.findings import Findings
 from toolpace.reading.points import refuse_still
@@ -84,6 +84,15 @@ class Control:
         self.compensated = False
         self._fixed_at: list[float] | None = None
         self.placement = self._placement()
+        if self.setup.start and machine is not None:
+            self._start(self.setup.start)
+
+    def _start(self, coordinates: Position) -> None:
+        """Begin where the sheet says that the machine stands, in machine coordinates; there the path starts."""
+        self.words = self.placement.words(self.datum.joints_of(coordinates, [0.0] * len(self.words)))
+        self.named = sum(1 << self.slots[letter] for letter in coordinates if self.slots.get(letter, 3) < 3)
+        if self.named == ALL:
+            self.begin_here()
 
     def begin_block(self, line: int) -> None:
         """Execute a block of this line next; ProgramError where there have been too many."""
@@ -127,6 +136,8 @@ class Control:
 
     def set_offset(self, name: str) -> None:
         """Make a work offset the one in force; "" is none but its stand-in."""
+        if name:
+            self.findings.used.offsets.setdefault(name)
         if self.setup.offsets and name and name not in self.setup.offsets:
             self.findings.assumed(f"{name} is not on the set-up sheet: the origin of the part stands for it")
         self.offset = name
@@ -156,8 +167,18 @@ class Control:
 
     def set_length(self, tool: str | None) -> None:
         """Reckon with the length of a tool of the table; None: with none."""
+        if tool is not None:
+            self._know(tool)
         self.compensated, self.length_of = tool is not None, tool or self.length_of
         self._replaced()
+
+    def _know(self, tool: str) -> None:
+        """Note that a tool is used, and that the sheet does not have it."""
+        if not tool:
+            return
+        self.findings.used.tools.setdefault(tool)
+        if self.setup.tools and self.setup.tool(tool) is None:
+            self.findings.assumed(f"tool {tool} is not on the set-up sheet: it is as long as the machine's own")
 
     def set_position(self, words: dict[str, float]) -> None:
         """Give the place where the machine is these words: the frame is shifted (G92)."""
@@ -198,6 +219,7 @@ class Control:
         """Move at feed along an arc, which is given in the program's coordinates as the words are."""
         if not len(self.moves):
             self.source.fail("an arc cannot be the first motion, its start is not known: position with G0", self.line)
+        self.findings.arcs += 1
         frame = self.placement.matrix
         length = arc.length()
         if frame is not affine.IDENTITY:
@@ -246,6 +268,7 @@ class Control:
         if self.poses.machine is None or not coordinates:
             self.findings.assumed("without a machine, moves in machine coordinates are passed over")
             return
+        self.findings.used.machine_zero = True
         self.need_linear_joints()
         place = self.placement.place(self.words)
         if self.placement.tip_mode:
@@ -269,8 +292,8 @@ class Control:
         if self.setup.machine_zero or self.setup.references:
             return joints
         self.findings.assumed(
-            "machine coordinates and reference points count from the upper ends of the travel of X, Y and Z "
-            "(--setup FILE tells others)"
+            "machine coordinates and reference points count from the upper ends of the travel of X, Y and Z, 1 mm "
+            "inside (--setup FILE tells others)"
         )
         columns = [*self.poses.linear, *self.poses.rotary]
         for letter in coordinates:
@@ -278,11 +301,13 @@ class Control:
             low, high = (float(end) for end in machine.travel[columns[slot]])
             if not low <= joints[slot] <= high:
                 self.findings.assumed(f"machine coordinates of {letter} beyond its travel end at the end of travel")
-            joints[slot] = min(max(joints[slot], low), high)
+            inside = min(INSIDE, 0.5 * (high - low)) if slot < 3 else 0.0
+            joints[slot] = min(max(joints[slot], low + inside), high - inside)
         return joints
 
     def reference(self, number: int, letters: list[str]) -> None:
         """Go to a reference point with the axes of these letters, at rapid; all axes where there is none."""
+        self.findings.used.references.setdefault(number)
         wanted = self.datum.reference(number)
         self.straight_in_machine({letter: wanted[letter] for letter in letters or wanted if letter in wanted})
         self.stop()
@@ -362,6 +387,7 @@ class Control:
         """Take another tool; the machine stops, and stays where it is."""
         self.stop()
         self.tool = tool
+        self._know(tool)
         self._begin(Operation(self.operations[-1].name, tool))
         self._replaced()
 

@@ -13,7 +13,7 @@ from toolpace.units import DEGREE, MILLIMETRE, MINUTE
 PER_MINUTE, INVERSE, PER_REVOLUTION = "per minute", "inverse time", "per revolution"
 """Modes of feed: lengths a minute, the time of each block, lengths a turn of the spindle."""
 TURNING = ("xyz", "vector")
-"""What F divides in a block that turns outside tip mode: the way of X, Y, Z, or of millimetres and degrees as one."""
+"""What F divides in a block that turns outside tip mode: the way of X, Y, Z, or of lengths in its unit and degrees as one."""
 
 
 class FeedRules(NamedTuple):
@@ -36,6 +36,8 @@ class Feed:
         """F [m/s], or [m] a revolution; in inverse time it is not remembered."""
         self.turn = 0.0
         """The same F as degrees a minute [rad/s]."""
+        self.unit = MILLIMETRE
+        """Of lengths when F was given [m]."""
         self.spindle = 0.0
         """Turns of the spindle a second."""
 
@@ -50,6 +52,7 @@ class Feed:
         """Remember F in units [m] and degrees, a minute or a revolution."""
         if not 0 < number <= 1e9:
             self.source.fail(f"feed F{number:g} must be above zero (and at most 1e9): correct F", line)
+        self.unit = unit
         if self.mode == PER_REVOLUTION:
             self.value, self.turn = number * unit, number * DEGREE
         elif self.mode == PER_MINUTE:
@@ -73,8 +76,8 @@ class Feed:
             if self.mode == PER_REVOLUTION:
                 speed, turn = speed * self._spindle(line), turn * self._spindle(line)
             if self.rules.turning == "vector" and length > 0.0 and turned > 0.0:
-                way = math.hypot(length / MILLIMETRE, turned / DEGREE)
-                return Rate(time=way * MILLIMETRE / speed)
+                way = math.hypot(length / self.unit, turned / DEGREE)
+                return Rate(time=way * self.unit / speed)
             return Rate(speed, turn)
         if self.default is None:
             self.source.fail(

@@ -13,6 +13,10 @@ from toolpace.reading.control.kinematics import Poses
 from toolpace.reading.control.setup import Position, SetUp
 
 
+INSIDE = 1e-3
+"""How far from the end of travel the stand-ins of machine coordinates lie [m]: a smooth path swings about its points."""
+
+
 @dataclass(frozen=True)
 class Placement:
     """From the words of a program to a place: joints, or in tip mode the tip on the part."""
@@ -44,7 +48,7 @@ class Datum:
     """Machine coordinates, work offsets and tool lengths of a set-up sheet, or their stand-ins, in joints.
 
     Without a sheet the origin of the part is the origin of every work offset, the machine's zero and its reference
-    point are the upper ends of travel, and every tool is as long as the machine's.
+    point are next to the upper ends of travel, and every tool is as long as the machine's.
     """
 
     def __init__(self, poses: Poses, setup: SetUp) -> None:
@@ -62,7 +66,7 @@ class Datum:
             self.lift = np.linalg.solve(columns, axis)
             self.home = np.linalg.solve(columns, -origin).tolist()
             ends = np.asarray(machine.travel)[list(poses.linear), 1]
-            self.zero[:3] = np.where(np.isfinite(ends), ends, 0.0).tolist()
+            self.zero[:3] = np.where(np.isfinite(ends), ends - INSIDE, 0.0).tolist()
         self._set(self.zero, setup.machine_zero)
 
     def _set(self, values: list[float], given: Position) -> None:
@@ -90,7 +94,7 @@ class Datum:
 
     def length(self, tool: str | None) -> float:
         """Length of a tool of the table; of the machine's own where there is none."""
-        found = self.setup.tools.get(tool or "")
+        found = self.setup.tool(tool or "")
         return self.own_length if found is None else found.length
 
     def origin(self, offset: str) -> list[float]:

@@ -43,3 +43,13 @@ class SetUp:
     """Variables of the controller that are set before the program, by name."""
     part: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """Where the part is clamped: `origin` [m], `x` and `z` directions; see Machine.mounted."""
+
+    def tool(self, name: str) -> Tool | None:
+        """The line of a tool, however its number is written (5, 05); None where there is none."""
+        return self.tools.get(tool_name(name))
+
+
+def tool_name(written: str) -> str:
+    """A tool's name as the table has it: numbers without leading zeros."""
+    name = " ".join(written.split())
+    return str(int(name)) if name.isascii() and name.isdigit() and len(name) < 20 else name

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.files.toml import toml_text
 
 FOLDER = Path(__file__).parent / "builtin"
 LANGUAGES = ("word-address", "sinumerik", "heidenhain")
@@ -30,7 +31,10 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What differs from controller to controller of one language."""
 
     name: str
-    language: str
+    language: str = ""
+    """How its programs are written; may be left out where it is like another."""
+    like: str = ""
+    """A built-in controller whose words and options hold where this file says nothing; its signs are this one's too."""
     note: str = ""
     suffixes: tuple[str, ...] = ()
     """Endings of names that tell it, where nothing in the program does: ".mpf"."""
@@ -53,18 +57,22 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @classmethod
     def load(cls, name_or_path: str | Path) -> Controller:
         """A built-in controller by name, or one from a TOML file. Raises UsageError."""
+        return cls.from_toml(cls.text_of(name_or_path), str(name_or_path))
+
+    @classmethod
+    def text_of(cls, name_or_path: str | Path) -> str:
+        """The text of its file, with the comments. Raises UsageError."""
         given = str(name_or_path)
         path = FOLDER / f"{given}.toml" if given in cls.names() else Path(given)
         try:
             with path.open(encoding="utf-8-sig") as stream:
-                text = stream.read(LONGEST)
+                return stream.read(LONGEST)
         except (OSError, ValueError) as error:
             if path.suffix == ".toml":
                 reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
                 raise UsageError(f"controller file {given}: {reason}") from None
             near = did_you_mean(given, cls.names())
             raise UsageError(f"controller '{given}' is not known: {near}; or give the path of a .toml file") from None
-        return cls.from_toml(text, given)
 
     @classmethod
     def from_toml(cls, text: str, source: str = "controller file") -> Controller:
@@ -75,9 +83,18 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 re.compile(sign.pattern)
         except (msgspec.DecodeError, re.error, ValueError, RecursionError) as error:
             raise UsageError(f"{source}: {error}; see `toolpace controllers fanuc --toml` for an example") from None
+        if found.like:
+            found = _upon(found, source)
         if found.language not in LANGUAGES:
             raise UsageError(f"{source}: language '{found.language}' is not known: use one of {', '.join(LANGUAGES)}")
         return msgspec.structs.replace(found, source=source)
+
+    def to_toml(self) -> str:
+        """The text of a file that loads to this controller, with all that it has from the one that it is like."""
+        given = {
+            key: value for key, value in msgspec.to_builtins(self).items() if value and key not in ("source", "like")
+        }
+        return toml_text(given)
 
     def option(self, name: str, default: Any) -> Any:
         """The option, or the default; UsageError where it is of another kind than that."""
@@ -87,3 +104,25 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if type(value) is not type(default):
             raise UsageError(f"{self.source}: option {name} = {value!r} must be of the kind of {default!r}")
         return value
+
+
+def _upon(own: Controller, source: str) -> Controller:
+    """The controller with all that the one it is like has, and it does not say itself. Raises UsageError."""
+    if own.like not in Controller.names() or own.like == own.name:
+        others = [name for name in Controller.names() if name != own.name]
+        raise UsageError(
+            f"{source}: like = '{own.like[:40]}' is no built-in controller; {did_you_mean(own.like, others)}"
+        )
+    base = Controller.load(own.like)
+    if own.language not in ("", base.language):
+        raise UsageError(f"{source}: language '{own.language}' is not that of {base.name}; leave the line out")
+    said = {*own.meanings, *own.ignored, *own.refused}
+    return msgspec.structs.replace(
+        own,
+        language=base.language,
+        signs=(*base.signs, *own.signs),
+        meanings={word: meaning for word, meaning in base.meanings.items() if word not in said} | own.meanings,
+        ignored=(*(word for word in base.ignored if word not in said), *own.ignored),
+        refused={word: cure for word, cure in base.refused.items() if word not in said} | own.refused,
+        options=base.options | own.options,
+    )

@@ -1,0 +1,212 @@
+"""The command `inspect`: a page of each program, or a table of many, and a set-up sheet to fill in."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.box import SIMPLE
+from rich.table import Table
+from rich.text import Text
+
+from toolpace.cli.steps import new_console
+from toolpace.description import counted
+from toolpace.errors import ToolpaceError, UsageError, printable
+from toolpace.reading.inspection import Inspection, inspect_source, unreadable
+from toolpace.reading.source import Source
+from toolpace.units import format_time
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from toolpace.cli.options import Reading
+    from toolpace.machine.machine import Machine
+    from toolpace.reading.inspection import Range
+
+NAMED = 3
+"""Most machines that a table names."""
+SHOWN = 40
+"""Most names of ignored words, tools and assumptions on a page; JSON has all."""
+
+
+def run_inspect(
+    programs: Sequence[str],
+    machine: str | None,
+    dialect: str | None,
+    feed: str | None,
+    as_json: bool,
+    write_setup: str | None,
+    reading: Reading,
+) -> int:
+    """Inspect each program and print what was found; 0 where nothing is refused, else 2."""
+    from toolpace.cli import arguments
+
+    arguments.feed_asked(feed)
+    machines = _machines(machine, reading)
+    options = reading.options(machines[0] if machine is not None else None)
+    found = []
+    for program in programs:
+        try:
+            source = Source.load(program)
+        except ToolpaceError as error:
+            found.append(unreadable(program, error))
+            continue
+        found.append(inspect_source(source, options, machines, dialect, feed))
+    if as_json:
+        import msgspec
+
+        print(msgspec.json.format(msgspec.json.encode([record(each) for each in found]), indent=2).decode())
+    else:
+        show(new_console(), found)
+    if write_setup is not None:
+        _write_setup(Path(write_setup), found, machines, reading)
+        if not as_json:
+            print(f"set-up sheet to fill in: {printable(write_setup)}")
+    return 2 if any(each.refused for each in found) else 0
+
+
+def _machines(name: str | None, reading: Reading) -> list[Machine]:
+    """The machine that is named, else all built-in ones, with the part clamped as the set-up sheet says."""
+    from toolpace.cli import arguments
+    from toolpace.machine.machine import Machine
+
+    names = Machine.names() if name is None else (name,)
+    return [arguments.machine_with_setup(Machine.load(each), reading)[0] for each in names]
+
+
+def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Machine], reading: Reading) -> None:
+    """A sheet with all that the programs use, on the machine that they were read for."""
+    from toolpace.files import write_text
+    from toolpace.reading.findings import Used
+    from toolpace.reading.setup_sheet import setup_sheet
+
+    used = Used()
+    for each in found:
+        used.offsets |= each.used.offsets
+        used.references |= each.used.references
+        used.tools |= each.used.tools | dict.fromkeys(each.tools)
+        used.machine_zero |= each.used.machine_zero
+    names = [name for each in found for name in (each.read_on, *each.machines) if name]
+    machine = next((each for name in names for each in machines if each.name == name), None)
+    given = reading.options(machine).setup
+    if path.exists() and path.read_bytes().strip():
+        raise UsageError(f"--write-setup {path}: is there already, and may have been filled in; give another name")
+    write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, given))
+
+
+def record(found: Inspection) -> dict[str, Any]:
+    """An entry of the JSON list: lengths in mm, angles in deg."""
+    return {
+        "program": printable(found.program),
+        "dialect": found.dialect,
+        "reason": printable(found.reason),
+        "blocks": found.blocks,
+        "five_axis_blocks": found.five_axis_blocks,
+        "refused": [
+            {"word": printable(each.word), "line": each.line, "count": each.count, "cure": printable(each.cure)}
+            for each in found.refused
+        ],
+        "ignored": {printable(word): count for word, count in found.ignored.items()},
+        "assumed": [printable(sentence) for sentence in found.assumed],
+        "machines": list(found.machines),
+        "not_on": {name: printable(why) for name, why in found.not_on.items()},
+        "read_on": found.read_on,
+        "arcs": found.arcs,
+        "rapids": found.rapids,
+        "stops": found.stops,
+        "dwells": found.dwells,
+        "dwell_s": found.dwell_s,
+        "tools": [printable(tool) for tool in found.tools],
+        "tip_mm": None if found.tip is None else [[value * 1e3 for value in each] for each in found.tip],
+        "tilt_deg": None if found.tilt is None else [math.degrees(value) for value in found.tilt],
+        "rotary_deg": {name: [math.degrees(value) for value in each] for name, each in found.rotary.items()},
+    }
+
+
+def show(console: Console, found: Sequence[Inspection]) -> None:
+    """A page of one program; of many a table, and below it what is refused."""
+    if len(found) == 1:
+        console.print(page(found[0]))
+        return
+    table = Table(box=SIMPLE, pad_edge=False)
+    for heading in ("program", "dialect", "blocks", "five-axis", "refused", "assumed", "runs on"):
+        numbers = heading in ("blocks", "five-axis", "refused", "assumed")
+        table.add_column(heading, justify="right" if numbers else "left", overflow="fold")
+    folder = os.path.commonpath([Path(each.program).parent for each in found]) if _relative(found) else ""
+    for each in found:
+        name = os.path.relpath(each.program, folder) if folder else each.program
+        cells = (
+            name, each.dialect or "?", str(each.blocks), str(each.five_axis_blocks), str(len(each.refused)),
+            str(len(each.assumed)), _machines_in_words(each),
+        )  # fmt: skip
+        table.add_row(*(Text(printable(cell), style="red" if each.refused else "") for cell in cells))
+    console.print(table)
+    for each in found:
+        for refusal in each.refused:
+            console.print(Text(printable(f"{each.program}: {refusal}")), soft_wrap=True)
+
+
+def _relative(found: Sequence[Inspection]) -> bool:
+    """Whether all names are of one kind, so that they can be told from where they all lie."""
+    return len({Path(each.program).is_absolute() for each in found}) == 1
+
+
+def _machines_in_words(found: Inspection) -> str:
+    """The machines that can run it: few by name, many by their number."""
+    most = len(found.machines) + len(found.not_on)
+    if len(found.machines) <= NAMED:
+        return ", ".join(found.machines) or "none"
+    return f"{len(found.machines)} of {most} machines"
+
+
+def page(found: Inspection) -> Table:
+    """What a machinist wants to know of one program."""
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column(overflow="fold")
+    rows = [
+        ("program", [found.program]),
+        ("dialect", [f"{found.dialect or 'not known'}" + (f": {found.reason}" if found.reason else "")]),
+        ("blocks", [f"{found.blocks}, of them {found.five_axis_blocks} turn the tool"]),
+    ]
+    if found.tip is not None:
+        counts = [f"{found.rapids} blocks with rapids", counted(found.arcs, "arc"), counted(found.stops, "stop")]
+        counts.append(counted(found.dwells, "dwell") + (f" ({format_time(found.dwell_s)})" if found.dwells else ""))
+        rows.append(("", [", ".join(counts)]))
+        rows.append(("tools", [_some(found.tools) or "none named"]))
+        extent = [f"{axis} {_mm(each)}" for axis, each in zip("XYZ", found.tip)]
+        rows.append(("tip", [", ".join(extent)]))
+    if found.tilt is not None:
+        turned = [f"{name} {_deg(each)}" for name, each in found.rotary.items()]
+        rows.append(("tilt", [", ".join([f"{_deg(found.tilt)} from Z", *turned])]))
+    ignored = [f"{word} {count}" for word, count in sorted(found.ignored.items(), key=lambda item: -item[1])]
+    rows.append(("ignored", [_some(ignored) or "nothing"]))
+    rows.append(("refused", [str(each) for each in found.refused] or ["nothing: it is read whole"]))
+    rows.append(("assumed", list(found.assumed[:SHOWN]) or ["nothing"]))
+    rows.append(("runs on", [", ".join(found.machines) or "none of the machines that were tried"]))
+    alike: dict[str, list[str]] = {}
+    for name, why in found.not_on.items():
+        alike.setdefault(why, []).append(name)
+    rows.append(("not on", [f"{', '.join(names)}: {why}" for why, names in alike.items()]))
+    for name, lines in rows:
+        for k, line in enumerate(lines):
+            style = "bold red" if name == "refused" and found.refused else ""
+            grid.add_row(name if k == 0 else "", Text(printable(line), style=style))
+    return grid
+
+
+def _some(words: Iterable[str]) -> str:
+    words = list(words)
+    more = f", and {len(words) - SHOWN} more" if len(words) > SHOWN else ""
+    return ", ".join(words[:SHOWN]) + more
+
+
+def _mm(each: Range) -> str:
+    return f"{each[0] * 1e3:.3f} to {each[1] * 1e3:.3f} mm"
+
+
+def _deg(each: Range) -> str:
+    return f"{math.degrees(each[0]):.3f} to {math.degrees(each[1]):.3f} deg"

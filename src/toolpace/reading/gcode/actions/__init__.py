@@ -1,0 +1,1 @@
+"""What words make the control do."""

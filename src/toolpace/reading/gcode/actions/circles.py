@@ -1,0 +1,101 @@
+"""Arcs of word-address languages: from the words of a block to the circle that they mean."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.reading.arcs import Arc, ArcError, centre_of_radius, plane_arc
+from toolpace.reading.control.control import Control
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.program.words import WordError
+
+FARTHEST = 1e6
+"""Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""
+MOST_TURNS = 1000
+"""Most whole turns of an arc (P): more is a slip, and would fill memory with points."""
+_CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
+
+
+class ArcReader:
+    """Reads I, J, K, R and P in the plane in force."""
+
+    def __init__(self, control: Control, state: Modal, centres: str) -> None:
+        """centres: "by mode" (distances from the start, or positions), or "fitting": what makes both radii equal."""
+        self.control, self.state, self.centres = control, state, centres
+
+    def arc(self, arc_words: dict[str, float], start: list[float], target: list[float]) -> Arc:
+        """The arc from `start` to `target` (3,), in the program's coordinates."""
+        state = self.state
+        plane = self._plane(arc_words)
+        clockwise = state.motion == "arc clockwise"
+        turns = arc_words.pop("P", 1.0)
+        if turns != int(turns) or not 1 <= turns <= MOST_TURNS:
+            raise WordError(f"P{turns:g} of an arc counts its turns: write a whole number from 1 to {MOST_TURNS}")
+        if "R" in arc_words:
+            radius = arc_words.pop("R") * state.unit
+            if any(arc_words.values()):
+                raise WordError("an arc has R, or I, J, K, not both: remove one")
+            self._refuse_far(radius, "R")
+            centre = centre_of_radius(start, target, radius, plane, clockwise)
+        elif self.centres == "fitting":
+            centre = self._fitting_centre(arc_words, start, target, plane)
+        else:
+            centre = self._centre(arc_words, start, plane, state.arc_absolute, 1.0)
+        return plane_arc(start, target, centre, plane, clockwise, int(turns))
+
+    def _plane(self, arc_words: dict[str, float]) -> int:
+        """The plane in force; where centres are fitted, that of the two letters that are given."""
+        given = tuple(letter for letter in "IJK" if letter in arc_words)
+        if self.centres == "fitting" and len(given) == 2:
+            return (("I", "J"), ("I", "K"), ("J", "K")).index((given[0], given[1]))
+        return self.state.plane
+
+    def _centre(
+        self, arc_words: dict[str, float], start: list[float], plane: int, absolute: bool, sign: float
+    ) -> list[float]:
+        """Centre from I, J, K; a word that is not there is zero as a distance, but missing as a position."""
+        state = self.state
+        centre = list(start[:3])
+        wanted = _CENTRES[plane]
+        letters = [letter for letter, _ in wanted]
+        if not any(letter in arc_words for letter in letters):
+            raise WordError(f"the arc lacks its centre: write {letters[0]} and {letters[1]}, or R")
+        for letter, slot in wanted:
+            value = arc_words.get(letter)
+            if value is None:
+                if absolute:
+                    raise WordError(f"the arc lacks {letter}: under G90.1 both centre coordinates are needed")
+                continue
+            self._refuse_far(value * state.unit, letter)
+            centre[slot] = sign * value * state.unit + (0.0 if absolute else centre[slot])
+        extra = next((letter for letter, value in arc_words.items() if letter not in letters and value), None)
+        if extra is not None:
+            name = ("G17", "G18", "G19")[plane]
+            raise WordError(f"{extra} has no meaning for an arc in the plane of {name}: check the plane")
+        return centre
+
+    def _fitting_centre(
+        self, arc_words: dict[str, float], start: list[float], target: list[float], plane: int
+    ) -> list[float]:
+        """The centre that lies equally far from both ends, of those that the words may mean."""
+        first, second = ((0, 1), (2, 0), (1, 2))[plane]
+        complete = all(letter in arc_words for letter, _ in _CENTRES[plane])
+        off: dict[float, list[float]] = {}
+        for absolute, sign in ((True, 1.0), (False, 1.0), (False, -1.0)):
+            if absolute and not complete:
+                continue
+            centre = self._centre(arc_words, start, plane, absolute, sign)
+            radii = [math.hypot(end[first] - centre[first], end[second] - centre[second]) for end in (start, target)]
+            off.setdefault(abs(radii[1] - radii[0]), centre)
+        best = min(off)
+        if best > 1e-4:
+            raise ArcError(
+                "the arc's centre is equally far from both ends neither as a position nor as a distance from the "
+                "start: correct I, J, K"
+            )
+        self.control.findings.assumed("I, J, K of arcs mean what makes both radii equal: a position, or a distance")
+        return off[best]
+
+    def _refuse_far(self, value: float, letter: str) -> None:
+        if not abs(value) <= FARTHEST * self.state.unit:
+            raise WordError(f"{letter} is beyond {FARTHEST:g}: correct the number")

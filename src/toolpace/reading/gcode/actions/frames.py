@@ -1,0 +1,172 @@
+"""Shifts, turns, scales and mirrors that a program lays over its coordinates, put together into one frame."""
+
+from __future__ import annotations
+
+from toolpace.reading.control import affine
+from toolpace.reading.control.affine import Matrix
+from toolpace.reading.control.control import Control
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.actions.offsets import Offsets, given_axes
+from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.units import DEGREE
+
+_NORMAL = (2, 1, 0)
+"""Normal of the planes XY, ZX and YZ."""
+
+
+class Frames:
+    """Work offsets, local shifts (G52), positions (G92), rotations (G68), tilts (G68.2), scales and mirrors.
+
+    Each acts in the coordinates made by those before it, in this order.
+    """
+
+    def __init__(self, control: Control, state: Modal, factor_of_whole: float) -> None:
+        """factor_of_whole: what a whole P of scaling counts (0.001 where P1000 is life size)."""
+        self.control, self.state, self.factor_of_whole = control, state, factor_of_whole
+        size = len(control.words)
+        self.offsets = Offsets(control, state, self.apply)
+        self.local = [0.0] * size
+        self.position = [0.0] * size
+        self.kept: list[float] | None = None
+        """The position that G92.2 put aside."""
+        self.turned: Matrix | None = None
+        self.tilted = False
+        self.scaled: Matrix | None = None
+        self.mirrored: Matrix | None = None
+
+    def apply(self) -> None:
+        """Hand the frame to the control."""
+        control = self.control
+        shifts = [self.offsets.moved.get(self.offsets.offset), self.local, self.position]
+        total = [sum(parts) for parts in zip(*(shift for shift in shifts if shift is not None))]
+        made = affine.shift(total) if any(total[:3]) else affine.IDENTITY
+        for part in (self.turned, self.scaled, self.mirrored):
+            if part is not None:
+                made = part if made is affine.IDENTITY else affine.product(made, part)
+        control.set_frame(made, tilted=self.tilted)
+        if tuple(total[3:]) != control.turn:
+            control.set_rotary_shift(tuple(total[3:]))
+
+    # Shifts
+
+    def local_shift(self, numbers: Numbers, word: str) -> None:
+        """G52: in place of the one before, of the axes named."""
+        for letter, value in given_axes(self.control, self.state, numbers).items():
+            self.local[self.control.slots[letter]] = value
+        self.apply()
+
+    def datum(self, numbers: Numbers, word: str) -> None:
+        """MillPlus G93: the datum, in the coordinates of the work offset; axes that are not named keep theirs."""
+        self.turned, self.tilted = None, False
+        self.local_shift(numbers, word)
+
+    def datum_added(self, numbers: Numbers, word: str) -> None:
+        """MillPlus G92: a shift of the datum from where it is."""
+        for letter, value in given_axes(self.control, self.state, numbers).items():
+            self.local[self.control.slots[letter]] += value
+        self.apply()
+
+    def set_position(self, numbers: Numbers, word: str) -> None:
+        """G92: the place where the machine is gets these words."""
+        given = given_axes(self.control, self.state, numbers)
+        if (self.turned or self.scaled or self.mirrored) and given:
+            raise WordError(f"{word} in turned, tilted or scaled coordinates is not read: end those before it")
+        for letter, value in given.items():
+            slot = self.control.slots[letter]
+            self.position[slot] += self.control.words[slot] - value
+        self.apply()
+
+    def clear_position(self, numbers: Numbers, word: str) -> None:
+        """G92.1."""
+        self.position, self.kept = [0.0] * len(self.position), None
+        self.apply()
+
+    def suspend_position(self, numbers: Numbers, word: str) -> None:
+        """G92.2."""
+        self.kept, self.position = list(self.position), [0.0] * len(self.position)
+        self.apply()
+
+    def restore_position(self, numbers: Numbers, word: str) -> None:
+        """G92.3."""
+        if self.kept is not None:
+            self.position = list(self.kept)
+        self.apply()
+
+    # Turns, scales, mirrors
+
+    def rotate(self, numbers: Numbers, word: str) -> None:
+        """G68: turn the plane about a point, that where the machine is unless X, Y tell another, by R [deg]."""
+        if any(letter in numbers for letter in "IJK"):
+            raise WordError(f"{word} with I, J, K turns about a vector, which is not read: write G68.2, or points")
+        if "R" not in numbers:
+            raise WordError(f"{word} needs its angle as R: write it like {word} X0 Y0 R30")
+        normal = _NORMAL[self.state.plane]
+        angle = numbers.pop("R") * DEGREE
+        about = self._about(numbers)
+        about[normal] = 0.0
+        back = [-value for value in about]
+        turn = affine.product(affine.rotation(normal, angle), affine.shift(back))
+        self.turned, self.tilted = affine.product(affine.shift(about), turn), False
+        self.apply()
+
+    def _about(self, numbers: Numbers) -> list[float]:
+        """A point of X, Y, Z; of those that are not named, the place where the machine is."""
+        point = self.control.words[:3]
+        for slot, letter in enumerate("XYZ"):
+            if letter in numbers:
+                value = numbers.pop(letter) * self.state.unit
+                point[slot] = value if self.state.absolute else point[slot] + value
+        return point
+
+    def rotation_off(self, numbers: Numbers, word: str) -> None:
+        """G69."""
+        self.turned, self.tilted = None, False
+        self.apply()
+
+    def tilt(self, frame: Matrix) -> None:
+        """Lay the coordinates into a tilted plane."""
+        self.turned, self.tilted = (None, False) if frame == affine.IDENTITY else (frame, True)
+        self.apply()
+
+    def scale(self, numbers: Numbers, word: str) -> None:
+        """G51: by P, or by I, J, K along the axes, about X, Y, Z."""
+        common = numbers.pop("P", None)
+        factors = [numbers.pop(letter, None) for letter in "IJK"]
+        if common is None and not any(factors):
+            raise WordError(f"{word} needs its factor as P, or I, J and K: write it like {word} X0 Y0 P0.5")
+        chosen = [self._factor(factor if factor is not None else common) for factor in factors]
+        if not all(chosen):
+            raise WordError(f"{word} by zero leaves nothing: correct the factor")
+        self.scaled = self._about_point(affine.scaling(chosen), numbers)
+        self.apply()
+
+    def _factor(self, given: float | None) -> float:
+        if given is None:
+            return 1.0
+        return given * self.factor_of_whole if given == int(given) else given
+
+    def _about_point(self, frame: Matrix, numbers: Numbers) -> Matrix:
+        about = self._about(numbers)
+        back = affine.shift([-value for value in about])
+        return affine.product(affine.shift(about), affine.product(frame, back))
+
+    def scale_off(self, numbers: Numbers, word: str) -> None:
+        """G50."""
+        self.scaled = None
+        self.apply()
+
+    def mirror(self, numbers: Numbers, word: str) -> None:
+        """G51.1: the named axes turn round at the positions named."""
+        named = [letter for letter in "XYZ" if letter in numbers]
+        signs = [-1.0 if letter in named else 1.0 for letter in "XYZ"]
+        places = [numbers.pop(letter, 0.0) * self.state.unit for letter in "XYZ"]
+        made = affine.product(affine.shift([2.0 * place for place in places]), affine.scaling(signs))
+        self.mirrored = made if self.mirrored is None else affine.product(self.mirrored, made)
+        self.apply()
+
+    def mirror_off(self, numbers: Numbers, word: str) -> None:
+        """G50.1."""
+        for letter in "XYZ":
+            numbers.pop(letter, None)
+        self.mirrored = None
+        self.apply()

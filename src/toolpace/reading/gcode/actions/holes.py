@@ -1,0 +1,131 @@
+"""Canned cycles of holes: what their words mean, hole after hole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
+from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.actions.motion import MotionReader
+from toolpace.reading.gcode.program.words import WordError
+from toolpace.units import MILLIMETRE
+
+MOST_HOLES = 100_000
+"""Repeats of one block."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a cycle does at the bottom and on its way out."""
+
+    pecks: str = ""
+    """"out": back to the top after each peck; "break": a little back."""
+    dwells: bool = False
+    stops: bool = False
+    out: str = RAPID_OUT
+
+
+KINDS = {
+    "drill": Kind(),
+    "drill and dwell": Kind(dwells=True),
+    "peck": Kind("out", dwells=True),
+    "break chips": Kind("break", dwells=True),
+    "tap": Kind(dwells=True, stops=True, out=FEED_OUT),
+    "bore": Kind(out=FEED_OUT),
+    "bore and dwell": Kind(dwells=True, out=FEED_OUT),
+    "bore and stop": Kind(dwells=True, stops=True),
+    "bore and orient": Kind(dwells=True, stops=True),
+    "bore backwards": Kind(dwells=True, stops=True),
+    "bore by hand": Kind(dwells=True, stops=True),
+}
+
+
+class Holes:
+    """The words of a cycle, which stay in force until it ends, and the holes drilled with them."""
+
+    def __init__(self, control: Control, state: Modal, motion: MotionReader, controller: Controller) -> None:
+        self.control, self.state, self.motion = control, state, motion
+        self.repeats = controller.option("repeats", "K")
+        self.clearance = controller.option("peck_clearance_mm", 1.0) * MILLIMETRE
+        self.chip_break = controller.option("chip_break_mm", 1.0) * MILLIMETRE
+        self.drills_again = controller.option("cycle_without_axes_drills", False)
+        self.words: dict[str, float] = {}
+        self.level: float | None = None
+        """Along the drill axis, where the cycle began [m]."""
+
+    def begin(self) -> None:
+        """Forget the words of the cycle before."""
+        self.words, self.level = {}, None
+
+    def execute(self, numbers: dict[str, float], dwell: float | None) -> None:
+        """A block under a cycle: its words, its repeats, and a hole where it names an axis.
+
+        dwell: P in seconds, where the block has it.
+        """
+        control, state = self.control, self.state
+        if control.feed.mode == INVERSE:
+            raise WordError("canned cycles need feeds per minute: write G94 before them")
+        letter = "XYZ"[state.drill_axis]
+        plane = [axis for axis in numbers if axis in control.slots and axis != letter]
+        repeats = numbers.pop(self.repeats, 1.0)
+        if repeats != int(repeats) or not 0 <= repeats <= MOST_HOLES:
+            raise WordError(f"{self.repeats}{repeats:g} counts holes: write a whole number from 0 to {MOST_HOLES}")
+        if self.level is None:
+            self.level = control.words[state.drill_axis]
+        drills = bool(plane) or letter in numbers or (state.cycle_word and self.drills_again)
+        for name in (letter, *"RQIJK"):
+            if name in numbers:
+                self.words[name] = numbers.pop(name)
+        if dwell is not None:
+            self.words["P"] = dwell
+        if not drills:
+            return
+        cycle = self._cycle(letter)
+        for _ in range(int(repeats)):
+            target, _ = self.motion.target(dict(numbers))
+            if state.cycle == "bore backwards":
+                control.straight([*target[:2], control.words[2], *target[3:]], 7, rapid=True)
+            drill(control, cycle, target)
+
+    def _cycle(self, letter: str) -> Drilling:
+        """The cycle in force, with the words in force."""
+        state, words, unit = self.state, self.words, self.state.unit
+        assert state.cycle is not None and self.level is not None
+        kind = KINDS[state.cycle]
+        missing = next((name for name in (letter, "R") if name not in words), None)
+        if missing is not None and (missing != "R" or state.absolute):
+            raise WordError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
+        top = words.get("R", 0.0) * unit + (0.0 if state.absolute else self.level)
+        bottom = words[letter] * unit + (0.0 if state.absolute else top)
+        back = max(self.level, top) if state.to_initial or state.cycle == "bore backwards" else top
+        if bottom > top and state.cycle != "bore backwards":
+            raise WordError(f"the cycle's depth {letter} is above R: correct {letter} or R")
+        made = Drilling(
+            top=top,
+            bottom=bottom,
+            back=back,
+            axis=state.drill_axis,
+            dwell=words.get("P", 0.0) if kind.dwells else 0.0,
+            out=kind.out,
+            stops=kind.stops,
+        )
+        return self._with_pecks(made, kind) if kind.pecks else made
+
+    def _with_pecks(self, made: Drilling, kind: Kind) -> Drilling:
+        words, unit = self.words, self.state.unit
+        peck = words.get("Q", 0.0) * unit
+        if peck < 0.0:
+            raise WordError("Q is the depth of a peck and has no sign: write it above zero")
+        first, less, least = (words.get(name, 0.0) * unit for name in "IJK")
+        return replace(
+            made,
+            peck=peck or first,
+            first_peck=first,
+            peck_less=less,
+            least_peck=least,
+            chip_break=self.chip_break if kind.pecks == "break" else 0.0,
+            clearance=self.clearance,
+        )

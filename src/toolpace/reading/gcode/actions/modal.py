@@ -1,0 +1,65 @@
+"""What a word-address language remembers from block to block."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from toolpace.units import MILLIMETRE
+
+ARCS = ("arc clockwise", "arc counter-clockwise")
+
+
+@dataclass(slots=True)
+class Modal:
+    """The state of the reader; defaults are millimetres, absolute, XY plane, continuous path."""
+
+    unit: float = MILLIMETRE
+    absolute: bool = True
+    arc_absolute: bool = False
+    plane: int = 0
+    """0: XY, 1: ZX, 2: YZ."""
+    motion: str | None = None
+    """Meaning of the motion word in force."""
+    cycle: str | None = None
+    """Meaning of the canned cycle in force, which then rules in place of the motion."""
+    exact_stop: bool = False
+    stop_here: bool = False
+    """Exact stop in this block."""
+    cycle_word: bool = False
+    """Whether this block has the word of a cycle."""
+    whole: frozenset[str] = frozenset()
+    """Letters of this block whose numbers have no point."""
+    in_machine: bool = False
+    """Machine coordinates in this block."""
+    to_initial: bool = True
+    """Whether cycles go back to the level at which they began, or to R."""
+    polar: bool = False
+    pole: dict[str, float] = field(default_factory=dict)
+    """Radius and angle that polar words gave last."""
+    switched_tip_mode: bool = False
+    """By M428, M429."""
+    length_tip_mode: bool = False
+    """By G43.4, G49."""
+    vectors: bool = False
+    """Whether I, J, K are the tool axis (G43.5)."""
+    stands: bool = False
+    """Whether words of tip mode are in coordinates that do not turn with the table."""
+    along: float = 0.0
+    """Motion along the tool axis by a letter of its own [m]."""
+    next_tool: str = ""
+    length_word: str | None = None
+    """H in force."""
+    between: list[float] | None = None
+    """Words of the place over which the reference point was gone to."""
+    ended: bool = False
+    at_home: bool = False
+    """Whether the last block went to a reference point."""
+
+    @property
+    def tip_mode(self) -> bool:
+        return self.switched_tip_mode or self.length_tip_mode
+
+    @property
+    def drill_axis(self) -> int:
+        """Of X, Y, Z, the normal of the plane."""
+        return (2, 1, 0)[self.plane]

@@ -1,0 +1,107 @@
+"""Modes: words that change how those behind them are meant, and move nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.holes import KINDS, Holes
+from toolpace.reading.gcode.actions.modal import ARCS, Modal
+from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.units import INCH, MILLIMETRE
+
+Handler = Callable[[Numbers, str], None]
+"""Carries out a word: takes what belongs to it out of the numbers of the block."""
+
+
+class Modes:
+    """Carries out the words of modes, and of dwells."""
+
+    def __init__(self, control: Control, state: Modal, holes: Holes, by: Controller) -> None:
+        self.control, self.state, self.holes = control, state, holes
+        self.cycles_apart = by.option("cycles_are_a_group", False)
+        self.dwell_whole: float = by.option("dwell_whole_s", 1.0)
+        self.dwell_point: float = by.option("dwell_point_s", 1.0)
+
+    def handlers(self) -> dict[str, Handler]:
+        """What carries out each meaning."""
+        feed, ways = self._feed, ("rapid", "feed", *ARCS)
+        return {
+            "inverse time": feed(INVERSE),
+            "feed per minute": feed(PER_MINUTE),
+            "feed per revolution": feed(PER_REVOLUTION),
+            "inch": self._set("unit", INCH),
+            "millimetre": self._set("unit", MILLIMETRE),
+            "plane XY": self._set("plane", 0),
+            "plane ZX": self._set("plane", 1),
+            "plane YZ": self._set("plane", 2),
+            "absolute": self._set("absolute", True),
+            "incremental": self._set("absolute", False),
+            "arc centre absolute": self._set("arc_absolute", True),
+            "arc centre incremental": self._set("arc_absolute", False),
+            "exact stop mode": self._set("exact_stop", True),
+            "continuous path": self._continuous,
+            "to initial level": self._set("to_initial", True),
+            "to R level": self._set("to_initial", False),
+            "polar": self._polar,
+            "cartesian": self._set("polar", False),
+            "exact stop": self._set("stop_here", True),
+            "machine coordinates": self._set("in_machine", True),
+            "dwell": self._dwell,
+            **{meaning: self._motion(meaning) for meaning in ways},
+            **{meaning: self._cycle(meaning) for meaning in KINDS},
+            "end cycle": self._end_cycle,
+        }
+
+    def _set(self, name: str, value: object) -> Handler:
+        return lambda numbers, word: setattr(self.state, name, value)
+
+    def _feed(self, mode: str) -> Handler:
+        return lambda numbers, word: self.control.feed.set_mode(mode)
+
+    def _motion(self, meaning: str) -> Handler:
+        def chosen(numbers: Numbers, word: str) -> None:
+            self.state.motion, self.state.cycle = meaning, None
+
+        return chosen
+
+    def _cycle(self, meaning: str) -> Handler:
+        def chosen(numbers: Numbers, word: str) -> None:
+            if self.state.cycle is None:
+                self.holes.begin()
+            self.state.cycle, self.state.cycle_word = meaning, True
+            if not self.cycles_apart:
+                self.state.motion = None
+
+        return chosen
+
+    def _end_cycle(self, numbers: Numbers, word: str) -> None:
+        self.state.cycle = None
+        if not self.cycles_apart:
+            self.state.motion = None
+
+    def _continuous(self, numbers: Numbers, word: str) -> None:
+        self.state.exact_stop = False
+        if self.state.motion in ARCS and "P" in numbers:
+            return  # P counts the turns of the arc too
+        if (numbers.pop("P", None) is not None) | (numbers.pop("Q", None) is not None):
+            # the tolerance of the path is given to the fit, not by the program
+            self.control.tolerance(f"{word} P")
+
+    def _polar(self, numbers: Numbers, word: str) -> None:
+        self.state.polar, self.state.pole = True, {}
+
+    def seconds(self, value: float) -> float:
+        """Time of a dwell's P [s]: in many controllers its unit goes by whether it has a point."""
+        return value * (self.dwell_whole if "P" in self.state.whole else self.dwell_point)
+
+    def _dwell(self, numbers: Numbers, word: str) -> None:
+        letter = next((letter for letter in "PXUF" if letter in numbers), None)
+        if letter is None:
+            raise WordError(f"{word} needs its time as P in seconds: write it like {word} P0.5")
+        value = numbers.pop(letter)
+        self.control.dwell(self.seconds(value) if letter == "P" else value)
+        if any(letter in "XYZABCUVW" for letter in numbers):
+            raise WordError(f"{word} takes its time alone: write the motion in a block of its own")

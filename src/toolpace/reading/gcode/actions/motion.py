@@ -1,0 +1,190 @@
+"""Executes the axis words of a block: straight ways, arcs, helices."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.reading.arcs import Arc
+from toolpace.reading.control import affine
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
+from toolpace.reading.gcode.actions.modal import ARCS, Modal
+from toolpace.reading.gcode.program.words import WordError
+from toolpace.units import DEGREE
+
+HALF, TURN = 180 * DEGREE, 360 * DEGREE
+_USES = {
+    "P": "dwells, calls or arcs (turns)",
+    "Q": "cycles",
+    **dict.fromkeys("IJKR", "arcs (G2, G3)"),
+}
+
+
+class MotionReader:
+    """Turns axis words into moves, from the state the controller is in."""
+
+    def __init__(self, control: Control, state: Modal, controller: Controller) -> None:
+        self.source, self.control, self.state = control.source, control, state
+        self.rotary = controller.option("rotary", "as written")
+        self.rotary_varies = controller.option("rotary_varies", False)
+        self.arcs = ArcReader(control, state, controller.option("arc_centre", "by mode"))
+        self.by_radius = controller.option("inverse_time_by_radius", False)
+        self.along = controller.option("letter_along_tool", "")
+        self.stated: list[float] = []
+        """(3,) X, Y, Z of the block as stated [m]."""
+        self.start_is_rapid = controller.option("starts_with_rapid", False)
+
+    def execute(self, numbers: dict[str, float], number: float | None, line: int) -> None:
+        """Move to the axis words of a block."""
+        state, control = self.state, self.control
+        motion = self._motion()
+        arc_words = {}
+        if motion in ARCS:
+            arc_words = {letter: numbers.pop(letter) for letter in "IJKRP" if letter in numbers}
+        vector = {letter: numbers.pop(letter, 0.0) for letter in "IJK"} if self._has_vector(numbers) else None
+        if not state.absolute and not len(control.moves):
+            # distances start somewhere: at zero, as on a controller that was never told its place
+            control.begin_here()
+        start = self._stated() if state.stands else control.words
+        target, named = self.target(numbers)
+        if vector is not None:
+            target[3:] = self._rotary_of(vector)
+        if motion in ARCS:
+            arc = self.arcs.arc(arc_words, start, self.stated if state.stands else target)
+            if state.stands:
+                arc = self._carried(arc, target)
+            if number is not None and self.by_radius:
+                number *= arc.r0 / max(arc.length(), 1e-12)
+            control.arc(target, named, arc, number)
+        else:
+            if motion == "rapid" and number is not None and control.feed.mode == INVERSE:
+                control.findings.ignored("F with G0 under G93")
+            control.straight(target, named, rapid=motion == "rapid", number=number)
+
+    def _motion(self) -> str:
+        motion = self.state.motion
+        if motion is None:
+            if not self.start_is_rapid:
+                raise WordError("axis words without a motion: write G0, G1, G2 or G3 before them")
+            self.control.findings.assumed("motions before the first G0 or G1 are rapids")
+            motion = self.state.motion = "rapid"
+        return motion
+
+    def target(self, numbers: dict[str, float]) -> tuple[list[float], int]:
+        """Words (3 + rotary) [m, rad] that a block moves to, and bits of the X, Y, Z that it names."""
+        state, control = self.state, self.control
+        slots, unit, absolute = control.slots, state.unit, state.absolute
+        target = list(control.words)
+        if state.stands or state.along:
+            target[:3] = self._stated()
+        if state.polar:
+            self._from_polar(numbers)
+        named = 0
+        along = state.along
+        for letter, value in numbers.items():
+            slot = slots.get(letter)
+            if not -FARTHEST <= value <= FARTHEST:
+                raise WordError(f"{letter}{value:g} is beyond {FARTHEST:g}: correct the number")
+            if slot is None:
+                if letter != self.along:
+                    self._refuse_word(letter)
+                along = value * unit if absolute else along + value * unit
+                self._say_along()
+            elif slot < 3:
+                named |= 1 << slot
+                target[slot] = value * unit if absolute else target[slot] + value * unit
+            else:
+                present = target[slot]
+                turned = value * DEGREE if absolute else present + value * DEGREE
+                if absolute and abs(turned - present) > HALF:
+                    turned = self._rotary(turned, present, value)
+                target[slot] = turned
+        if state.stands or along or state.along:
+            self.stated, state.along = target[:3], along
+            target[:3] = self._moved(target)
+        return target, named
+
+    def _rotary(self, turned: float, present: float, value: float) -> float:
+        """A rotary position more than half a turn away, by the rule of the controller."""
+        if self.rotary == "shortest":
+            return present + math.remainder(turned - present, TURN)
+        if self.rotary_varies:
+            self.control.findings.assumed(
+                "rotary words are positions as written: turns of more than 180 degrees are made, not shortened"
+            )
+        return turned
+
+    # Coordinates that are not those of the control
+
+    def _turn_and_way(self, rotary: list[float]) -> tuple[Floats, Floats]:
+        """Turn (3, 3) from words that stand to those of the control, and (3,) the way of 1 along the tool."""
+        control = self.control
+        if control.poses.machine is None:
+            return np.eye(3), np.array([0.0, 0.0, 1.0])
+        _, columns, axis = control.poses.linear_map(rotary)
+        way: Floats = axis if control.placement.tip_mode else np.linalg.solve(columns, axis).astype(np.float64)
+        if not self.state.stands:
+            return np.eye(3), way
+        _, zero, _ = control.poses.linear_map([0.0] * len(rotary))
+        return columns @ np.linalg.inv(zero), way
+
+    def _carried(self, arc: Arc, target: list[float]) -> Arc:
+        """An arc in coordinates that stand, in those of the control."""
+        if target[3:] != self.control.words[3:]:
+            raise WordError("an arc cannot turn the rotary axes here: let the CAM system write lines")
+        turn, _ = self._turn_and_way(target[3:])
+        a, b, c = (tuple(row) for row in turn.tolist())
+        turned = ((*a, 0.0), (*b, 0.0), (*c, 0.0))
+        centre, u, w, rise = (affine.direct(turned, vector) for vector in (arc.centre, arc.u, arc.w, arc.rise))
+        return Arc(centre, u, w, arc.r0, arc.r1, arc.sweep, rise)
+
+    def _stated(self) -> list[float]:
+        """X, Y, Z as they were stated, where they are not those of the control."""
+        words = self.control.words
+        turn, way = self._turn_and_way(words[3:])
+        found: list[float] = np.linalg.solve(turn, np.array(words[:3]) - self.state.along * way).tolist()
+        return found
+
+    def _moved(self, target: list[float]) -> list[float]:
+        """Coordinates (3,) of the control, of words that stand while the table turns, or go along the tool."""
+        turn, way = self._turn_and_way(target[3:])
+        found: list[float] = (turn @ np.array(target[:3]) + self.state.along * way).tolist()
+        return found
+
+    def _say_along(self) -> None:
+        self.control.findings.assumed(f"{self.along} moves along the tool axis, away from the part where positive")
+
+    def _from_polar(self, numbers: dict[str, float]) -> None:
+        """Replace radius and angle by the coordinates of the plane."""
+        state = self.state
+        first, second = ("XY", "ZX", "YZ")[state.plane]
+        if first not in numbers and second not in numbers:
+            return
+        if not state.absolute:
+            raise WordError("polar coordinates under G91 are not read: write them under G90")
+        state.pole |= {letter: numbers[letter] for letter in (first, second) if letter in numbers}
+        radius, angle = state.pole.get(first, 0.0), state.pole.get(second, 0.0) * DEGREE
+        numbers[first], numbers[second] = radius * math.cos(angle), radius * math.sin(angle)
+
+    def _has_vector(self, numbers: dict[str, float]) -> bool:
+        return self.state.vectors and any(letter in numbers for letter in "IJK")
+
+    def _rotary_of(self, vector: dict[str, float]) -> list[float]:
+        size = math.hypot(*vector.values())
+        if size < 1e-6:
+            raise WordError("the tool axis I, J, K is zero: give the direction from the tip to the spindle")
+        return self.control.rotary_for([value / size for value in vector.values()])
+
+    def _refuse_word(self, letter: str) -> None:
+        if letter in _USES:
+            raise WordError(f"{letter} has no use in this block, it belongs to {_USES[letter]}: remove it")
+        if letter in "ABC" or (letter in "UVW" and self.control.poses.machine is not None):
+            self.control.slot(letter)
+        if letter == "E":
+            raise WordError("E has no meaning here: write numbers without exponent, like 0.00001")
+        raise WordError(f"word {letter} is not known here and might move something: remove it")

@@ -1,0 +1,100 @@
+"""Work offsets: which is in force, and how far the program itself has moved each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.units import DEGREE
+
+
+class Offsets:
+    """Carries out G54 to G59.3, G54.1 P, G154 P and G10 L2, L20."""
+
+    def __init__(self, control: Control, state: Modal, changed: Callable[[], None]) -> None:
+        """changed: called when coordinates have moved."""
+        self.control, self.state, self.changed = control, state, changed
+        self.offset = ""
+        self.moved: dict[str, list[float]] = {}
+        """How far the program has moved each work offset (3 + rotary) [m, rad]."""
+        self.base: dict[str, float] = {}
+        """Machine coordinates that stand for the origin of the part, where no set-up sheet tells them."""
+
+    def work_offset(self, numbers: Numbers, word: str) -> None:
+        """G54 to G59.3."""
+        self._take_offset(word)
+
+    def numbered_offset(self, numbers: Numbers, word: str) -> None:
+        """G54.1 P, G154 P."""
+        if "P" not in numbers:
+            raise WordError(f"{word} needs the number of its offset as P: write it like {word} P1")
+        self._take_offset(f"{word} P{numbers.pop('P'):g}")
+
+    def indexed_offset(self, numbers: Numbers, word: str) -> None:
+        """MillPlus: I tells the line of the table."""
+        index = numbers.pop("I", None)
+        self._take_offset(word if index is None else f"{word} I{index:g}")
+
+    def no_offset(self, numbers: Numbers, word: str) -> None:
+        """The stand-in of an offset."""
+        self._take_offset("")
+
+    def _take_offset(self, name: str) -> None:
+        control = self.control
+        if not control.setup.offsets and name:
+            control.findings.assumed("without a set-up sheet the origin of the part stands for every work offset")
+        self.offset = name
+        control.set_offset(name)
+        self.changed()
+
+    def set_offset(self, numbers: Numbers, word: str) -> None:
+        """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
+        kind, number = numbers.pop("L", 0.0), int(numbers.pop("P", 0.0))
+        if kind not in (2.0, 20.0):
+            raise WordError(f"{word} L{kind:g} is not read: L2 and L20 are; let the set-up sheet tell tools and data")
+        name = self.offset or "G54"
+        if number or not self.offset:
+            name = self._offset_name(number, kind) if number else name
+        if self.offset == "":
+            self.offset = name
+        if kind == 20.0 and name != self.offset:
+            raise WordError(f"{word} L20 of {name}, which is not in force, is not read: write {name} before it")
+        if "R" in numbers and numbers.pop("R"):
+            raise WordError(f"{word} with R turns the offset: give the turn with G68, or let the CAM system apply it")
+        moved = self.moved.setdefault(name, [0.0] * len(self.control.words))
+        given = given_axes(self.control, self.state, numbers)
+        for letter, value in given.items():
+            slot = self.control.slots[letter]
+            if kind == 20.0:
+                moved[slot] += self.control.words[slot] - value
+            elif not self.state.absolute:
+                moved[slot] += value
+            else:
+                sheet = self.control.setup.offsets.get(name)
+                zero = sheet.get(letter, 0.0) if sheet else self.base.setdefault(letter, value)
+                moved[slot] = value - zero
+        if kind == 2.0 and not self.control.setup.offsets:
+            self.control.findings.assumed(f"the first offsets that {word} L2 sets are where the part's origin is")
+        self.changed()
+
+    def _offset_name(self, number: int, kind: float) -> str:
+        if kind == 20.0 and self.offset[:4] in ("G54.", "G154"):
+            return f"{self.offset.split(' ')[0]} P{number}"
+        if not 1 <= number <= 9:
+            raise WordError(f"P{number} is no work offset: write P1 (G54) to P9 (G59.3)")
+        return ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")[number - 1]
+
+
+def given_axes(control: Control, state: Modal, numbers: Numbers) -> Numbers:
+    """Axis words, taken out of the block, in SI units."""
+    slots, unit = control.slots, state.unit
+    given: Numbers = {}
+    for letter in [letter for letter in numbers if letter in slots or letter in "ABCUVW"]:
+        value = numbers.pop(letter)
+        if letter in slots:
+            given[letter] = value * (unit if slots[letter] < 3 else DEGREE)
+        elif letter in "ABC" and value:
+            control.slot(letter)
+    return given

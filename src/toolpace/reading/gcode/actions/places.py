@@ -1,0 +1,143 @@
+"""Moves to places of the machine: reference points, machine coordinates, and tilted planes that the axes turn to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.reading.control import affine
+from toolpace.reading.control.affine import Matrix
+from toolpace.reading.control.control import Control
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.actions.motion import MotionReader
+from toolpace.reading.gcode.program.variables import Variables
+from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.units import DEGREE
+
+
+class Places:
+    """Carries out G28, G29, G30, G53, G68.2, G53.1, G254 and MillPlus' G7 and G74."""
+
+    def __init__(
+        self, control: Control, state: Modal, motion: MotionReader, frames: Frames, variables: Variables, by: Controller
+    ) -> None:
+        self.control, self.state, self.motion, self.frames, self.variables = control, state, motion, frames, variables
+        self.all_axes = by.option("reference_without_axes_is_all", True)
+
+    def _named(self, numbers: Numbers) -> Numbers:
+        """Axis words, taken out of the block; the axes that the machine has."""
+        letters = [letter for letter in numbers if letter in "XYZABCUVW"]
+        given = {letter: numbers.pop(letter) for letter in letters}
+        slots = self.control.slots
+        absent = [letter for letter, value in given.items() if letter not in slots]
+        for letter in absent:
+            value = given.pop(letter)
+            if value and letter != self.motion.along and self.control.poses.machine is not None:
+                self.control.slot(letter)
+        return given
+
+    def reference(self, numbers: Numbers, word: str) -> None:
+        """G28: over the place that is named, at rapid, to the reference point with the axes that are named."""
+        self._reference(1, numbers, word)
+
+    def second_reference(self, numbers: Numbers, word: str) -> None:
+        """G30: to the second reference point, or the one that P names."""
+        number = numbers.pop("P", 2.0)
+        if number not in (1.0, 2.0, 3.0, 4.0):
+            raise WordError(f"{word} P{number:g} is no reference point: write P2, P3 or P4")
+        self._reference(int(number), numbers, word)
+
+    def _reference(self, number: int, numbers: Numbers, word: str) -> None:
+        control = self.control
+        given = self._named(numbers)
+        if not given and not self.all_axes:
+            control.findings.ignored(f"{word} without axes")
+            return
+        if given:
+            target, named = self.motion.target(dict(given))
+            if target != control.words:
+                control.straight(target, named, rapid=True)
+        self.state.between = list(control.words)
+        control.reference(number, list(given))
+        self.state.at_home = True
+
+    def from_reference(self, numbers: Numbers, word: str) -> None:
+        """G29: back, over the place over which the reference point was gone to."""
+        control = self.control
+        target, named = self.motion.target(self._named(numbers))
+        if self.state.between is not None:
+            over = list(control.words)
+            for slot, (present, wanted) in enumerate(zip(control.words, target)):
+                over[slot] = self.state.between[slot] if present != wanted else present
+            control.straight(over, named, rapid=True)
+        control.straight(target, named, rapid=True)
+
+    def in_machine(self, numbers: Numbers, *, rapid: bool) -> None:
+        """Move to machine coordinates."""
+        control, unit = self.control, self.state.unit
+        given = self._named(numbers)
+        slots = control.slots
+        places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in given.items()}
+        if places:
+            self.state.along = 0.0
+            control.straight_in_machine(places, rapid=rapid)
+
+    def machine_rapid(self, numbers: Numbers, word: str) -> None:
+        """MillPlus G74: to machine coordinates at rapid; L1 is a setting of its own."""
+        numbers.pop("L", None)
+        self.in_machine(numbers, rapid=True)
+
+    # Tilted planes
+
+    def tilt_plane(self, numbers: Numbers, word: str) -> None:
+        """G68.2 X Y Z I J K: a plane through a point, by Euler angles about z, the new x and the new z."""
+        if any(letter in numbers for letter in "PQR"):
+            raise WordError(f"{word} with P, Q or R is not read: write its plane as {word} X Y Z I J K")
+        self._need_machine(word)
+        unit = self.state.unit
+        at = affine.shift([numbers.pop(letter, 0.0) * unit for letter in "XYZ"])
+        angles = [numbers.pop(letter, 0.0) * DEGREE for letter in "IJK"]
+        turned = affine.turns((2, angles[0]), (0, angles[1]), (2, angles[2]))
+        self.frames.tilt(affine.product(at, turned))
+
+    def turn_to_plane(self, numbers: Numbers, word: str) -> None:
+        """G53.1: turn the rotary axes until the tool stands on the plane."""
+        self._need_machine(word)
+        numbers.pop("P", None)
+        self.control.turn_to_plane()
+
+    def carried_frame(self, numbers: Numbers, word: str) -> None:
+        """Haas G254: coordinates parallel to the machine's, about the work offset as the table has carried it."""
+        self._need_machine(word)
+        self.frames.tilt(self._carried())
+
+    def _carried(self) -> Matrix:
+        control = self.control
+        place = control.placement.place(control.words)
+        _, columns, _ = control.poses.linear_map(place[3:])
+        _, zero, _ = control.poses.linear_map([0.0] * len(place[3:]))
+        made = columns @ np.linalg.inv(zero)
+        return affine.linear(np.where(np.abs(made - np.round(made)) < 1e-13, np.round(made), made).tolist())
+
+    def tilt_by_axes(self, numbers: Numbers, word: str) -> None:
+        """MillPlus G7: turns about the fixed axes X, Y, Z by A5, B5, C5; L1=1 turns the axes, B7 and C7 are told."""
+        control = self.control
+        angles = [numbers.pop(letter, 0.0) * DEGREE for letter in ("A5", "B5", "C5")]
+        turns_axes = numbers.pop("L1", 0.0) == 1.0
+        x, y, z = (affine.rotation(axis, angle) for axis, angle in enumerate(angles))
+        told = [letter for letter in ("A", "B", "C") if f"{letter}7" in numbers]
+        if any(angles):
+            self._need_machine(word)
+        self.frames.tilt(affine.product(z, affine.product(y, x)))
+        if told:
+            wanted = control.rotary_for(control.plane_axis())
+            for letter in told:
+                key = round(numbers.pop(f"{letter}7"))
+                self.variables.set(key, wanted[control.slot(letter) - 3] / DEGREE)
+        if turns_axes and control.poses.machine is not None:
+            control.turn_to_plane()
+
+    def _need_machine(self, word: str) -> None:
+        if self.control.poses.machine is None:
+            raise WordError(f"{word} needs the machine: give --machine NAME (machine= in Python)")

@@ -1,0 +1,97 @@
+"""Tools: change, length, compensation of the radius, and tool-centre-point mode."""
+
+from __future__ import annotations
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.program.words import Numbers
+from toolpace.reading.options import PROGRAM, ReadOptions
+
+
+class Tools:
+    """Carries out the words of tools."""
+
+    def __init__(self, control: Control, state: Modal, options: ReadOptions) -> None:
+        self.control, self.state, self.options = control, state, options
+
+    def stop(self, numbers: Numbers, word: str) -> None:
+        """Spindle, coolant, clamps: the motion comes to rest."""
+        self.control.stop()
+
+    def change(self, numbers: Numbers, word: str) -> None:
+        """M6: the tool that T named last."""
+        numbers.pop("T", None)
+        self.control.change_tool(self.state.next_tool)
+
+    def compensation(self, numbers: Numbers, word: str) -> None:
+        """G41, G42: where the radius is zero the programmed contour is what is followed."""
+        radius = numbers.pop("D", None)
+        if self.options.compensation == PROGRAM:
+            self.control.findings.assumed("what G41 and G42 follow is the programmed contour, as --compensation says")
+        elif radius != 0.0:
+            self.control.findings.refused(
+                word,
+                self.control.line,
+                "cutter compensation needs the tool's radius: let the CAM system compensate and write D0, or give "
+                "--compensation program where the program is the path of the tool's centre",
+            )
+
+    def compensation_off(self, numbers: Numbers, word: str) -> None:
+        """G40."""
+        numbers.pop("D", None)
+        self.control.findings.ignored(word)
+
+    def length(self, numbers: Numbers, word: str) -> None:
+        """G43: the length of H, or of the tool at hand."""
+        self._length(numbers, word)
+        self._tip(self.state.switched_tip_mode, False)
+
+    def _length(self, numbers: Numbers, word: str) -> None:
+        control, state = self.control, self.state
+        given = numbers.pop("H", None)
+        if given is not None:
+            state.length_word = f"{given:g}"
+        control.findings.ignored(word)
+        control.set_length(state.length_word or control.tool or "")
+
+    def tip_mode(self, numbers: Numbers, word: str) -> None:
+        """G43.4: X, Y, Z are the tip."""
+        self._length(numbers, word)
+        self._tip(self.state.switched_tip_mode, True)
+        self.state.vectors = self.state.stands = False
+
+    def vector_mode(self, numbers: Numbers, word: str) -> None:
+        """G43.5: I, J, K are the tool axis."""
+        self.tip_mode(numbers, word)
+        self.state.vectors = True
+
+    def tip_mode_that_stands(self, numbers: Numbers, word: str) -> None:
+        """G141 of MillPlus: the tip, in coordinates that stand while the table turns."""
+        for letter in ("L2", "F2"):
+            numbers.pop(letter, None)
+        self._tip(self.state.switched_tip_mode, True)
+        self.state.stands = True
+        self.control.findings.assumed(
+            f"under {word} X, Y and Z are those of the part after the table has turned it, not fixed to the table"
+        )
+
+    def length_off(self, numbers: Numbers, word: str) -> None:
+        """G49."""
+        self.control.findings.ignored(word)
+        self.state.vectors = self.state.stands = False
+        self.state.length_word = None
+        self._tip(self.state.switched_tip_mode, False)
+        self.control.set_length(None)
+
+    def switch_on(self, numbers: Numbers, word: str) -> None:
+        """M428."""
+        self._tip(True, self.state.length_tip_mode)
+
+    def switch_off(self, numbers: Numbers, word: str) -> None:
+        """M429."""
+        self._tip(False, self.state.length_tip_mode)
+
+    def _tip(self, switched: bool, by_length: bool) -> None:
+        """Switch tool-centre-point mode, by either of its words."""
+        self.state.switched_tip_mode, self.state.length_tip_mode = switched, by_length
+        self.control.set_tip_mode(switched or by_length)

@@ -1,0 +1,204 @@
+"""Executes blocks: their words in the order in which a controller acts on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.holes import Holes
+from toolpace.reading.gcode.actions.modal import ARCS, Modal
+from toolpace.reading.gcode.actions.modes import Handler, Modes
+from toolpace.reading.gcode.actions.motion import MotionReader
+from toolpace.reading.gcode.actions.places import Places
+from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
+from toolpace.reading.gcode.actions.tools import Tools
+from toolpace.reading.gcode.program.blocks import Block
+from toolpace.reading.gcode.program.calls import Calls
+from toolpace.reading.gcode.program.expressions import value_of
+from toolpace.reading.gcode.program.flow import Flow
+from toolpace.reading.gcode.program.words import Numbers
+from toolpace.reading.options import ReadOptions
+from toolpace.units import INCH, MILLIMETRE
+
+LENGTHS = frozenset("XYZABCUVWIJRQ")
+"""Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
+LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
+"""Least increment of an angle, and of a length by its unit."""
+PASSED = ("S", "T", "H", "D")
+"""Spindle speed and tool numbers: counted, since nothing moves by them."""
+FREE = ("P", "Q", "E", "L", "R", "K", "I", "J")
+"""Letters that belong to a word of their block that moves nothing."""
+
+
+class Executor:
+    """The words of blocks, and what each makes the control do."""
+
+    def __init__(self, control: Control, state: Modal, flow: Flow, by: Controller, options: ReadOptions) -> None:
+        self.control, self.state, self.variables = control, state, flow.variables
+        self.motion = MotionReader(control, state, by)
+        self.holes = Holes(control, state, self.motion, by)
+        self.modes = Modes(control, state, self.holes, by)
+        self.calls = Calls(flow, by)
+        self.least_increment = by.option("whole_numbers", "as written") == "least increment"
+        self.whole_varies = by.option("whole_numbers_vary", False)
+        self.indexed = by.option("indexed_words", False)
+        self.after: Callable[[], None] | None = None
+        """What is left to do behind the motion of the block."""
+        frames = Frames(control, state, by.option("scale_of_whole", 1.0))
+        self.handlers: dict[str, Handler] = (
+            self.modes.handlers()
+            | self._of_tools(Tools(control, state, options))
+            | self._of_frames(frames)
+            | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
+            | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
+            | {
+                "call program": self.calls.program,
+                "call here": self.calls.here,
+                "return": self.calls.back,
+                "program stop": self._program_stop,
+                "end": self._end,
+            }
+        )
+
+    def _of_tools(self, tools: Tools) -> dict[str, Handler]:
+        return {
+            "compensation": tools.compensation,
+            "compensation off": tools.compensation_off,
+            "tool length": tools.length,
+            "tip mode": tools.tip_mode,
+            "tip mode that stands": tools.tip_mode_that_stands,
+            "tool vector mode": tools.vector_mode,
+            "length off": tools.length_off,
+            "stop": tools.stop,
+            "tool change": tools.change,
+            "tip mode on": tools.switch_on,
+            "tip mode off": tools.switch_off,
+        }
+
+    def _of_frames(self, frames: Frames) -> dict[str, Handler]:
+        offsets = frames.offsets
+        return {
+            "work offset": offsets.indexed_offset if self.indexed else offsets.work_offset,
+            "numbered offset": offsets.numbered_offset,
+            "no offset": offsets.no_offset,
+            "set offset": offsets.set_offset,
+            "local shift": frames.local_shift,
+            "set position": frames.set_position,
+            "clear position": frames.clear_position,
+            "suspend position": frames.suspend_position,
+            "restore position": frames.restore_position,
+            "datum": frames.datum,
+            "datum added": frames.datum_added,
+            "scale": frames.scale,
+            "scale off": frames.scale_off,
+            "mirror": frames.mirror,
+            "mirror off": frames.mirror_off,
+            "rotate": frames.rotate,
+            "rotation off": frames.rotation_off,
+        }
+
+    def _of_places(self, places: Places) -> dict[str, Handler]:
+        self.places = places
+        return {
+            "tilt plane": places.tilt_plane,
+            "carried frame": places.carried_frame,
+            "tilt by axes": places.tilt_by_axes,
+            "turn to plane": places.turn_to_plane,
+            "reference": places.reference,
+            "second reference": places.second_reference,
+            "from reference": places.from_reference,
+            "machine rapid": places.machine_rapid,
+        }
+
+    def _of_surface_holes(self, surface: SurfaceHoles) -> dict[str, Handler]:
+        return {
+            "define drill": surface.drill,
+            "define peck": surface.peck,
+            "define tap": surface.tap,
+            "define bore": surface.bore,
+            "define bore and stop": surface.bore_and_stop,
+            "run cycle": surface.run,
+        }
+
+    def execute(self, block: Block) -> None:
+        """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
+        state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
+        state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
+        numbers = self._numbers(block)
+        for action in actions[: block.before_feed]:
+            handlers[action.meaning](numbers, action.word)
+        number = numbers.pop("F", None) if numbers else None
+        if number is not None:
+            control.feed.set(number, state.unit, control.line)
+        if "S" in numbers:
+            control.feed.spindle = numbers["S"] / 60.0
+        if "T" in numbers:
+            state.next_tool = f"{numbers['T']:g}"
+        self.after = None
+        for action in actions[block.before_feed :]:
+            handlers[action.meaning](numbers, action.word)
+        for word in block.ignored:
+            control.findings.ignored(word)
+        if numbers:
+            self._rest(numbers, number, bool(block.ignored or actions))
+        if state.stop_here or state.exact_stop:
+            control.stop()
+        if self.after is not None:
+            self.after()
+
+    def _numbers(self, block: Block) -> Numbers:
+        """The words of a block with their values."""
+        numbers = dict(block.fixed)
+        for letter, node in block.computed:
+            value = value_of(node, self.variables)
+            if value is not None:
+                numbers[letter] = value
+        self.state.whole = block.whole
+        if block.whole and (self.least_increment or self.whole_varies):
+            self._whole_numbers(numbers, block.whole & LENGTHS)
+        numbers.pop("N", None)
+        return numbers
+
+    def _whole_numbers(self, numbers: Numbers, letters: frozenset[str]) -> None:
+        if self.least_increment:
+            for letter in letters:
+                numbers[letter] *= LEAST_ANGLE if letter in "ABC" else LEAST[self.state.unit]
+        elif letters:
+            self.control.findings.assumed(
+                "numbers without a decimal point are whole millimetres, inches or degrees "
+                '(whole_numbers = "least increment" in the controller\'s file counts them otherwise)'
+            )
+
+    def _rest(self, numbers: Numbers, number: float | None, free: bool) -> None:
+        """What no word of the block has taken: the motion, and letters that mean nothing for it."""
+        state, control, slots = self.state, self.control, self.control.slots
+        for letter in PASSED:
+            if numbers.pop(letter, None) is not None:
+                control.findings.ignored(letter)
+        if state.in_machine:
+            self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))
+        elif state.cycle is not None:
+            dwell = numbers.pop("P", None)
+            self.holes.execute(numbers, None if dwell is None else self.modes.seconds(dwell))
+            return
+        if not any(letter in slots or letter in "XYZABCUVW" for letter in numbers):
+            self._without_axes(numbers, free)
+        if numbers:
+            self.motion.execute(numbers, number, control.line)
+
+    def _without_axes(self, numbers: Numbers, free: bool) -> None:
+        """Letters beside which no axis stands: of a full circle, of an idle word, or a mistake."""
+        circle = self.state.motion in ARCS and any(letter in numbers for letter in "IJKR")
+        if circle or (self.state.vectors and any(letter in numbers for letter in "IJK")):
+            return
+        for letter in FREE if free or self.indexed else ():
+            if numbers.pop(letter, None) is not None:
+                self.control.findings.ignored(letter)
+
+    def _program_stop(self, numbers: Numbers, word: str) -> None:
+        self.after = self.control.stop
+
+    def _end(self, numbers: Numbers, word: str) -> None:
+        self.state.ended = True

@@ -1,0 +1,1 @@
+"""What a program says: words, expressions, statements and their flow."""

@@ -1,0 +1,202 @@
+"""A line of a program, taken apart once: what it says, with variables still open."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
+from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict
+from toolpace.reading.gcode.program.statements import Statement, statement
+from toolpace.reading.gcode.program.words import WordError, fault, plain_words, without_comments
+
+_NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
+_INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
+_EQUALS = re.compile(r"[ \t]*+=")
+_OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
+_CORNER = "let the CAM system write the corner out as blocks"
+
+
+@dataclass(slots=True)
+class Block:
+    """One block. Words that are numbers are `fixed`, those with variables `computed`."""
+
+    text: str = ""
+    deleted: bool = False
+    """Whether it begins with `/`."""
+    name: str = ""
+    """Of the operation that it begins, from a comment."""
+    fixed: dict[str, float] = field(default_factory=dict)
+    computed: list[tuple[str, Node]] = field(default_factory=list)
+    codes: list[tuple[str, Node]] = field(default_factory=list)
+    """G and M words with variables."""
+    whole: frozenset[str] = frozenset()
+    """Letters whose number has no point and is not zero."""
+    actions: list[Action] = field(default_factory=list)
+    """In the order in which they act; the first `before_feed` of them before F."""
+    before_feed: int = 0
+    ignored: list[str] = field(default_factory=list)
+    refused: list[tuple[str, str]] = field(default_factory=list)
+    """Words, and the cure of each."""
+    assignments: list[tuple[Reference, Node]] = field(default_factory=list)
+    arguments: list[tuple[str, Node]] = field(default_factory=list)
+    """All words of a macro call, in order."""
+    statement: Statement | None = None
+    empty: bool = False
+
+
+class Compiler:
+    """Makes blocks of lines, for one controller."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.vocabulary = Vocabulary(controller)
+        self.nested = controller.option("nested_comments", False)
+        self.bits = controller.option("logic_on_bits", False)
+        self.letter = controller.option("variable_letter", "#")
+        self.indexed = controller.option("indexed_words", False)
+        first = controller.option("feed_before_units", False)
+        self.last_before_feed = ORDER["inverse time" if first else "inch"]
+
+    def block(self, line: str) -> Block:
+        """Raises WordError."""
+        block = Block()
+        if "(" in line:
+            found = _OPERATION.search(line)
+            block.name = found[1].strip() if found else ""
+        text = without_comments(line, self.nested)
+        if text.startswith("/"):
+            block.deleted, text = True, text.lstrip("/0123456789 \t")
+        if text.startswith("N"):
+            match = _NUMBERED.match(text)
+            text = text[match.end() :] if match else text
+        block.text, block.empty = text, not text
+        if text and text[0] in "OIWDEGSPB:":
+            block.statement = statement(text, self.parser, self.assignments)
+        if text and block.statement is None:
+            self._words(block)
+            self.arrange(block)
+        return block
+
+    def arrange(self, block: Block) -> None:
+        """Bring the actions into their order. Raises WordError where two exclude each other."""
+        actions = block.actions
+        if len(actions) > 1:
+            actions.sort(key=lambda action: ORDER[action.meaning])
+            problem = conflict(actions)
+            if problem:
+                raise WordError(problem)
+        block.before_feed = sum(ORDER[action.meaning] <= self.last_before_feed for action in actions)
+
+    def parser(self, text: str, at: int = 0) -> Parser:
+        """A parser of values in the controller's manner."""
+        return Parser(text, at, bits=self.bits, letter=self.letter)
+
+    def assignments(self, text: str) -> list[tuple[Reference, Node]]:
+        """What a text of assignments alone sets."""
+        block = Block(text)
+        self._scan(block)
+        if block.fixed or block.computed or block.actions:
+            raise WordError("assignments alone can stand behind THEN: write the block with GOTO around it")
+        return block.assignments
+
+    def _words(self, block: Block) -> None:
+        found = plain_words(block.text)
+        if found is None:
+            self._scan(block)
+            return
+        whole = []
+        for letter, text in found:
+            if letter == "G" or letter == "M":
+                self.code(block, letter, float(text))
+            elif letter in block.fixed:
+                self._twice(block, letter)
+                block.arguments.append((letter, float(text)))
+            else:
+                block.fixed[letter] = value = float(text)
+                block.arguments.append((letter, value))
+                if "." not in text and value:
+                    whole.append(letter)
+        block.whole = frozenset(whole)
+
+    def _twice(self, block: Block, letter: str) -> None:
+        # a macro takes I, J and K several times
+        if not any(action.meaning == "macro call" for action in block.actions):
+            raise WordError(f"word {letter} stands twice in one block: remove one")
+
+    def code(self, block: Block, letter: str, value: float) -> None:
+        """Add a G or M word to a block."""
+        found = self.vocabulary.of(letter, value)
+        word = f"{letter}{value:.12g}"
+        if letter == "M" and (value != int(value) or value < 0):
+            raise WordError("M has no whole number")
+        if isinstance(found, Action):
+            block.actions.append(found)
+        elif found is None:
+            block.ignored.append(word)
+        else:
+            block.refused.append((word, found))
+
+    def _scan(self, block: Block) -> None:
+        """Words and assignments one by one, with expressions."""
+        parser = self.parser(block.text)
+        text, end = block.text, len(block.text)
+        whole = []
+        while True:
+            while parser.at < end and text[parser.at] in " \t":
+                parser.at += 1
+            if parser.at >= end:
+                break
+            at, letter = parser.at, text[parser.at]
+            indexed = _INDEXED.match(text, at) if self.indexed else None
+            if letter == "#" or (indexed and letter == self.letter and indexed[2]):
+                self._assignment(block, parser)
+            elif letter == ",":
+                block.refused.append((text[at : at + 2], _CORNER))
+                parser.at = at + 2
+                parser.value()
+            elif not ("A" <= letter <= "Z"):
+                raise WordError(fault(text[at:]))
+            else:
+                key = letter if indexed is None else indexed[1] + indexed[2]
+                parser.at = at + 1 if indexed is None else indexed.end()
+                if indexed is None and _no_value(parser, self.letter):
+                    raise WordError(fault(text[at:]))
+                node = parser.value() if indexed is None else parser.expression()
+                written = text[at + 1 : parser.at]
+                if isinstance(node, float) and node and written.strip().lstrip("+-").isdigit():
+                    whole.append(key)
+                self._word(block, key, node)
+        block.whole = frozenset(whole)
+
+    def _assignment(self, block: Block, parser: Parser) -> None:
+        reference = parser.value()
+        if not isinstance(reference, Reference):
+            raise WordError("a variable stands at the left of '=': write it like #100=1.5")
+        equals = _EQUALS.match(parser.text, parser.at)
+        if equals is None:
+            raise WordError("a variable at the beginning of a block is set: write = and a value behind it")
+        parser.at = equals.end()
+        block.assignments.append((reference, parser.expression()))
+
+    def _word(self, block: Block, key: str, node: Node) -> None:
+        if key in ("G", "M"):
+            if isinstance(node, float):
+                self.code(block, key, node)
+            else:
+                block.codes.append((key, node))
+            return
+        if key in block.fixed or any(letter == key for letter, _ in block.computed):
+            self._twice(block, key)
+        elif isinstance(node, float):
+            block.fixed[key] = node
+        else:
+            block.computed.append((key, node))
+        block.arguments.append((key, node))
+
+
+def _no_value(parser: Parser, letter: str) -> bool:
+    kind, text = parser.peek()
+    if kind == "name":
+        return "[" not in parser.text[parser.end : parser.end + 3] and text != letter
+    return not kind or text in ("]", "/", "*", "**", "<")

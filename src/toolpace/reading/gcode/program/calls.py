@@ -1,0 +1,86 @@
+"""Calls by words: M97, M98 and M99, and macros with arguments by G65."""
+
+from __future__ import annotations
+
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.program.expressions import Node, value_of, whole
+from toolpace.reading.gcode.program.flow import Flow
+from toolpace.reading.gcode.program.variables import Key
+from toolpace.reading.gcode.program.words import Numbers, WordError
+
+ARGUMENTS = {
+    **dict(zip("ABC", (1, 2, 3))), **dict(zip("DEF", (7, 8, 9))), "H": 11, "M": 13,
+    **dict(zip("QRSTUVWXYZ", range(17, 27))),
+}  # fmt: skip
+"""Variable of each letter; I, J and K are 4 to 6, and if they are repeated 7 to 9, up to 31 to 33."""
+NO_ARGUMENTS = frozenset("GLNOP")
+
+
+class Calls:
+    """Carries out the words that call and return."""
+
+    def __init__(self, flow: Flow, by: Controller) -> None:
+        self.flow = flow
+        self.repeats_in_number = by.option("repeats_in_program_number", False)
+
+    def program(self, numbers: Numbers, word: str) -> None:
+        """M98 P L: another program, L times."""
+        number = whole(self._number(numbers, word), "the number of a program")
+        times = numbers.pop("L", None)
+        flow = self.flow
+        if times is None and self.repeats_in_number and number > 9999 and str(number) not in flow.main.layout.programs:
+            times, number = number // 10_000, number % 10_000
+        flow.call(str(number), 1.0 if times is None else times)
+
+    def here(self, numbers: Numbers, word: str) -> None:
+        """M97 P L: from the block N up to M99."""
+        number = whole(self._number(numbers, word), "the number of a block")
+        self.flow.call_here(number, numbers.pop("L", 1.0))
+
+    def _number(self, numbers: Numbers, word: str) -> float:
+        if "P" not in numbers:
+            raise WordError(f"{word} needs what it calls as P: write it like {word} P1000")
+        return numbers.pop("P")
+
+    def back(self, numbers: Numbers, word: str) -> None:
+        """M99, or M99 P to a block of the caller."""
+        number = numbers.pop("P", None)
+        flow = self.flow
+        in_main = len(flow.frames) == 1
+        flow.leave()
+        if number is not None:
+            flow.ended = False
+            flow.goto(number)
+        elif in_main:
+            flow.ended = True
+
+    def macro(self, arguments: list[tuple[str, Node]]) -> None:
+        """G65 P L and arguments."""
+        given: dict[Key, float | None] = {}
+        number, times, last = None, 1.0, 3
+        for letter, node in arguments:
+            value = value_of(node, self.flow.variables)
+            if letter == "P":
+                number = value
+            elif letter == "L":
+                times = 1.0 if value is None else value
+            elif letter in "IJK":
+                last = self._next(last, "IJK".index(letter))
+                given[last] = value
+            elif letter in ARGUMENTS:
+                given[ARGUMENTS[letter]] = value
+            elif letter not in NO_ARGUMENTS:
+                raise WordError(f"{letter} is no argument of a macro: remove it")
+        if number is None:
+            raise WordError("G65 needs the macro's number as P: write it like G65 P1000 A1.5")
+        self.flow.call(str(whole(number, "the number of a macro")), times, given)
+
+    @staticmethod
+    def _next(last: int, place: int) -> int:
+        """Variable of I, J or K: of the same set where it comes behind the last one, else of the next set."""
+        wanted = last - last % 3 + 1 + place if last > 3 else 4 + place
+        while wanted <= last:
+            wanted += 3
+        if wanted > 33:
+            raise WordError("I, J and K stand more than ten times in a macro call: use fewer")
+        return wanted

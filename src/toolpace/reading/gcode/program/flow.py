@@ -1,0 +1,209 @@
+"""Which block comes next: jumps, loops, subprograms in the file and in files beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NoReturn
+
+from toolpace.reading.gcode.program.expressions import Node, value_of, whole
+from toolpace.reading.gcode.program.files import Files, Text
+from toolpace.reading.gcode.program.statements import Statement
+from toolpace.reading.gcode.program.variables import Key, Variables
+from toolpace.reading.source import Source
+
+DEEPEST = 64
+"""Calls within each other: controllers allow four to ten, and more is a program that calls itself without end."""
+MOST_REPEATS = 1_000_000
+
+
+@dataclass(slots=True)
+class Frame:
+    """A program or subprogram that is being run."""
+
+    text: Text
+    next: int = 0
+    """Index of the line that comes next."""
+    called_at: int = 0
+    """Line of the main file that stands for this frame's lines; 0 where they are its own."""
+    begin: int = 0
+    again: int = 0
+    """How often it is still to be run after this time."""
+    outer: dict[Key, float | None] | None = None
+    """Local variables of the caller, where it has others; else None."""
+    fresh: dict[Key, float | None] | None = None
+    """Local variables with which each run begins."""
+    counts: dict[int, int] = field(default_factory=dict)
+    """Of `repeat`: rounds left, by line."""
+    arrived: int = -1
+    """The branch that a false condition led to."""
+
+
+class Flow:
+    """The stack of frames."""
+
+    def __init__(self, source: Source, variables: Variables) -> None:
+        self.variables = variables
+        self.files = Files(source)
+        self.main = self.files.main
+        self.frames = [Frame(self.main)]
+        self.ended = False
+
+    @property
+    def frame(self) -> Frame:
+        """The innermost."""
+        return self.frames[-1]
+
+    def fail(self, message: str) -> NoReturn:
+        """Raise a ProgramError at the line at hand."""
+        self.frame.text.source.fail(message, self.frame.next)
+
+    # Calls
+
+    def call(
+        self, name: str, times: float = 1.0, given: dict[Key, float | None] | None = None, *, sub: bool = False
+    ) -> None:
+        """Run a program of a name, so often, with local variables of its own where they are given."""
+        found = self.files.find(self.frame.text, name, sub)
+        if found is None:
+            where = "in this file, nor in a file beside it"
+            self.fail(f"O{name} is called, and is not {where}: give it with the program, or write its blocks out")
+        self._enter(*found, times, given)
+
+    def call_here(self, number: int, times: float) -> None:
+        """Run from a sequence number of this file up to M99."""
+        text = self.frame.text
+        line = text.layout.label(number, -1)
+        if line is None:
+            self.fail(f"N{number} is called, and is not in the file: correct the number")
+        self._enter(text, line, times, None)
+
+    def _enter(self, text: Text, line: int, times: float, given: dict[Key, float | None] | None) -> None:
+        if not 0 <= times <= MOST_REPEATS or times != int(times):
+            self.fail(f"L{times:g} counts calls: write a whole number from 1 to {MOST_REPEATS}")
+        if times == 0:
+            return
+        if len(self.frames) > DEEPEST:
+            self.fail(f"calls are nested more than {DEEPEST} deep: does a program call itself?")
+        frame = self.frame
+        at = frame.called_at or (frame.next if text is not frame.text else 0)
+        outer = None if given is None else self.variables.local
+        if given is not None:
+            self.variables.local = dict(given)
+        self.frames.append(Frame(text, line, at, line, int(times) - 1, outer, given))
+
+    def leave(self) -> None:
+        """Return from the innermost call; in the main program the end."""
+        frame = self.frame
+        if frame.again:
+            frame.again -= 1
+            frame.next = frame.begin
+            if frame.fresh is not None:
+                self.variables.local = dict(frame.fresh)
+            return
+        if len(self.frames) == 1:
+            self.ended = True
+            return
+        self.frames.pop()
+        if frame.outer is not None:
+            self.variables.local = frame.outer
+
+    # Jumps
+
+    def goto(self, number: float) -> None:
+        """Go on at a sequence number."""
+        frame = self.frame
+        line = frame.text.layout.label(whole(number, "the number behind GOTO"), frame.next - 1)
+        if line is None:
+            self.fail(f"there is no block N{number:g} to go to: correct the number")
+        frame.next = line
+
+    def value(self, node: Node | None) -> float:
+        """What a condition or a number comes to; empty counts as zero."""
+        return (value_of(node, self.variables) or 0.0) if node is not None else 0.0
+
+    def run(self, statement: Statement) -> None:
+        """Do what a statement says."""
+        kind, line = statement.kind, self.frame.next - 1
+        if kind == "goto":
+            self.goto(self.value(statement.value))
+        elif kind == "if goto":
+            if self.value(statement.value):
+                self.goto(self.value(statement.label))
+        elif kind == "while do":
+            if not self.value(statement.value):
+                self.frame.next = self._partner(line) + 1
+        elif kind == "end":
+            self.frame.next = self._partner(line)
+        elif kind == "call":
+            self._call_sub(statement)
+        elif kind in ("return", "endsub"):
+            self._result(statement)
+            self.leave()
+        elif kind == "sub":
+            self.frame.next = self._partner(line) + 1
+        elif kind in ("if", "elseif", "else", "endif"):
+            self._branch(statement, line)
+        else:
+            self._loop(statement, line)
+
+    def _partner(self, line: int) -> int:
+        found = self.frame.text.layout.partner.get(line)
+        if found is None:
+            self.fail("a loop or subprogram lacks its beginning or its end: write both, with the same number or name")
+        return found
+
+    def _call_sub(self, statement: Statement) -> None:
+        given: dict[Key, float | None] = dict.fromkeys(range(1, self.variables.locals_to + 1), 0.0)
+        for number, node in enumerate(statement.arguments, start=1):
+            given[number] = self.value(node)
+        self.call(statement.name, 1.0, given, sub=True)
+
+    def _result(self, statement: Statement) -> None:
+        if statement.value is not None:
+            self.variables.common["_VALUE"] = self.value(statement.value)
+            self.variables.common["_VALUE_RETURNED"] = 1.0
+        else:
+            self.variables.common["_VALUE_RETURNED"] = 0.0
+
+    def _branch(self, statement: Statement, line: int) -> None:
+        layout, frame = self.frame.text.layout, self.frame
+        if statement.kind == "endif":
+            return
+        if statement.kind != "if" and frame.arrived != line:
+            # the branch before was run: go behind the last one
+            frame.next = layout.end.get(line, line) + 1
+        elif statement.kind != "else" and not self.value(statement.value):
+            following = layout.branch.get(line)
+            if following is None:
+                self.fail(f"O{statement.name} {statement.kind} has no endif: write one")
+            frame.next = frame.arrived = following
+
+    def _loop(self, statement: Statement, line: int) -> None:
+        kind, frame, layout = statement.kind, self.frame, self.frame.text.layout
+        if kind == "while":
+            partner = self._partner(line)
+            held = bool(self.value(statement.value))
+            if partner < line:  # of do ... while
+                frame.next = partner + 1 if held else line + 1
+            elif not held:
+                frame.next = partner + 1
+        elif kind == "endwhile":
+            frame.next = self._partner(line)
+        elif kind == "repeat":
+            times = whole(self.value(statement.value), "the number behind repeat")
+            if times > 0:
+                frame.counts[line] = times
+            else:
+                frame.next = self._partner(line) + 1
+        elif kind == "endrepeat":
+            begin = self._partner(line)
+            frame.counts[begin] = frame.counts.get(begin, 1) - 1
+            if frame.counts[begin] > 0:
+                frame.next = begin + 1
+        elif kind in ("break", "continue"):
+            loop = layout.end.get(line)
+            if loop is None:
+                self.fail(f"{kind} stands in no loop of its name: write the loop around it")
+            frame.next = self._partner(loop) + (kind == "break")
+        elif kind == "do":
+            self._partner(line)

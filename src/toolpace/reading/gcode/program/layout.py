@@ -1,0 +1,96 @@
+"""Where the labels, programs and loops of a file are: found in one pass, when the program first jumps."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections import defaultdict
+
+from toolpace.reading.gcode.program.statements import O_WORD
+from toolpace.reading.source import Source
+
+_LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")
+_PROGRAM = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[O:][ \t]*+([0-9]{1,9})[ \t]*+(?:\(.*|;.*)?$")
+_NAMED = re.compile(r"[ \t]*+O[ \t]*+<([^<>]{1,200})>[ \t]*+(?:\(.*|;.*)?$")
+_O_LINE = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?" + O_WORD.pattern)
+_DO = re.compile(r"^[^(;]*?\bDO[ \t]*+([1-3])(?![0-9])")
+_END = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?END[ \t]*+([1-3])(?![0-9])")
+_OPENS = frozenset(("SUB", "WHILE", "DO", "REPEAT", "IF"))
+_CLOSES = {"ENDSUB": "SUB", "ENDWHILE": "WHILE", "ENDREPEAT": "REPEAT", "ENDIF": "IF"}
+
+
+class Layout:
+    """Indices of lines, from 0."""
+
+    def __init__(self, source: Source) -> None:
+        self.labels: dict[int, list[int]] = defaultdict(list)
+        self.programs: dict[str, int] = {}
+        self.subs: dict[str, int] = {}
+        self.partner: dict[int, int] = {}
+        """Of the beginning of a loop or subprogram its end, and of the end its beginning."""
+        self.branch: dict[int, int] = {}
+        """Of `if`, `elseif` and `else` the next of them, or `endif`."""
+        self.end: dict[int, int] = {}
+        """Of `elseif` and `else` their `endif`; of `break` and `continue` the beginning of their loop."""
+        self._open: dict[str, list[list[int | str]]] = defaultdict(list)
+        dos: dict[str, list[int]] = defaultdict(list)
+        for index, text in enumerate(source.lines):
+            text = text.upper()
+            label = _LABEL.match(text) if "N" in text else None
+            if label:
+                self.labels[int(label[1])].append(index)
+            if "O" in text or ":" in text:
+                self._programs_and_words(text, index)
+            if "DO" in text and (match := _DO.match(text)):
+                dos[match[1]].append(index)
+            elif "END" in text and (match := _END.match(text)) and dos[match[1]]:
+                begin = dos[match[1]].pop()
+                self.partner[begin], self.partner[index] = index, begin
+
+    def _programs_and_words(self, text: str, index: int) -> None:
+        word = _O_LINE.match(text)
+        if word:
+            name = word[1]
+            self._o_word("".join(name[1:-1].split()) if name[0] == "<" else str(int(name)), word[2], index)
+            return
+        program = _PROGRAM.match(text)
+        if program:
+            self.programs.setdefault(str(int(program[1])), index)
+        elif named := _NAMED.match(text):
+            self.programs.setdefault("".join(named[1].split()), index)
+
+    def _o_word(self, name: str, kind: str, index: int) -> None:
+        stack = self._open[name]
+        if kind == "SUB":
+            self.subs.setdefault(name, index)
+        if kind == "WHILE" and stack and stack[-1][0] == "DO":
+            self._close(stack, index)
+        elif kind in _OPENS:
+            stack.append([kind, index, index])
+        elif kind in ("ELSEIF", "ELSE") and stack and stack[-1][0] == "IF":
+            last = stack[-1]
+            self.branch[int(last[-1])] = index
+            last.append(index)
+        elif kind in ("BREAK", "CONTINUE"):
+            loops = [entry for entry in stack if entry[0] in ("WHILE", "DO", "REPEAT")]
+            if loops:
+                self.end[index] = int(loops[-1][1])
+        elif _CLOSES.get(kind) and stack and stack[-1][0] == _CLOSES[kind]:
+            self._close(stack, index)
+
+    def _close(self, stack: list[list[int | str]], index: int) -> None:
+        entry = stack.pop()
+        begin = int(entry[1])
+        self.partner[begin], self.partner[index] = index, begin
+        if entry[0] == "IF":
+            self.branch[int(entry[-1])] = index
+            for branch in entry[3:]:
+                self.end[int(branch)] = index
+
+    def label(self, number: int, behind: int) -> int | None:
+        """Line of a sequence number: the next behind a line, else the first of the file."""
+        found = self.labels.get(number)
+        if not found:
+            return None
+        place = bisect_right(found, behind)
+        return found[place] if place < len(found) else found[0]

@@ -1,0 +1,104 @@
+"""What G and M words can mean, in which order a controller acts on them, and which exclude each other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from toolpace.errors import UsageError
+from toolpace.reading.controllers.controller import Controller
+
+GROUPS: dict[str, tuple[str, ...]] = {
+    "feed mode": ("inverse time", "feed per minute", "feed per revolution"),
+    "unit": ("inch", "millimetre"),
+    "function": ("stop", "tool change", "tip mode on", "tip mode off"),
+    "plane": ("plane XY", "plane ZX", "plane YZ"),
+    "distance": ("absolute", "incremental"),
+    "arc centre": ("arc centre absolute", "arc centre incremental"),
+    "path": ("exact stop mode", "continuous path"),
+    "compensation": ("compensation", "compensation off"),
+    "offset": ("work offset", "numbered offset", "no offset"),
+    "length": ("tool length", "tip mode", "tip mode that stands", "tool vector mode", "length off"),
+    "retract": ("to initial level", "to R level"),
+    "polar": ("polar", "cartesian"),
+    "scale": ("scale", "scale off"),
+    "mirror": ("mirror", "mirror off"),
+    "rotation": ("rotate", "tilt plane", "carried frame", "rotation off"),
+    "action": (
+        "dwell", "reference", "second reference", "from reference", "set offset", "local shift", "set position",
+        "clear position", "suspend position", "restore position", "turn to plane", "macro call",
+        "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
+        "define drill", "define peck", "define tap", "define bore", "define bore and stop",
+    ),
+    "machine coordinates": ("machine coordinates",),
+    "exact stop": ("exact stop",),
+    "motion": (
+        "rapid", "feed", "arc clockwise", "arc counter-clockwise", "end cycle", "drill", "drill and dwell", "peck",
+        "break chips", "tap", "bore", "bore and dwell", "bore and stop", "bore and orient", "bore backwards",
+        "bore by hand",
+    ),
+    "call": ("call program", "call here", "return"),
+    "ends": ("program stop", "end"),
+}  # fmt: skip
+"""Groups in the order in which a controller acts on them; words of one exclude each other in a block."""
+ORDER = {meaning: order for order, group in enumerate(GROUPS.values()) for meaning in group}
+GROUP_OF = {meaning: group for group, meanings in GROUPS.items() for meaning in meanings}
+UNKNOWN_G = "it is not known here and might move something: remove it, or let the CAM system write plain G0 to G3"
+UNKNOWN_M = "it is not known here and might move something: remove it, or write what it does as plain blocks"
+_TOGETHER = (("M3", "M4", "M5", "M19"), ("M7", "M9"), ("M8", "M9"))
+"""Functions of which one block has one, beside those that end or call."""
+
+
+class Action(NamedTuple):
+    """A G or M word in a block, and what it means."""
+
+    meaning: str
+    word: str
+
+
+class Vocabulary:
+    """The words of one controller."""
+
+    def __init__(self, controller: Controller) -> None:
+        """Raises UsageError where the controller's file names a meaning that there is not."""
+        self.meanings = controller.meanings
+        self.ignored = frozenset(controller.ignored)
+        self.refused = controller.refused
+        self.unknown_stops = controller.option("unknown_m_stops", False)
+        for word, meaning in self.meanings.items():
+            if meaning not in GROUP_OF:
+                raise UsageError(
+                    f"{controller.source or controller.name}: {word} = '{meaning}' is no meaning that is known: "
+                    f"use one of {', '.join(GROUP_OF)}"
+                )
+
+    def of(self, letter: str, value: float) -> Action | str | None:
+        """What a word does; the cure where it is refused; None where it moves nothing."""
+        word = f"{letter}{value:.12g}"
+        meaning = self.meanings.get(word)
+        if meaning is not None:
+            return Action(meaning, word)
+        if word in self.ignored:
+            return None
+        cure = self.refused.get(word)
+        if cure is not None:
+            return cure
+        if letter == "G":
+            return UNKNOWN_G
+        if self.unknown_stops and value == int(value) and 0 <= value < 1000:
+            return Action("stop", word)
+        return UNKNOWN_M
+
+
+def conflict(actions: list[Action]) -> str:
+    """Why words cannot stand in one block; empty where they can."""
+    seen: dict[str, str] = {}
+    words = {action.word for action in actions}
+    for meaning, word in actions:
+        group = GROUP_OF[meaning]
+        if group != "function" and seen.setdefault(group, word) != word:
+            return f"{seen[group]} and {word} exclude each other in one block: write two blocks"
+    for group_of_words in _TOGETHER:
+        both = [word for word in group_of_words if word in words]
+        if len(both) > 1:
+            return f"{both[0]} and {both[1]} exclude each other in one block: write two blocks"
+    return ""

@@ -1,0 +1,102 @@
+"""The operations and functions of expressions, with how strongly each binds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from toolpace.reading.gcode.program.words import WordError
+
+_COMPARED: dict[str, Callable[[float, float], float]] = {
+    "EQ": lambda a, b: float(a == b),
+    "NE": lambda a, b: float(a != b),
+    "GT": lambda a, b: float(a > b),
+    "GE": lambda a, b: float(a >= b),
+    "LT": lambda a, b: float(a < b),
+    "LE": lambda a, b: float(a <= b),
+}
+
+
+def _bits(operation: Callable[[int, int], int]) -> Callable[[float, float], float]:
+    return lambda a, b: float(operation(round(a), round(b)))
+
+
+def _divided(a: float, b: float) -> float:
+    if b == 0.0:
+        raise WordError("division by zero: check the expression and its variables")
+    return a / b
+
+
+def _power(a: float, b: float) -> float:
+    try:
+        result = math.pow(a, b)
+    except (ValueError, OverflowError):
+        raise WordError(f"{a:g} to the power of {b:g} is no number: check the expression") from None
+    return result
+
+
+def _modulo(a: float, b: float) -> float:
+    return a - b * math.floor(_divided(a, b))
+
+
+OPERATIONS: dict[str, tuple[int, Callable[[float, float], float]]] = {
+    "**": (6, _power),
+    "*": (5, lambda a, b: a * b),
+    "/": (5, _divided),
+    "MOD": (5, _modulo),
+    "+": (4, lambda a, b: a + b),
+    "-": (4, lambda a, b: a - b),
+    **{name: (3, function) for name, function in _COMPARED.items()},
+}
+TRUTH: dict[str, tuple[int, Callable[[float, float], float]]] = {
+    "AND": (2, lambda a, b: float(a != 0.0 and b != 0.0)),
+    "OR": (2, lambda a, b: float(a != 0.0 or b != 0.0)),
+    "XOR": (2, lambda a, b: float((a != 0.0) != (b != 0.0))),
+}
+BITS: dict[str, tuple[int, Callable[[float, float], float]]] = {
+    "AND": (5, _bits(lambda a, b: a & b)),
+    "OR": (4, _bits(lambda a, b: a | b)),
+    "XOR": (4, _bits(lambda a, b: a ^ b)),
+}
+
+
+def _checked(name: str, function: Callable[[float], float]) -> Callable[[float], float]:
+    def applied(value: float) -> float:
+        try:
+            return function(value)
+        except (ValueError, OverflowError):
+            raise WordError(f"{name} of {value:g} is no number: check the expression and its variables") from None
+
+    return applied
+
+
+def _absolute(value: float) -> float:
+    return abs(value)
+
+
+def _half_away(value: float) -> float:
+    return math.copysign(math.floor(abs(value) + 0.5), value)
+
+
+_PLAIN: dict[str, Callable[[float], float]] = {
+    "SIN": lambda a: math.sin(math.radians(a)),
+    "COS": lambda a: math.cos(math.radians(a)),
+    "TAN": lambda a: math.tan(math.radians(a)),
+    "ASIN": lambda a: math.degrees(math.asin(a)),
+    "ACOS": lambda a: math.degrees(math.acos(a)),
+    "SQRT": math.sqrt,
+    "SQR": math.sqrt,
+    "ABS": _absolute,
+    "LN": math.log,
+    "EXP": math.exp,
+    "FIX": math.floor,
+    "FUP": math.ceil,
+    "ROUND": _half_away,
+}
+FUNCTIONS = {name: _checked(name, function) for name, function in _PLAIN.items()}
+"""Of angles in degrees."""
+TOWARDS_ZERO: dict[str, Callable[[float], float]] = {
+    "FIX": _checked("FIX", math.trunc),
+    "FUP": _checked("FUP", lambda a: math.copysign(math.ceil(abs(a)), a)),
+}
+"""Fanuc cuts towards zero and away from it; LinuxCNC goes down and up."""

@@ -1,0 +1,85 @@
+"""The variables of a program: numbered and named, of the program and of each call, and those of the controller."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from toolpace.reading.gcode.program.words import WordError
+
+Key = int | str
+
+
+class UnsetError(WordError):
+    """A variable is read that nothing has set."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"{name} is read before it is set")
+
+
+class Variables:
+    """Values by number or name; an empty one is None.
+
+    locals_to: numbers from 1 to this belong to each call. empty_locals: they are empty where nothing set them.
+    system_from: from this number on, below 10000, they are the controller's own, and so are names that begin with _
+    and are not set by the program.
+    """
+
+    def __init__(
+        self,
+        given: Mapping[str, float],
+        system: Callable[[Key], float | None],
+        *,
+        locals_to: int,
+        empty_locals: bool,
+        system_from: int,
+        letter: str = "#",
+    ) -> None:
+        self.system, self.letter = system, letter
+        self.locals_to, self.empty_locals, self.system_from = locals_to, empty_locals, system_from
+        self.common: dict[Key, float | None] = {0: None} if empty_locals else {}
+        for name, value in given.items():
+            key = name.upper().lstrip(letter + "#").strip("<>")
+            self.common[int(key) if key.isdigit() else key] = value
+        self.local: dict[Key, float | None] = {}
+        """Of the call at hand."""
+
+    def text(self, key: Key) -> str:
+        """A variable as it is written."""
+        return f"{self.letter}{key}" if isinstance(key, int) else f"#<{key.lower()}>"
+
+    def _place(self, key: Key) -> dict[Key, float | None]:
+        if isinstance(key, int):
+            return self.local if 0 < key <= self.locals_to else self.common
+        return self.common if key.startswith("_") else self.local
+
+    def get(self, key: Key) -> float | None:
+        """The value. Raises UnsetError."""
+        place = self._place(key)
+        if key in place:
+            return place[key]
+        if place is self.local and isinstance(key, int) and self.empty_locals:
+            return None
+        if key in self.common:
+            return self.common[key]
+        value = self.system(key)
+        if value is None:
+            raise UnsetError(self.text(key))
+        return value
+
+    def known(self, key: Key) -> bool:
+        """Whether there is a value."""
+        try:
+            return self.get(key) is not None
+        except UnsetError:
+            return False
+
+    def is_system(self, key: Key) -> bool:
+        """Whether it is the controller's own."""
+        return isinstance(key, int) and self.system_from <= key < 10_000
+
+    def set(self, key: Key, value: float | None) -> None:
+        """Give it a value. Raises WordError."""
+        if key == 0 or (isinstance(key, int) and not 0 < key < 1_000_000):
+            raise WordError(f"{self.text(key)} cannot be set: choose another variable")
+        self._place(key)[key] = value

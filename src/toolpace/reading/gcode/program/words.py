@@ -1,0 +1,77 @@
+"""Splits a line of a word-address program: comments away, then letters and the texts of their values."""
+
+from __future__ import annotations
+
+import re
+
+NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)"
+_WORD = re.compile(rf"([A-Z])[ \t]*({NUMBER})")
+_BLOCK = re.compile(rf"[ \t]*(?:[A-Z][ \t]*{NUMBER}[ \t]*)*+")
+_COMMENT = re.compile(r"\([^()]*\)")
+_NAME = re.compile(r"[A-Z_][A-Z_]+")
+
+
+Numbers = dict[str, float]
+"""Values of the words of a block, by letter."""
+
+
+class WordError(ValueError):
+    """A block that cannot be read; the message says where and what to write."""
+
+
+def without_comments(line: str, nested: bool = False) -> str:
+    """The block in capitals, without `( )` and `;` comments and outer blanks.
+
+    nested: comments may hold comments, and one that is open at the end of the line ends there.
+    """
+    if "(" in line or ")" in line or ";" in line:
+        semicolon = line.find(";")
+        if semicolon >= 0 and "(" not in line[:semicolon]:
+            line = line[:semicolon]
+        if nested:
+            line = _outside(line)
+        else:
+            line = _COMMENT.sub(" ", line)
+        line = line.split(";", 1)[0]
+        if "(" in line or ")" in line:
+            raise WordError("a comment's bracket has no partner: close the comment on its line, and do not nest them")
+    return line.upper().strip()
+
+
+def _outside(line: str) -> str:
+    kept: list[str] = []
+    depth = 0
+    for piece in re.split(r"([()])", line):
+        if piece == "(":
+            depth += 1
+        elif piece == ")" and depth:
+            depth -= 1
+            kept.append(" ")
+        elif not depth:
+            kept.append(piece)
+    return "".join(kept)
+
+
+def plain_words(block: str) -> list[tuple[str, str]] | None:
+    """Letters and the texts of their numbers, in order; None where the block is more than that."""
+    match = _BLOCK.match(block)
+    if match is None or match.end() != len(block):
+        return None
+    return _WORD.findall(block)
+
+
+def fault(block: str) -> str:
+    """What is wrong with a block from a place on at which no word begins."""
+    match = _BLOCK.match(block)
+    rest = block[match.end() :] if match else block
+    name = _NAME.match(rest)
+    if name and not re.match(r"[A-Z]E[-+]?[0-9]", rest):
+        return (
+            f"'{name[0][:20]}' is no letter with a number, and might move something: "
+            "G-code words are read, like X1.5; conversational and other control languages are not"
+        )
+    if rest[:1].isalpha() and rest[:1].isascii():
+        return f"letter {rest[0]} has no number after it: write one, like {rest[0]}1.5"
+    if rest[:1] and rest[0] in "+-.0123456789":
+        return f"number '{rest.split()[0][:20]}' has no letter before it: write it like X1.5"
+    return f"'{rest[:1]}' has no meaning in G-code: remove it, or write it as a comment in ( )"

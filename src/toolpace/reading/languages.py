@@ -1,0 +1,82 @@
+"""Which controller a program is for, and the reader of its language."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+from dataclasses import dataclass
+from typing import Protocol
+
+from toolpace.errors import UsageError
+from toolpace.reading.control.kinematics import Kinematics
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.dialect import CONTROLS, dialect_of
+from toolpace.reading.findings import Findings
+from toolpace.reading.options import ReadOptions
+from toolpace.reading.source import Source
+from toolpace.toolpath import ToolPath
+
+READERS = {
+    "word-address": ("toolpace.reading.gcode.reader", "WordAddressReader"),
+    "sinumerik": ("toolpace.reading.sinumerik.reader", "SinumerikReader"),
+    "heidenhain": ("toolpace.reading.heidenhain.reader", "HeidenhainReader"),
+}
+"""Language to the module and the class that read it; a module is imported when a program is in its language."""
+
+
+class Reader(Protocol):
+    """One reading of one program."""
+
+    def run(self) -> ToolPath:
+        """Execute all of it. Raises ProgramError."""
+
+
+@dataclass(frozen=True)
+class Recognised:
+    """What a program is, and why it is taken for that."""
+
+    dialect: str
+    """`gcode`, `cldata` or `csv`; gcode is every language of controllers."""
+    controller: Controller | None
+    """None for cutter-location data and tables, which are for no controller."""
+    reason: str
+
+
+def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Recognised:
+    """What a program is: as named, else by its content. Raises ProgramError, UsageError."""
+    if options.controller is not None:
+        told = dialect_of(source, dialect or CONTROLS)
+        if told.dialect != CONTROLS:
+            raise UsageError(
+                f"--controller {options.controller.name} goes with programs for controllers, and --dialect {dialect} "
+                "is none: leave one of them out"
+            )
+        return Recognised(CONTROLS, options.controller, "named")
+    told = dialect_of(source, dialect)
+    if told.dialect != CONTROLS:
+        return Recognised(told.dialect, None, told.reason)
+    from toolpace.reading.controllers.recognise import recognise
+
+    controller, reason = recognise(source)
+    return Recognised(CONTROLS, controller, reason)
+
+
+def reader_of(
+    source: Source, machine: Kinematics | None, controller: Controller, options: ReadOptions, findings: Findings
+) -> Reader:
+    """The reader of a program for a controller. Raises UsageError where its language has none."""
+    module, name = READERS[controller.language]
+    try:
+        reader = getattr(importlib.import_module(module), name)
+    except ModuleNotFoundError:
+        raise UsageError(
+            f"controller {controller.name}: its language '{controller.language}' is not read yet"
+        ) from None
+    made: Reader = reader(source, machine, controller, options, findings)
+    return made
+
+
+def with_controller(source: Source, dialect: str | None, options: ReadOptions) -> tuple[ReadOptions, Recognised]:
+    """The options with the controller that the program is read for, and what it was taken for."""
+    found = recognised(source, dialect, options)
+    return dataclasses.replace(options, controller=found.controller), found

@@ -1,0 +1,240 @@
+"""Set-up sheets (TOML) to `SetUp`, every figure checked where it is read, and back.
+
+Lengths are in mm and angles in deg unless a table [units] says otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NoReturn
+
+from toolpace.errors import UsageError, did_you_mean
+from toolpace.files import reason
+from toolpace.files.toml import toml_text
+from toolpace.reading.control.kinematics import Kinematics, Poses
+from toolpace.reading.control.setup import Position, SetUp, Tool, tool_name
+
+LENGTHS = {"mm": 1e-3, "m": 1.0, "in": 0.0254}
+ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}
+LETTERS = "XYZABCUVW"
+TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables")
+LONGEST = 1_000_000
+"""Most characters of a set-up sheet."""
+FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
+"""Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
+MOST_REFERENCES = 4
+_P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
+
+
+def load_setup(path: str | Path) -> SetUp:
+    """The set-up sheet in a file. Raises UsageError naming file, key and cure."""
+    source = str(path)
+    try:
+        with Path(path).open(encoding="utf-8-sig") as stream:
+            text = stream.read(LONGEST + 1)
+    except OSError as error:
+        raise UsageError(f"set-up sheet {source}: cannot be read ({reason(error)}); check the path") from None
+    except ValueError:
+        raise UsageError(f"set-up sheet {source}: not a text file; save it as UTF-8") from None
+    return setup_of_text(text, source)
+
+
+def setup_of_text(text: str, source: str = "set-up sheet") -> SetUp:
+    """A set-up sheet from its text; `source` names it in messages. Raises UsageError."""
+    if len(text) > LONGEST:
+        raise UsageError(f"{source}: has more than {LONGEST} characters: this is no set-up sheet")
+    try:
+        table = tomllib.loads(text)
+    except RecursionError:
+        raise UsageError(f"{source}: not a set-up sheet: tables or arrays lie too deep in each other") from None
+    except ValueError as error:
+        raise UsageError(f"{source}: not a TOML file: {str(error)[:200]}") from None
+    return setup_of_table(table, source)
+
+
+def setup_of_table(table: Mapping[str, Any], source: str) -> SetUp:
+    """A set-up sheet from its tables, as they stand in the file. Raises UsageError."""
+    return _Sheet(source, table).read()
+
+
+def setup_text(setup: SetUp) -> str:
+    """The text of a sheet that reads as exactly this set-up, in metres and radians."""
+    tools = {name: {"length": tool.length, "radius": tool.radius} for name, tool in setup.tools.items()}
+    tables: dict[str, Mapping[str, Any]] = {
+        "offsets": {name: dict(place) for name, place in setup.offsets.items()},
+        "references": {str(number): dict(place) for number, place in setup.references.items()},
+        "machine_zero": dict(setup.machine_zero),
+        "tools": tools,
+        "part": {name: list(vector) for name, vector in setup.part.items()},
+        "start": dict(setup.start),
+        "variables": dict(setup.variables),
+    }
+    given = {name: table for name, table in tables.items() if table}
+    return toml_text({"units": {"length": "m", "angle": "rad"}, **given})
+
+
+def setup_in(machine: object) -> SetUp:
+    """The set-up sheet in the file of a machine; an empty one where there is none. Raises UsageError."""
+    table = getattr(machine, "setup", None)
+    source = str(getattr(machine, "source", "") or getattr(machine, "name", "") or "machine file")
+    return setup_of_table(table, f"{source}: [setup]") if table else SetUp()
+
+
+def check_setup(setup: SetUp, machine: Kinematics) -> None:
+    """Raise UsageError where the sheet names an axis that the machine does not have, or clamps the part elsewhere."""
+    source = setup.source or "set-up sheet"
+    known = Poses(machine).slots()
+    places: dict[str, Position] = {f"offsets.{name}": place for name, place in setup.offsets.items()}
+    places |= {f"references.{number}": place for number, place in setup.references.items()}
+    places |= {"machine_zero": setup.machine_zero, "start": setup.start}
+    for name, place in places.items():
+        for letter in place:
+            if letter not in known:
+                raise UsageError(
+                    f"{source}: [{name}] {letter}: machine '{machine.name}' has no axis {letter}, its axes are "
+                    f"{', '.join(known)}; remove the line, or choose the right machine"
+                )
+    mounted = getattr(machine, "mounted", None)
+    if setup.part and mounted is not None and mounted(**setup.part) != machine:
+        raise UsageError(
+            f"{source}: [part] clamps the part elsewhere than machine '{machine.name}' has it; "
+            "read and plan with machine.mounted(**setup.part)"
+        )
+
+
+class _Sheet:
+    """One reading of one sheet."""
+
+    def __init__(self, source: str, table: Mapping[str, Any]) -> None:
+        self.source, self.raw = source, table
+        self.length, self.angle = "mm", "deg"
+
+    def fail(self, place: str, what: str) -> NoReturn:
+        raise UsageError(f"{self.source}: {place} {what}"[:500])
+
+    def read(self) -> SetUp:
+        self.known("the sheet", self.raw, TABLES)
+        units = self.table("units")
+        self.known("[units]", units, ("length", "angle"))
+        self.length = self.unit(units, "length", LENGTHS, "mm")
+        self.angle = self.unit(units, "angle", ANGLES, "deg")
+        return SetUp(
+            source=self.source,
+            offsets=self.named("offsets", offset_name, self.position),
+            references=self.named("references", self.number_of_reference, self.position),
+            machine_zero=self.position("[machine_zero]", self.table("machine_zero")),
+            tools=self.named("tools", tool_name, self.tool),
+            start=self.position("[start]", self.table("start")),
+            variables={
+                name: self.number("[variables]", name, value) for name, value in self.table("variables").items()
+            },
+            part=self.part(),
+        )
+
+    def known(self, place: str, table: Mapping[str, Any], names: tuple[str, ...]) -> None:
+        for key in table:
+            if key not in names:
+                self.fail(place, f"has the unknown key '{key[:40]}'; {did_you_mean(key, names)}")
+
+    def table(self, name: str) -> Mapping[str, Any]:
+        found = self.raw.get(name, {})
+        if not isinstance(found, dict):
+            self.fail(name, f"= {found!r:.40} is not a table; write it under the heading [{name}]")
+        return found
+
+    def unit(self, units: Mapping[str, Any], key: str, known: Mapping[str, float], usual: str) -> str:
+        found = units.get(key, usual)
+        if not isinstance(found, str) or found not in known:
+            self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, known))}")
+        return found
+
+    def named(self, name: str, key_of: Callable[[str], Any], value_of: Callable[[str, Any], Any]) -> dict[Any, Any]:
+        """The tables of a table, by what their headings mean."""
+        found: dict[Any, Any] = {}
+        for heading, value in self.table(name).items():
+            place = f"[{name}.{heading[:40]}]"
+            key = key_of(heading)
+            if not isinstance(value, dict):
+                self.fail(f"[{name}]", f"{heading[:40]} = {value!r:.40} is not a table; write it under {place}")
+            if key in found:
+                self.fail(place, f"stands twice, as {key} in another way of writing; keep one")
+            found[key] = value_of(place, value)
+        return found
+
+    def number_of_reference(self, heading: str) -> int:
+        if heading not in map(str, range(1, MOST_REFERENCES + 1)):
+            self.fail(
+                f"[references.{heading[:40]}]", f"is not 1 to {MOST_REFERENCES}; 1 is G28's, the others are G30's by P"
+            )
+        return int(heading)
+
+    def position(self, place: str, table: Mapping[str, Any]) -> dict[str, float]:
+        found = {}
+        for letter, value in table.items():
+            if len(letter) != 1 or letter not in LETTERS:
+                self.fail(place, f"has the key '{letter[:40]}'; write axis letters, like X = 12.5")
+            if letter in "ABC":
+                found[letter] = self.quantity(place, letter, value, self.angle, ANGLES, MOST_TURN)
+            else:
+                found[letter] = self.quantity(place, letter, value, self.length, LENGTHS, FARTHEST)
+        return found
+
+    def tool(self, place: str, table: Mapping[str, Any]) -> Tool:
+        self.known(place, table, ("length", "radius"))
+        if "length" not in table:
+            self.fail(place, f"has no length; write the way from the spindle nose to the tip [{self.length}]")
+        length, radius = (
+            self.quantity(place, key, table.get(key, 0.0), self.length, LENGTHS, LONGEST_TOOL)
+            for key in ("length", "radius")
+        )
+        for key, value in (("length", length), ("radius", radius)):
+            if value < 0.0:
+                self.fail(place, f"{key} = {table[key]!r} is below zero; write it from the spindle nose, above zero")
+        return Tool(length, radius)
+
+    def part(self) -> dict[str, tuple[float, float, float]]:
+        table = self.table("part")
+        self.known("[part]", table, ("origin", "x", "z"))
+        found: dict[str, tuple[float, float, float]] = {}
+        for key, value in table.items():
+            if not isinstance(value, list) or len(value) != 3:
+                self.fail("[part]", f"{key} = {value!r:.40} is not three numbers; write it like {key} = [0, 0, 1]")
+            if key == "origin":
+                x, y, z = (self.quantity("[part]", key, each, self.length, LENGTHS, FARTHEST) for each in value)
+            else:
+                x, y, z = (self.number("[part]", key, each) for each in value)
+                if not math.hypot(x, y, z) > 0.0:
+                    self.fail("[part]", f"{key} has no length; write the direction of the part's {key} at the bed")
+            found[key] = (x, y, z)
+        return found
+
+    def quantity(
+        self, place: str, key: str, value: object, unit: str, scales: Mapping[str, float], most: float
+    ) -> float:
+        """A number in its unit, in m or rad."""
+        found = self.number(place, key, value, unit) * scales[unit]
+        if not abs(found) <= most:
+            self.fail(place, f"{key} = {value!r:.40} is more than {most / scales[unit]:g} {unit}: check its unit")
+        return found
+
+    def number(self, place: str, key: str, value: object, unit: str = "") -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            self.fail(
+                place, f"{key[:40]} = {value!r:.40} is not a number; write it{f' in {unit}' * bool(unit)} like 12.5"
+            )
+        try:
+            found = float(value)
+        except OverflowError:
+            found = math.inf
+        if not math.isfinite(found):
+            self.fail(place, f"{key[:40]} = {str(value)[:40]} is not finite; write a number")
+        return found
+
+
+def offset_name(heading: str) -> str:
+    """The name of a work offset as readers call it: G54, "G54.1 P12"."""
+    return _P_WORD.sub(" P", " ".join(heading.upper().split()))

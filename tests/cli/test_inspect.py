@@ -1,0 +1,230 @@
+"""`toolpace inspect`: what programs are and need, in JSON as a contract and on a page as a machinist reads it."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from toolpace import demo
+from toolpace.cli import main
+from toolpace.machine.machine import Machine
+from toolpace.reading.setup_file import load_setup
+
+CONTRACT = {"program", "dialect", "blocks", "five_axis_blocks", "refused", "ignored", "assumed", "machines"}
+FIVE = """\
+G21 G90 G94
+G43.4 H1
+G0 X0 Y0 Z50 A0 C0
+G1 Z1 F600
+X10 A10
+X20 A20 C30
+C30
+G2 X30 Y0 I5 J0
+G0 Z50
+M30
+"""
+CLSF = """\
+TOOL PATH/ROUGH,TOOL,D10
+GOTO/0,0,10,0,0,1
+FEDRAT/500,MMPM
+GOTO/10,0,10
+GOTO/10,10,10,0,0.6,0.8
+WOBBLE/3
+WOBBLE/4
+SPIRAL/1
+END-OF-PATH
+"""
+
+
+@pytest.fixture
+def five(tmp_path):
+    path = tmp_path / "five.ngc"
+    path.write_text(FIVE)
+    return str(path)
+
+
+def inspected(capsys, *arguments):
+    capsys.readouterr()
+    code = main(["inspect", *arguments, "--json"])
+    said = capsys.readouterr()
+    assert said.err == ""
+    return code, json.loads(said.out)
+
+
+def test_json_keeps_the_contract(five, capsys):
+    code, (found,) = inspected(capsys, five)
+    assert code == 0 and set(found) >= CONTRACT
+    assert found["program"] == five and found["refused"] == []
+    assert found["blocks"] == 10 and found["five_axis_blocks"] == 2 and found["arcs"] == 1 and found["rapids"] == 1
+    assert found["dialect"] in ("linuxcnc", "iso", "fanuc", "haas") and found["reason"]
+    assert found["tip_mm"][0] == pytest.approx([0, 30], abs=1e-6) and found["tip_mm"][2] == [1, 50]
+    assert found["tilt_deg"] == pytest.approx([0, 20], abs=1e-9)
+    assert found["rotary_deg"] == {"C": pytest.approx([0, 30]), "A": pytest.approx([0, 20])}
+
+
+def test_machines_that_can_run_it_and_why_others_cannot(five, capsys):
+    _, (found,) = inspected(capsys, five)
+    assert "xyzac-trunnion" in found["machines"] and found["read_on"] in found["machines"]
+    assert set(found["machines"]) | set(found["not_on"]) == set(Machine.names())
+    assert found["not_on"]["xyzbc-head"] == "line 3: it has no axis A"
+    assert found["not_on"]["paper-ab"] == "line 3: it has no axis C"
+
+
+def test_travel_keeps_machines_from_running_it(tmp_path, capsys):
+    path = tmp_path / "far.ngc"
+    path.write_text("G0 X0 Y0 Z0\nG1 X600 F1000\nM30\n")
+    _, (found,) = inspected(capsys, str(path))
+    assert "xyzac-trunnion" not in found["machines"] and "xyzbc-head" in found["machines"]
+    assert "600.000 mm, above its limit of 500 mm" in found["not_on"]["xyzac-trunnion"]
+    assert "\n" not in found["not_on"]["xyzac-trunnion"]
+
+
+def test_all_refused_words_are_told_with_first_line_count_and_cure(tmp_path, capsys):
+    path = tmp_path / "part.cls"
+    path.write_text(CLSF)
+    code, (found,) = inspected(capsys, str(path))
+    assert code == 2
+    told = {each["word"]: (each["line"], each["count"]) for each in found["refused"]}
+    assert told == {"WOBBLE": (6, 2), "SPIRAL": (8, 1)} and all(each["cure"] for each in found["refused"])
+    # what is read is told all the same
+    assert found["five_axis_blocks"] == 1 and found["tools"] == ["D10"] and found["tip_mm"][0] == [0, 10]
+    assert not any("skipped" in sentence for sentence in found["assumed"])
+    code, (found,) = inspected(capsys, str(path), "--skip-unknown")
+    assert code == 0 and found["refused"] == []
+    assert any("skipped WOBBLE (first line 6, 2 times)" in sentence for sentence in found["assumed"])
+
+
+def test_what_cannot_be_read_is_told_and_stops_no_other(five, tmp_path, capsys):
+    binary, prose, wrong = (tmp_path / name for name in ("a.bin", "b.txt", "c.ngc"))
+    binary.write_bytes(b"\x7fELF\0\0\0")
+    prose.write_text("hello world\n")
+    wrong.write_text("G0 X0 Y0 Z0\nG1 X10 F100\nG1 X1..5\nM30\n")
+    names = [str(tmp_path / "gone.ngc"), str(binary), str(prose), str(wrong), five]
+    code, found = inspected(capsys, *names)
+    assert code == 2 and [each["program"] for each in found] == names
+    words = ["no such file", "binary", "recognised", "", None]
+    for each, word in zip(found, words):
+        if word is None:
+            assert each["refused"] == [] and each["machines"]
+        else:
+            (refusal,) = each["refused"]
+            assert word in refusal["cure"] and refusal["count"] == 1 and each["machines"] == []
+    assert found[3]["refused"][0]["line"] == 3 and "X1..5" in found[3]["refused"][0]["word"]
+    assert found[3]["not_on"]["xyzac-trunnion"] == "the program is not read whole: see what is refused"
+
+
+def test_a_page_of_one_program_and_a_table_of_many(five, tmp_path, capsys):
+    assert main(["inspect", five]) == 0
+    page = capsys.readouterr().out
+    for words in (
+        "dialect",
+        "10, of them 2 turn the tool",
+        "refused",
+        "nothing: it is read whole",
+        "runs on",
+        "not on",
+    ):
+        assert words in page
+    other = tmp_path / "part.cls"
+    other.write_text(CLSF)
+    assert main(["inspect", five, str(other)]) == 2
+    table = capsys.readouterr().out
+    assert "five.ngc" in table and "part.cls" in table and "WOBBLE (first line 6, 2 times)" in table
+
+
+def test_the_demo_is_read_whole(tmp_path, capsys):
+    path = tmp_path / "impeller.ngc"
+    path.write_text(demo.impeller_program(Machine.load(demo.MACHINE)))
+    code, (found,) = inspected(capsys, str(path))
+    assert code == 0 and demo.MACHINE in found["machines"] and found["five_axis_blocks"] > 0.9 * found["blocks"]
+
+
+def test_a_sheet_to_fill_in_is_written_once(five, tmp_path, capsys):
+    sheet = tmp_path / "setup.toml"
+    assert main(["inspect", five, "-m", "xyzac-trunnion", "--write-setup", str(sheet)]) == 0
+    load_setup(sheet)
+    before = sheet.read_text()
+    assert main(["inspect", five, "-m", "xyzac-trunnion", "--write-setup", str(sheet)]) == 2
+    assert "may have been filled in" in capsys.readouterr().err and sheet.read_text() == before
+
+
+def test_wrong_options_are_one_line(five, tmp_path, capsys):
+    sheet = tmp_path / "setup.toml"
+    sheet.write_text("[offsets.G54]\nX = 'far'\n")
+    for arguments, words in (
+        (["--setup", str(sheet)], "X = 'far' is not a number"),
+        (["--controller", "fanucc"], "controller 'fanucc' is not known"),
+        (["--compensation", "centre"], "--compensation 'centre' is not known"),
+        (["--max-blocks", "0"], "--max-blocks 0"),
+        (["-m", "xyzac"], "unknown machine 'xyzac'"),
+        (["--feed", "fast"], "fast"),
+    ):
+        capsys.readouterr()
+        assert main(["inspect", five, *arguments]) == 2
+        said = capsys.readouterr()
+        assert said.out == "" and said.err.startswith("error: ") and said.err.count("\n") == 1 and words in said.err
+
+
+MINE = """\
+name = "mine"
+language = "word-address"
+note = "a control of one's own"
+"""
+
+
+def test_controllers_are_listed_and_printed(tmp_path, capsys):
+    path = tmp_path / "mine.toml"
+    path.write_text("# why\n" + MINE)
+    assert main(["controllers", str(path)]) == 0
+    assert "a control of one's own" in capsys.readouterr().out
+    assert main(["controllers", str(path), "--toml"]) == 0
+    assert capsys.readouterr().out == "# why\n" + MINE
+    assert main(["controllers"]) == 0
+    assert main(["controllers", "--toml"]) == 2
+    assert "needs the name of one controller" in capsys.readouterr().err
+
+
+SHEET = """\
+[part]
+origin = [5, 0, 60]
+[tools.1]
+length = 120
+[offsets.G54]
+X = 0
+"""
+
+
+def test_a_plan_keeps_how_it_was_read_and_is_judged_by_it(five, tmp_path, capsys):
+    sheet, mine, out = tmp_path / "setup.toml", tmp_path / "mine.toml", tmp_path / "out"
+    sheet.write_text(SHEET)
+    mine.write_text(MINE + '[meanings]\nG0 = "rapid"\nG1 = "feed"\nM30 = "end"\n')
+    how = ["--setup", str(sheet), "--controller", str(mine), "--max-blocks", "100"]
+    program = tmp_path / "short.ngc"
+    program.write_text("G0 X0 Y0 Z50\nG1 X20 F6000\nG0 Z60\nM30\n")
+    code = main(["plan", str(program), "-m", "xyzac-trunnion", "--out", str(out), "--no-report", *how])
+    assert code == 0
+    said = json.loads((out / "plan.json").read_text())
+    assert said["reading"] == {
+        "controller_file": "controller.toml", "setup_file": "setup.toml", "skip_unknown": False, "compensation": "",
+        "max_blocks": 100,
+    }  # fmt: skip
+    assert load_setup(out / "setup.toml").tools == load_setup(sheet).tools
+    assert Machine.load(out / "machine.toml").file.chain.workpiece_origin == pytest.approx((0.005, 0, 0.06))
+    for file in (sheet, mine, program):
+        file.unlink()
+    capsys.readouterr()
+    assert main(["verify", str(out)]) == 0
+    assert "by its set-up sheet, at most 100 blocks" in capsys.readouterr().out
+    assert main(["verify", str(out), "--max-blocks", "2"]) == 2
+    assert "more than 2 blocks" in capsys.readouterr().err
+    for name in ("setup.toml", "controller.toml"):
+        before = (out / name).read_text()
+        (out / name).write_text(before + "# changed\n")
+        assert main(["verify", str(out)]) == 1
+        assert f"{name} was changed" in capsys.readouterr().out
+        (out / name).unlink()
+        assert main(["verify", str(out)]) == 2
+        assert f"{name} is not there" in capsys.readouterr().err
+        (out / name).write_text(before)
+    assert main(["verify", str(out)]) == 0

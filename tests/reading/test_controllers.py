@@ -1,0 +1,108 @@
+"""Controllers as data: every file that is built in, files that are like another, and programs that only data tell."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from toolpace.errors import UsageError
+from toolpace.machine.machine import Machine
+from toolpace.reading import ReadOptions, Source, read_text
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.inspection import inspect_source
+from toolpace.reading.languages import READERS, recognised
+
+WORD_ADDRESS = [name for name in Controller.names() if Controller.load(name).language == "word-address"]
+
+
+@pytest.mark.parametrize("name", Controller.names())
+def test_a_controller_is_printed_so_that_it_loads_as_the_same(name):
+    controller = Controller.load(name)
+    assert controller.name == name and controller.note and controller.language in READERS
+    again = Controller.from_toml(controller.to_toml(), name)
+    assert again == msgspec.structs.replace(controller, like="")
+    words = [*controller.meanings, *controller.ignored, *controller.refused]
+    assert len(words) == len(set(words)), "a word has one meaning"
+    assert all(cure.strip() for cure in controller.refused.values())
+
+
+@pytest.mark.parametrize("name", WORD_ADDRESS)
+def test_every_controller_of_words_reads_the_plainest_program(name):
+    path = read_text("G90\nG0 X0. Y0. Z5.\nG1 Z0. F600.\nX10.\nM30\n", None, controller=name)
+    assert path.controller == name and path.tip[-1].tolist() == pytest.approx([0.01, 0, 0])
+
+
+OWN = 'name = "own"\nlike = "fanuc"\nnote = "a mill of our own"\n'
+
+
+def test_a_controller_like_another_says_only_what_differs():
+    fanuc = Controller.load("fanuc")
+    ignored = fanuc.ignored[0]
+    own = Controller.from_toml(
+        OWN + f'ignored = ["G31"]\n[meanings]\n"{ignored}" = "continuous path"\n[options]\nrepeats = "L"\n', "own.toml"
+    )
+    assert own.language == fanuc.language and own.name == "own" and own.signs == fanuc.signs
+    assert own.meanings == fanuc.meanings | {ignored: "continuous path"}
+    assert "G31" in own.ignored and "G31" not in own.refused and ignored not in own.ignored
+    assert own.options == fanuc.options | {"repeats": "L"}
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        (OWN.replace("fanuc", "fanucc"), "like = 'fanucc' is no built-in controller; did you mean 'fanuc'"),
+        (OWN.replace("own", "fanuc"), "like = 'fanuc' is no built-in controller"),
+        (OWN + 'language = "sinumerik"\n', "language 'sinumerik' is not that of fanuc"),
+        ('name = "own"\n', "language '' is not known"),
+        (OWN + "meaning = 3\n", "meaning"),
+        (OWN + '[[signs]]\npattern = "("\nreason = "x"\n', "own.toml"),
+    ],
+)
+def test_wrong_files_are_one_line(text, words):
+    with pytest.raises(UsageError) as caught:
+        Controller.from_toml(text, "own.toml")
+    assert words in str(caught.value) and str(caught.value).startswith("own.toml: ")
+
+
+MAZAK = """\
+%
+O0012 (BRACKET)
+G90 G94 G17 G49
+G21
+G05 P2
+T3 M6
+G54.1 P1
+M46
+G0 A30. C45.
+M47
+G43.4 H3
+G0 X0 Y0 Z20.
+G1 Z1. F500
+G61.1
+X10.
+X10. Y10.
+G4 P500
+G49
+G05 P0
+M30
+%
+"""
+
+
+def test_mazak_is_told_by_its_words_and_read_by_data_alone():
+    source = Source.from_text(MAZAK, "bracket.nc")
+    found = recognised(source, None, ReadOptions())
+    assert found.controller is not None and found.controller.name == "mazak"
+    assert found.reason == "G05 P2 is the high-speed mode of Mazak"
+    told = inspect_source(source, ReadOptions(), [Machine.load("xyzac-trunnion")])
+    assert told.refused == () and told.machines == ("xyzac-trunnion",) and told.tools == ("3",)
+    path = read_text(MAZAK, Machine.load("xyzac-trunnion"))
+    # G61.1 goes on without a stop; G4 P500 is half a second
+    assert path.dwell.max() == 0.5 and not path.stop[path.block == 15].any()
+
+
+def test_on_mazak_k_repeats_no_cycle():
+    """K of G83 is a clearance there, not how often the hole is drilled as on Fanuc."""
+    body = "G21 G90\nG0 X0 Y0 Z20\nG1 Z10 F500\nG91\nG83 X5. Z-5. R-2. Q2. F500 K3\nG80\nG90\nM30\n"
+    ends = {name: read_text(body, None, controller=name).tip[-1, 0] for name in ("mazak", "fanuc")}
+    assert ends == {"mazak": pytest.approx(0.005), "fanuc": pytest.approx(0.015)}
