@@ -26,6 +26,7 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
+WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
 FREE = ("P", "Q", "E", "L", "R", "K", "I", "J")
@@ -127,6 +128,9 @@ class Executor:
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         numbers = self._numbers(block)
+        if actions:
+            ways = [action.meaning for action in actions if action.meaning in WAYS]
+            state.arc_here = (ways[0] if ways else state.motion) in ARCS
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
