@@ -127,7 +127,8 @@ N130 G79 X4. Y0. Z0.
 N140 M30
 """
 SEEDS = {"gcode": GCODE, "apt": APT, "csv": TABLE}
-CONTROLLED = {"fanuc": MACRO, "haas": MACRO.replace("G43.4", "G234"), "linuxcnc": O_WORDS, "millplus": INDEXED}
+HAAS = MACRO.replace("G43.4", "G234").replace("G54.1", "G154").replace("G68.2 X1. Y2. Z3. I0 J30. K0\nG53.1", "G254")
+CONTROLLED = {"fanuc": MACRO, "haas": HAAS, "linuxcnc": O_WORDS, "millplus": INDEXED}
 SCRAPS = [
     "nan", "inf", "-", "+", ".", "1e999", "$", "%", "(", ")", ";", "/", ",", "G",
     "#1", "G2", "G3", "R1", "P9", "C99999", "CIRCLE/", "G91", "G20", "M429", "M428", "é",

@@ -18,7 +18,7 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers
+from toolpace.reading.gcode.program.words import Numbers, bounded
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -158,7 +158,7 @@ class Executor:
         for letter, node in block.computed:
             value = value_of(node, self.variables)
             if value is not None:
-                numbers[letter] = value
+                numbers[letter] = bounded(value)
         self.state.whole = block.whole
         if block.whole and (self.least_increment or self.whole_varies):
             self._whole_numbers(numbers, block.whole & LENGTHS)

@@ -9,7 +9,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
 from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict
 from toolpace.reading.gcode.program.statements import Statement, statement
-from toolpace.reading.gcode.program.words import WordError, fault, plain_words, without_comments
+from toolpace.reading.gcode.program.words import WordError, bounded, fault, plain_words, without_comments
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
@@ -108,12 +108,12 @@ class Compiler:
         whole = []
         for letter, text in found:
             if letter == "G" or letter == "M":
-                self.code(block, letter, float(text))
+                self.code(block, letter, bounded(float(text)))
             elif letter in block.fixed:
                 self._twice(block, letter)
-                block.arguments.append((letter, float(text)))
+                block.arguments.append((letter, bounded(float(text))))
             else:
-                block.fixed[letter] = value = float(text)
+                block.fixed[letter] = value = bounded(float(text))
                 block.arguments.append((letter, value))
                 if "." not in text and value:
                     whole.append(letter)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import WordError, bounded
 
 Key = int | str
 
@@ -82,4 +82,4 @@ class Variables:
         """Give it a value. Raises WordError."""
         if key == 0 or (isinstance(key, int) and not 0 < key < 1_000_000):
             raise WordError(f"{self.text(key)} cannot be set: choose another variable")
-        self._place(key)[key] = value
+        self._place(key)[key] = None if value is None else bounded(value)
