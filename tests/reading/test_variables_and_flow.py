@@ -204,7 +204,7 @@ def test_the_set_up_sheet_sets_variables():
     [
         ("fanuc", "G1 X#100", "#100 is not read: set it before"),
         ("linuxcnc", "G1 X#<depth>", "#<depth> is not read: set it before"),
-        ("fanuc", "IF [#100 EQ 1] GOTO 5", "#100 is read before it is set"),
+        ("fanuc", "IF [#100 EQ 1] GOTO 5", "#100 is not read: set it before"),
         ("fanuc", "GOTO 7", "no block N7"), ("fanuc", "M98 P7", "is not in this file"),
         ("fanuc", "WHILE [1 EQ 1] DO1\nX1", "lacks its beginning or its end"),
         ("fanuc", "DO4", "the numbers 1, 2 and 3"),

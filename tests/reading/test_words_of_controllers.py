@@ -59,6 +59,19 @@ def test_all_unknown_words_are_refused_in_one_run():
     assert ends(path)[:, 0].tolist() == [0, 3] and any("skipped G123" in sentence for sentence in path.assumed)
 
 
+def test_forms_of_known_words_that_are_not_read_are_refused_with_the_others():
+    body = START + "G10 L10 P1 R5.\nG68 X0 Y0 I0 J0 K1. R30.\nG68.2 P1 X0\nG1 X#150\nG1 X1.\nM30"
+    with pytest.raises(ProgramError, match="4 kinds of words are not read: G10 L10") as caught:
+        read_for("fanuc", body, MACHINE)
+    assert all(word in str(caught.value) for word in ("G68 with I, J, K", "G68.2 with P, Q or R", "#150"))
+
+
+def test_letters_of_a_word_that_moves_nothing_go_with_it():
+    """Haas G187 P1 E.01 smooths, Fanuc G05.1 Q1 and G08 P1 look ahead: none of them moves."""
+    assert tips("haas", START + "G187 P1 E.01\nG187 P2 G1 X1.\nM30")[-1] == [1, 0, 0]
+    assert tips("fanuc", START + "G05.1 Q1\nG08 P1\nG1 X1.\nM30")[-1] == [1, 0, 0]
+
+
 def test_an_unknown_m_word_is_a_stop_where_the_machines_builder_may_have_made_it():
     """Fanuc: M words are the machine builder's. LinuxCNC: M100 to M199 run programs, so they are refused."""
     assert read_for("fanuc", START + "G1 X1.\nM46\nX2.\nM30").stop.tolist() == [True, True, True]

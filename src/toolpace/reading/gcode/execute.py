@@ -50,7 +50,7 @@ class Executor:
         frames = Frames(control, state, by.option("scale_of_whole", 1.0))
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
-            | self._of_tools(Tools(control, state, options))
+            | self._of_tools(Tools(control, state, options, by))
             | self._of_frames(frames)
             | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
             | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
@@ -72,6 +72,7 @@ class Executor:
             "tip mode that stands": tools.tip_mode_that_stands,
             "tool vector mode": tools.vector_mode,
             "length off": tools.length_off,
+            "tip mode ends": tools.tip_mode_off,
             "stop": tools.stop,
             "tool change": tools.change,
             "tip mode on": tools.switch_on,
@@ -146,6 +147,8 @@ class Executor:
         for word in block.ignored:
             control.findings.ignored(word)
         if numbers:
+            if block.ignored:
+                self._idle(numbers)
             self._rest(numbers, number, bool(block.ignored or actions))
         if state.stop_here or state.exact_stop:
             control.stop()
@@ -191,6 +194,12 @@ class Executor:
             self._without_axes(numbers, free)
         if numbers:
             self.motion.execute(numbers, number, control.line)
+
+    def _idle(self, numbers: Numbers) -> None:
+        """Letters of a word that moves nothing, beside a motion that does not need them (G187 P1 E.01)."""
+        if self.state.cycle is None and self.state.motion not in ARCS:
+            for letter in "PQE":
+                numbers.pop(letter, None)
 
     def _without_axes(self, numbers: Numbers, free: bool) -> None:
         """Letters beside which no axis stands: of a full circle, of an idle word, or a mistake."""

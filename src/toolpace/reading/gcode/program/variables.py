@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from toolpace.reading.gcode.program.words import WordError, bounded
+from toolpace.reading.gcode.program.words import RefusedError, WordError, bounded
 
 Key = int | str
 
 
-class UnsetError(WordError):
+class UnsetError(RefusedError):
     """A variable is read that nothing has set."""
 
     def __init__(self, name: str) -> None:
-        self.name = name
-        super().__init__(f"{name} is read before it is set")
+        super().__init__(name, "set it before it is read, or give it in [variables] of the set-up sheet")
 
 
 class Variables:

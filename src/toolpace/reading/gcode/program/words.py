@@ -23,6 +23,14 @@ class WordError(ValueError):
     """A block that cannot be read; the message says where and what to write."""
 
 
+class RefusedError(WordError):
+    """A word that may move something and is not read: the rest of the program can be."""
+
+    def __init__(self, word: str, cure: str) -> None:
+        self.word, self.cure = word, cure
+        super().__init__(f"{word} is not read: {cure}")
+
+
 def without_comments(line: str, nested: bool = False) -> str:
     """The block in capitals, without `( )` and `;` comments and outer blanks.
 
