@@ -90,6 +90,14 @@ def test_headers_nested_comments_and_listings():
         read_for("linuxcnc", START + "(a (b))\nM2")
 
 
+def test_a_semicolon_ends_a_block_of_fanuc_and_hides_none():
+    """Fanuc manuals print ; for the end of a block; on LinuxCNC a comment begins with it."""
+    assert tips("fanuc", START + "G1 X1.;\nX2. ; so far\nM30;")[-1] == [2, 0, 0]
+    with pytest.raises(ProgramError, match="; is not read: a block stands behind it"):
+        read_for("fanuc", START + "G1 X1.; Y1.\nX2.\nM30")
+    assert tips("linuxcnc", START + "G1 X1 ; Y1\nM2")[-1] == [1, 0, 0]
+
+
 def test_text_before_the_first_percent_is_no_program():
     """Fanuc 0i, 12.2: what stands before the tape start is skipped."""
     assert tips("fanuc", "PART 7, ASK JOE\n%\nO1\n" + START + "G1 X1.\nM30\n%") == [[0, 0, 0], [1, 0, 0]]
