@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.support.controllers import read_for
 from tests.support.table_table import MACHINE
 from toolpace.errors import ToolpaceError
 from toolpace.reading import read_text
@@ -57,7 +58,77 @@ TABLE = """x [mm],y [mm],z [mm],i,j,k,feed [mm/min],rapid,stop,dwell [s]
 1,2,3,0,0.6,0.8,100,0,0,0.5
 4,5,6,0,0,1,100,1,1,0
 """
+MACRO = """%
+O1000 (SEED)
+G91 G28 Z0.
+G90 G54.1 P3 G05.1 Q1
+T08 M06
+#1=1
+WHILE [#1 LE 3] DO1
+IF [#1 EQ 2] GOTO 10
+G43.4 H1 X[#1*10.] Y#1 Z50. A-20. C45.
+N10 #1=#1+1
+END1
+G49
+G98 G83 X5. Y5. Z-5. R2. Q1. F250. P60 K2
+G80
+G68.2 X1. Y2. Z3. I0 J30. K0
+G53.1
+G1 Z5. F300.
+G69
+G65 P2000 A1.5 I2. I3.
+M98 P2000 L2
+G52 X1.
+G10 L2 P1 X0
+G28 X0 Y0
+M30
+O2000
+G2 X[#5001+4.] I2. F#[100+1]
+M99
+%
+"""
+O_WORDS = """o<hole> sub
+G81 X#1 Y#2 Z-3 R2 F100
+o<hole> endsub
+#<n> = 0
+G0 X0 Y0 Z10 A0 C0
+o1 while [#<n> LT 4]
+o2 if [[#<n> MOD 2] EQ 0]
+o<hole> call [#<n>*5] [ATAN[1]/[2]]
+o2 else
+G1 X#<n> F500
+o2 endif
+#<n> = [#<n>+1]
+o1 endwhile
+o3 repeat [2]
+G91 G1 X1
+G90
+o3 endrepeat
+G92 X5
+G53 G0 Z0
+M428
+G1 W-2 F50
+M2
+"""
+INDEXED = """%PM1
+N10 G71 G90 G54 I1
+N20 G93 X1. Y2. Z0.
+N30 G74 Z-.1 L1
+N40 G7 A5=15. C5=30. A7=254 C7=255
+N50 G00 A=E254 C=E255
+N60 X0. Y0. Z5.
+N70 G03 X10. Y0. I5. J0. F200.
+N80 G7 L1=1
+N90 G141 L2=0 F2=15000.
+N100 G1 X5. C45. F2000.
+N110 G40
+N120 G81 Y2. Z-5. B3. F50.
+N130 G79 X4. Y0. Z0.
+N140 M30
+"""
 SEEDS = {"gcode": GCODE, "apt": APT, "csv": TABLE}
+HAAS = MACRO.replace("G43.4", "G234").replace("G54.1", "G154").replace("G68.2 X1. Y2. Z3. I0 J30. K0\nG53.1", "G254")
+CONTROLLED = {"fanuc": MACRO, "haas": HAAS, "linuxcnc": O_WORDS, "millplus": INDEXED}
 SCRAPS = [
     "nan", "inf", "-", "+", ".", "1e999", "$", "%", "(", ")", ";", "/", ",", "G",
     "#1", "G2", "G3", "R1", "P9", "C99999", "CIRCLE/", "G91", "G20", "M429", "M428", "é",
@@ -115,6 +186,20 @@ def test_mutated_programs(dialect):
     chance = random.Random(20260101)
     for number in range(4000):
         check(mutated(SEEDS[dialect], chance), dialect if number % 4 else None, MACHINE if number % 3 else None)
+
+
+@pytest.mark.parametrize("controller", CONTROLLED)
+def test_mutated_programs_of_a_controller(controller):
+    """Loops, calls, cycles and planes with something wrong in them end in a path or in one clear error."""
+    chance = random.Random(20260102)
+    assert len(read_for(controller, CONTROLLED[controller].replace("F#[100+1]", "F100"), MACHINE)) > 5
+    for number in range(1500):
+        text = mutated(CONTROLLED[controller], chance).decode("latin-1")
+        try:
+            path = read_for(controller, text or " ", MACHINE if number % 3 else None, most_blocks=3000)
+            assert np.isfinite(path.tip).all()
+        except ToolpaceError as error:
+            assert "\n" not in str(error)
 
 
 @pytest.mark.parametrize("dialect", SEEDS)

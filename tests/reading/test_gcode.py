@@ -296,7 +296,6 @@ START = "G0 X0 Y0 Z0\n"
         ("G2 X1 I0.5 K1 F100", "in the plane of G17"),
         ("G2 X1 I0.5 P1.5 F100", "counts its turns"),
         ("G2 X0 I0 J0 F100", "no radius"),
-        ("G1 C900000 F100", "check its numbers"),
     ],
 )
 def test_refuses_with_line_text_and_cure(line, says):
@@ -306,6 +305,12 @@ def test_refuses_with_line_text_and_cure(line, says):
     number = 3 if "\n" in line else 2
     assert says in message and "\n" not in message
     assert message.startswith(f"part.ngc:{number}: ") and line.split("\n")[-1][:20] in message
+
+
+def test_a_block_that_asks_for_points_without_end_is_refused(monkeypatch):
+    monkeypatch.setattr("toolpace.reading.control.unroll.MOST_PIECES_OF_BLOCK", 100_000)
+    with pytest.raises(ProgramError, match=r":2: .*check its numbers"):
+        path(START + "G1 C900000 F100")
 
 
 def test_first_motion_an_arc_is_refused():

@@ -13,7 +13,8 @@ from toolpace.units import DEGREE, MILLIMETRE, MINUTE
 PER_MINUTE, INVERSE, PER_REVOLUTION = "per minute", "inverse time", "per revolution"
 """Modes of feed: lengths a minute, the time of each block, lengths a turn of the spindle."""
 TURNING = ("xyz", "vector")
-"""What F divides in a block that turns outside tip mode: the way of X, Y, Z, or of lengths in its unit and degrees as one."""
+"""What F divides in a block that turns outside tip mode: the way of X, Y, Z, or of lengths (in its unit) and degrees
+as one."""
 
 
 class FeedRules(NamedTuple):

@@ -26,16 +26,11 @@ def built_in() -> tuple[Controller, ...]:
 def recognise(source: Source, controllers: tuple[Controller, ...] | None = None) -> tuple[Controller, str]:
     """The controller whose signs weigh most, and why; each sign counts once. Time is linear in the program."""
     controllers = built_in() if controllers is None else controllers
-    text = "\n".join(line[:LENGTH] for line in source.lines[:LINES]).upper()
-    bare = _COMMENT.sub("", text)
+    text = _COMMENT.sub("", "\n".join(line[:LENGTH] for line in source.lines[:LINES]).upper())
     suffix = PurePath(source.name).suffix.lower()
     best: tuple[float, Controller | None, str] = (0.0, None, "")
     for controller in controllers:
-        found = [
-            (sign.weight, sign.reason)
-            for sign in controller.signs
-            if re.search(sign.pattern, bare, re.MULTILINE) or re.search(sign.pattern, text, re.MULTILINE)
-        ]
+        found = [(sign.weight, sign.reason) for sign in controller.signs if re.search(sign.pattern, text, re.MULTILINE)]
         weight = sum(part for part, _ in found)
         if suffix and suffix in controller.suffixes:
             weight += SUFFIX_WEIGHT

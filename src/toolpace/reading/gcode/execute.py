@@ -18,7 +18,7 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers
+from toolpace.reading.gcode.program.words import Numbers, bounded
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -26,6 +26,7 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
+WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
 FREE = ("P", "Q", "E", "L", "R", "K", "I", "J")
@@ -49,7 +50,7 @@ class Executor:
         frames = Frames(control, state, by.option("scale_of_whole", 1.0))
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
-            | self._of_tools(Tools(control, state, options))
+            | self._of_tools(Tools(control, state, options, by))
             | self._of_frames(frames)
             | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
             | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
@@ -71,6 +72,7 @@ class Executor:
             "tip mode that stands": tools.tip_mode_that_stands,
             "tool vector mode": tools.vector_mode,
             "length off": tools.length_off,
+            "tip mode ends": tools.tip_mode_off,
             "stop": tools.stop,
             "tool change": tools.change,
             "tip mode on": tools.switch_on,
@@ -127,6 +129,9 @@ class Executor:
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         numbers = self._numbers(block)
+        if actions:
+            ways = [action.meaning for action in actions if action.meaning in WAYS]
+            state.arc_here = (ways[0] if ways else state.motion) in ARCS
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
@@ -142,6 +147,8 @@ class Executor:
         for word in block.ignored:
             control.findings.ignored(word)
         if numbers:
+            if block.ignored:
+                self._idle(numbers)
             self._rest(numbers, number, bool(block.ignored or actions))
         if state.stop_here or state.exact_stop:
             control.stop()
@@ -154,7 +161,7 @@ class Executor:
         for letter, node in block.computed:
             value = value_of(node, self.variables)
             if value is not None:
-                numbers[letter] = value
+                numbers[letter] = bounded(value)
         self.state.whole = block.whole
         if block.whole and (self.least_increment or self.whole_varies):
             self._whole_numbers(numbers, block.whole & LENGTHS)
@@ -187,6 +194,12 @@ class Executor:
             self._without_axes(numbers, free)
         if numbers:
             self.motion.execute(numbers, number, control.line)
+
+    def _idle(self, numbers: Numbers) -> None:
+        """Letters of a word that moves nothing, beside a motion that does not need them (G187 P1 E.01)."""
+        if self.state.cycle is None and self.state.motion not in ARCS:
+            for letter in "PQE":
+                numbers.pop(letter, None)
 
     def _without_axes(self, numbers: Numbers, free: bool) -> None:
         """Letters beside which no axis stands: of a full circle, of an idle word, or a mistake."""

@@ -16,8 +16,8 @@ from toolpace.reading.gcode.program.blocks import Block, Compiler
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow, Frame
 from toolpace.reading.gcode.program.statements import Statement
-from toolpace.reading.gcode.program.variables import UnsetError, Variables
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.variables import Variables
+from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.reading.gcode.system import System
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
@@ -120,11 +120,10 @@ class WordAddressReader:
             if block.empty and not block.name:
                 return
             self._block(block, line)
-        except UnsetError as error:
-            cure = "set it before, or give it in [variables] of the set-up sheet"
+        except RefusedError as error:
             if block is not None and block.statement is not None:
-                fail(f"{error}: {cure}", number)
-            self.findings.refused(error.name, line, cure)
+                fail(str(error), number)  # where the program goes from here is not known
+            self.findings.refused(error.word, line, error.cure)
         except (WordError, ArcError) as error:
             fail(str(error), number)
 

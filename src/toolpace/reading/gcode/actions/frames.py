@@ -7,7 +7,7 @@ from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.control import Control
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.offsets import Offsets, given_axes
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
 _NORMAL = (2, 1, 0)
@@ -70,7 +70,7 @@ class Frames:
         """G92: the place where the machine is gets these words."""
         given = given_axes(self.control, self.state, numbers)
         if (self.turned or self.scaled or self.mirrored) and given:
-            raise WordError(f"{word} in turned, tilted or scaled coordinates is not read: end those before it")
+            raise RefusedError(f"{word} in turned or scaled coordinates", "end those before it")
         for letter, value in given.items():
             slot = self.control.slots[letter]
             self.position[slot] += self.control.words[slot] - value
@@ -97,7 +97,7 @@ class Frames:
     def rotate(self, numbers: Numbers, word: str) -> None:
         """G68: turn the plane about a point, that where the machine is unless X, Y tell another, by R [deg]."""
         if any(letter in numbers for letter in "IJK"):
-            raise WordError(f"{word} with I, J, K turns about a vector, which is not read: write G68.2, or points")
+            raise RefusedError(f"{word} with I, J, K", "it turns about a vector: write G68.2, or points")
         if "R" not in numbers:
             raise WordError(f"{word} needs its angle as R: write it like {word} X0 Y0 R30")
         normal = _NORMAL[self.state.plane]

@@ -27,6 +27,8 @@ class Modal:
     """Exact stop in this block."""
     cycle_word: bool = False
     """Whether this block has the word of a cycle."""
+    arc_here: bool = False
+    """Whether this block moves along an arc."""
     whole: frozenset[str] = frozenset()
     """Letters of this block whose numbers have no point."""
     in_machine: bool = False

@@ -27,7 +27,7 @@ class Modes:
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
-        feed, ways = self._feed, ("rapid", "feed", *ARCS)
+        feed = self._feed
         return {
             "inverse time": feed(INVERSE),
             "feed per minute": feed(PER_MINUTE),
@@ -50,7 +50,7 @@ class Modes:
             "exact stop": self._set("stop_here", True),
             "machine coordinates": self._set("in_machine", True),
             "dwell": self._dwell,
-            **{meaning: self._motion(meaning) for meaning in ways},
+            **{meaning: self._motion(meaning) for meaning in ("rapid", "feed", *ARCS)},
             **{meaning: self._cycle(meaning) for meaning in KINDS},
             "end cycle": self._end_cycle,
         }
@@ -84,9 +84,11 @@ class Modes:
 
     def _continuous(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = False
-        if self.state.motion in ARCS and "P" in numbers:
-            return  # P counts the turns of the arc too
-        if (numbers.pop("P", None) is not None) | (numbers.pop("Q", None) is not None):
+        given = "P" in numbers or "Q" in numbers
+        numbers.pop("Q", None)
+        if not self.state.arc_here:  # an arc takes the same P for its turns
+            numbers.pop("P", None)
+        if given:
             # the tolerance of the path is given to the fit, not by the program
             self.control.tolerance(f"{word} P")
 

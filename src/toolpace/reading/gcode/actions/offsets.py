@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
 
@@ -23,8 +23,9 @@ class Offsets:
         """Machine coordinates that stand for the origin of the part, where no set-up sheet tells them."""
 
     def work_offset(self, numbers: Numbers, word: str) -> None:
-        """G54 to G59.3."""
-        self._take_offset(word)
+        """G54 to G59.3; Fanuc's G54 P3 is G54.1 P3."""
+        number = numbers.pop("P", None) if word == "G54" else None
+        self._take_offset(word if number is None else f"G54.1 P{number:g}")
 
     def numbered_offset(self, numbers: Numbers, word: str) -> None:
         """G54.1 P, G154 P."""
@@ -53,16 +54,16 @@ class Offsets:
         """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
         kind, number = numbers.pop("L", 0.0), int(numbers.pop("P", 0.0))
         if kind not in (2.0, 20.0):
-            raise WordError(f"{word} L{kind:g} is not read: L2 and L20 are; let the set-up sheet tell tools and data")
+            raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
         name = self.offset or "G54"
         if number or not self.offset:
             name = self._offset_name(number, kind) if number else name
         if self.offset == "":
             self.offset = name
         if kind == 20.0 and name != self.offset:
-            raise WordError(f"{word} L20 of {name}, which is not in force, is not read: write {name} before it")
+            raise RefusedError(f"{word} L20 of {name}", f"it is not in force: write {name} before it")
         if "R" in numbers and numbers.pop("R"):
-            raise WordError(f"{word} with R turns the offset: give the turn with G68, or let the CAM system apply it")
+            raise RefusedError(f"{word} with R", "it turns the offset: write G68, or let the CAM system apply it")
         moved = self.moved.setdefault(name, [0.0] * len(self.control.words))
         given = given_axes(self.control, self.state, numbers)
         for letter, value in given.items():

@@ -12,7 +12,7 @@ from toolpace.reading.gcode.actions.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.program.variables import Variables
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
 
@@ -93,7 +93,7 @@ class Places:
     def tilt_plane(self, numbers: Numbers, word: str) -> None:
         """G68.2 X Y Z I J K: a plane through a point, by Euler angles about z, the new x and the new z."""
         if any(letter in numbers for letter in "PQR"):
-            raise WordError(f"{word} with P, Q or R is not read: write its plane as {word} X Y Z I J K")
+            raise RefusedError(f"{word} with P, Q or R", f"write its plane as {word} X Y Z I J K")
         self._need_machine(word)
         unit = self.state.unit
         at = affine.shift([numbers.pop(letter, 0.0) * unit for letter in "XYZ"])

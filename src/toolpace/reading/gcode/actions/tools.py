@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import Numbers
 from toolpace.reading.options import PROGRAM, ReadOptions
@@ -11,8 +12,10 @@ from toolpace.reading.options import PROGRAM, ReadOptions
 class Tools:
     """Carries out the words of tools."""
 
-    def __init__(self, control: Control, state: Modal, options: ReadOptions) -> None:
+    def __init__(self, control: Control, state: Modal, options: ReadOptions, by: Controller) -> None:
         self.control, self.state, self.options = control, state, options
+        self.h_stays = by.option("length_word_stays", True)
+        self.with_tool = by.option("length_with_tool", False)
 
     def stop(self, numbers: Numbers, word: str) -> None:
         """Spindle, coolant, clamps: the motion comes to rest."""
@@ -22,6 +25,8 @@ class Tools:
         """M6: the tool that T named last."""
         numbers.pop("T", None)
         self.control.change_tool(self.state.next_tool)
+        if self.with_tool:
+            self.control.set_length(self.state.next_tool)
 
     def compensation(self, numbers: Numbers, word: str) -> None:
         """G41, G42: where the radius is zero the programmed contour is what is followed."""
@@ -49,8 +54,8 @@ class Tools:
     def _length(self, numbers: Numbers, word: str) -> None:
         control, state = self.control, self.state
         given = numbers.pop("H", None)
-        if given is not None:
-            state.length_word = f"{given:g}"
+        if given is not None or not self.h_stays:
+            state.length_word = None if given is None else f"{given:g}"
         control.findings.ignored(word)
         control.set_length(state.length_word or control.tool or "")
 
@@ -82,6 +87,13 @@ class Tools:
         self.state.length_word = None
         self._tip(self.state.switched_tip_mode, False)
         self.control.set_length(None)
+
+    def tip_mode_off(self, numbers: Numbers, word: str) -> None:
+        """G40 of MillPlus: the length stays."""
+        numbers.pop("D", None)
+        self.control.findings.ignored(word)
+        self.state.vectors = self.state.stands = False
+        self._tip(self.state.switched_tip_mode, False)
 
     def switch_on(self, numbers: Numbers, word: str) -> None:
         """M428."""

@@ -9,7 +9,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
 from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict
 from toolpace.reading.gcode.program.statements import Statement, statement
-from toolpace.reading.gcode.program.words import WordError, fault, plain_words, without_comments
+from toolpace.reading.gcode.program.words import WordError, bounded, fault, plain_words, without_comments
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
@@ -52,6 +52,7 @@ class Compiler:
     def __init__(self, controller: Controller) -> None:
         self.vocabulary = Vocabulary(controller)
         self.nested = controller.option("nested_comments", False)
+        self.semicolon_ends = controller.option("semicolon_ends_block", False)
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
         self.indexed = controller.option("indexed_words", False)
@@ -65,6 +66,8 @@ class Compiler:
             found = _OPERATION.search(line)
             block.name = found[1].strip() if found else ""
         text = without_comments(line, self.nested)
+        if self.semicolon_ends and ";" in line and _behind(line):
+            block.refused.append((";", "a block stands behind it: write each block on a line of its own"))
         if text.startswith("/"):
             block.deleted, text = True, text.lstrip("/0123456789 \t")
         if text.startswith("N"):
@@ -108,12 +111,12 @@ class Compiler:
         whole = []
         for letter, text in found:
             if letter == "G" or letter == "M":
-                self.code(block, letter, float(text))
+                self.code(block, letter, bounded(float(text)))
             elif letter in block.fixed:
                 self._twice(block, letter)
-                block.arguments.append((letter, float(text)))
+                block.arguments.append((letter, bounded(float(text))))
             else:
-                block.fixed[letter] = value = float(text)
+                block.fixed[letter] = value = bounded(float(text))
                 block.arguments.append((letter, value))
                 if "." not in text and value:
                     whole.append(letter)
@@ -193,6 +196,12 @@ class Compiler:
         else:
             block.computed.append((key, node))
         block.arguments.append((key, node))
+
+
+def _behind(line: str) -> bool:
+    """Whether there are words behind a `;`, which ends a block in listings of some controllers."""
+    rest = line.split(";", 1)[1].strip().upper()
+    return bool(rest and plain_words(rest))
 
 
 def _no_value(parser: Parser, letter: str) -> bool:

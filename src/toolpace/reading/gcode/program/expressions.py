@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from toolpace.reading.gcode.program.operations import BITS, FUNCTIONS, OPERATIONS, TOWARDS_ZERO, TRUTH
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import WordError, bounded
 
 if TYPE_CHECKING:
     from toolpace.reading.gcode.program.variables import Variables
@@ -48,7 +48,7 @@ class Reference:
 
 def whole(value: float, what: str) -> int:
     """A value as a whole number; WordError where it is none."""
-    if not abs(value - round(value)) < 1e-4 or abs(value) > 1e9:
+    if not abs(value) <= 1e9 or abs(value - round(value)) >= 1e-4:
         raise WordError(f"{what} must be a whole number, not {value:g}: correct it")
     return round(value)
 
@@ -106,7 +106,7 @@ class Parser:
         kind, text = self.peek()
         if kind == "number":
             self.at = self.end
-            found: Node = float(text)
+            found: Node = bounded(float(text))
         elif kind == "name":
             found = self._named(text)
         elif text == "#":

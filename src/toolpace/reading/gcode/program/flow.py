@@ -130,8 +130,9 @@ class Flow:
             if self.value(statement.value):
                 self.goto(self.value(statement.label))
         elif kind == "while do":
+            partner = self._partner(line)
             if not self.value(statement.value):
-                self.frame.next = self._partner(line) + 1
+                self.frame.next = partner + 1
         elif kind == "end":
             self.frame.next = self._partner(line)
         elif kind == "call":

@@ -17,7 +17,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "path": ("exact stop mode", "continuous path"),
     "compensation": ("compensation", "compensation off"),
     "offset": ("work offset", "numbered offset", "no offset"),
-    "length": ("tool length", "tip mode", "tip mode that stands", "tool vector mode", "length off"),
+    "length": ("tool length", "tip mode", "tip mode that stands", "tool vector mode", "length off", "tip mode ends"),
     "retract": ("to initial level", "to R level"),
     "polar": ("polar", "cartesian"),
     "scale": ("scale", "scale off"),

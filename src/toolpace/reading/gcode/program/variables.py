@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import RefusedError, WordError, bounded
 
 Key = int | str
 
 
-class UnsetError(WordError):
+class UnsetError(RefusedError):
     """A variable is read that nothing has set."""
 
     def __init__(self, name: str) -> None:
-        self.name = name
-        super().__init__(f"{name} is read before it is set")
+        super().__init__(name, "set it before it is read, or give it in [variables] of the set-up sheet")
 
 
 class Variables:
@@ -82,4 +81,4 @@ class Variables:
         """Give it a value. Raises WordError."""
         if key == 0 or (isinstance(key, int) and not 0 < key < 1_000_000):
             raise WordError(f"{self.text(key)} cannot be set: choose another variable")
-        self._place(key)[key] = value
+        self._place(key)[key] = None if value is None else bounded(value)

@@ -15,8 +15,20 @@ Numbers = dict[str, float]
 """Values of the words of a block, by letter."""
 
 
+LARGEST = 1e15
+"""Most of a number: more is a slip, and would end as infinity."""
+
+
 class WordError(ValueError):
     """A block that cannot be read; the message says where and what to write."""
+
+
+class RefusedError(WordError):
+    """A word that may move something and is not read: the rest of the program can be."""
+
+    def __init__(self, word: str, cure: str) -> None:
+        self.word, self.cure = word, cure
+        super().__init__(f"{word} is not read: {cure}")
 
 
 def without_comments(line: str, nested: bool = False) -> str:
@@ -50,6 +62,13 @@ def _outside(line: str) -> str:
         elif not depth:
             kept.append(piece)
     return "".join(kept)
+
+
+def bounded(value: float) -> float:
+    """The value; WordError where it is no number, or too large for one."""
+    if not -LARGEST <= value <= LARGEST:
+        raise WordError(f"the number {value:g} is too large for any meaning: correct it")
+    return value
 
 
 def plain_words(block: str) -> list[tuple[str, str]] | None:

@@ -1,0 +1,135 @@
+"""Canned cycles, written out by hand: each test cites where the motion stands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.support.controllers import read_for, tips, with_options
+from toolpace.errors import ProgramError
+
+START = "G90 G21 G94 G17 F100\nG0 X0 Y0 Z10\n"
+CONTROLLERS = ("linuxcnc", "fanuc", "haas", "iso")
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_g81_goes_over_the_hole_to_r_to_z_and_out(controller):
+    """LinuxCNC, G Codes, "G81 Drilling Cycle": over the hole, to R at rapid, to Z at feed, out at rapid."""
+    path = read_for(controller, START + "G98 G81 X5 Y6 Z-3 R2\nX7\nG80\nM30")
+    assert (np.round(path.tip * 1e3, 9) + 0.0).tolist() == [
+        [0, 0, 10], [5, 6, 10], [5, 6, 2], [5, 6, -3], [5, 6, 10], [7, 6, 10], [7, 6, 2], [7, 6, -3], [7, 6, 10],
+    ]  # fmt: skip
+    assert path.rapid.tolist()[1:] == [True, True, False, True] * 2
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_g99_goes_back_to_r_and_g98_to_the_level_where_the_cycle_began(controller):
+    """Fanuc 0i operator's manual, 13.1 "Return to point R level". The initial level stays, also behind G99."""
+    got = tips(controller, START + "G99 G81 X1 Y0 Z-3 R2\nX2\nG98 X3\nG80\nM30")
+    assert got == [
+        [0, 0, 10], [1, 0, 10], [1, 0, 2], [1, 0, -3], [1, 0, 2], [2, 0, 2], [2, 0, -3], [2, 0, 2],
+        [3, 0, 2], [3, 0, -3], [3, 0, 10],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("controller", "letter"), [("linuxcnc", "L"), ("fanuc", "K"), ("haas", "L")])
+def test_repeats_under_g91_go_on_by_the_distance(controller, letter):
+    """LinuxCNC, G81 example 2: under G91 R counts from the level before, Z from R, and L holes go on by X."""
+    got = tips(controller, START + f"G91 G99 G81 X4 Z-5 R-8 {letter}2\nG80\nM30")
+    assert got == [
+        [0, 0, 10], [4, 0, 10], [4, 0, 2], [4, 0, -3], [4, 0, 2], [8, 0, 2], [8, 0, -3], [8, 0, 2],
+    ]  # fmt: skip
+
+
+def test_no_repeat_keeps_the_words_for_the_next_block():
+    """Fanuc 0i, 13.1: K0 stores the drilling data and drills nothing."""
+    got = tips("fanuc", START + "G99 G81 X4 Z-5. R2. K0\nX6\nG80\nM30")
+    assert got == [[0, 0, 10], [6, 0, 10], [6, 0, 2], [6, 0, -5], [6, 0, 2]]
+
+
+def test_g82_dwells_by_the_unit_of_the_controller():
+    """Fanuc: P in milliseconds; Haas: with a point seconds; LinuxCNC: seconds."""
+    for controller, word in (("fanuc", "P500"), ("haas", "P.5"), ("haas", "P500"), ("linuxcnc", "P.5")):
+        path = read_for(controller, START + f"G82 X1 Z-3 R2 {word}\nG80\nM30")
+        assert path.dwell.sum() == pytest.approx(0.5), (controller, word)
+        assert path.tip[np.argmax(path.dwell), 2] == pytest.approx(-3e-3)
+
+
+def test_g83_goes_out_after_each_peck_and_back_to_a_little_above():
+    """LinuxCNC, "G83 Peck Drilling Cycle": back down to 0.254 mm above the last depth."""
+    z = [row[2] for row in tips("linuxcnc", START + "G99 G83 X0 Z-3 R1 Q2\nG80\nM2")]
+    assert z == [10, 1, -1, 1, -0.746, -3, 1]
+
+
+def test_g73_breaks_the_chip_and_stays_in_the_hole():
+    """Fanuc 0i, 13.1.1 "High-speed peck drilling cycle": back by d of parameter 5114."""
+    by = with_options("fanuc", chip_break_mm=0.5)
+    z = [row[2] for row in tips(by, START + "G99 G73 X0 Z-3. R1. Q2.\nG80\nM30")]
+    assert z == [10, 1, -1, -0.5, -3, 1]
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_a_peck_of_zero_is_no_peck(controller):
+    """Posts write `Q0.`: the hole is drilled in one."""
+    got = tips(controller, START + "G99 G83 X0 Z-3. R1. Q0.0\nG80\nM30")
+    assert [row[2] for row in got] == [10, 1, -3, 1]
+
+
+@pytest.mark.parametrize(
+    ("code", "stops", "out_at_feed"),
+    [("G84", True, True), ("G74", True, True), ("G85", False, True), ("G86", True, False), ("G89", False, True),
+     ("G76", True, False)],
+)  # fmt: skip
+def test_taps_and_bores_differ_at_the_bottom_and_on_the_way_out(code, stops, out_at_feed):
+    """Fanuc 0i, 13.1.3 to 13.1.12: tapping reverses and goes out at feed, G86 and G76 stop and go out at rapid."""
+    path = read_for("fanuc", START + f"G99 {code} X1. Z-3. R2.\nG80\nM30")
+    bottom = int(np.argmin(path.tip[:, 2]))
+    assert bool(path.stop[bottom]) is stops and bool(path.rapid[bottom + 1]) is not out_at_feed
+
+
+def test_a_back_bore_goes_below_and_feeds_up():
+    """Fanuc 0i, 13.1.10 "Back boring cycle": rapid to R below the part, feed up to Z, out to the initial level."""
+    got = tips("fanuc", START + "G98 G87 X5. Z-2. R-8.\nG80\nM30")
+    assert got == [[0, 0, 10], [5, 0, 10], [5, 0, -8], [5, 0, -2], [5, 0, 10]]
+
+
+def test_the_drill_axis_is_the_normal_of_the_plane():
+    """LinuxCNC, "Canned Cycles", in-plane words: under G18 the cycle drills along Y."""
+    got = tips("linuxcnc", "G90 G21 G94 F100\nG0 X0 Y10 Z0\nG18 G99 G81 X3 Z4 Y-1 R2\nG80\nM2")
+    assert got == [[0, 10, 0], [3, 10, 4], [3, 2, 4], [3, -1, 4], [3, 2, 4]]
+
+
+def test_a_word_of_motion_ends_a_cycle():
+    """Fanuc 0i, 13.1.14: a code of group 01 cancels the canned cycle."""
+    got = tips("fanuc", START + "G99 G81 X1. Z-3. R2.\nG0 X5.\nM30")
+    assert got[-1] == [5, 0, 2]
+
+
+def test_behind_g80_fanuc_keeps_its_motion_and_linuxcnc_has_none():
+    """Fanuc: cycles are group 09, G0 and G1 are group 01. LinuxCNC, G80: "cancel canned cycle modal motion"."""
+    body = START + "G99 G81 X1. Z-3. R2.\nG80\nX5.\nM30"
+    assert tips("fanuc", body)[-1] == [5, 0, 2]
+    with pytest.raises(ProgramError, match="axis words without a motion"):
+        tips("linuxcnc", body)
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        ("G81 X1 Z-3", "lacks R"), ("G81 X1 R2", "lacks Z"), ("G81 X1 Z3 R2", "depth Z is above R"),
+        ("G83 X1 Z-3 R2 Q-1", "Q is the depth of a peck"), ("G81 X1 Z-3 R2 K1.5", "counts holes"),
+        ("G93\nG81 X1 Z-3 R2 F5", "feeds per minute"), ("G83 X1 Z-30 R2 Q.0001", "10000 strokes"),
+    ],
+)  # fmt: skip
+def test_cycles_that_cannot_be_are_refused(block, says):
+    with pytest.raises(ProgramError, match=says):
+        read_for("fanuc", START + block + "\nM30")
+
+
+def test_a_cycle_of_millplus_is_defined_and_then_run_from_a_surface():
+    """Autodesk's post-processor for MillPlus: G81 Y clearance Z depth B more to go back; G79 X Y Z of the surface."""
+    start = "G71 G90 G94 F100\nG0 X0 Y0 Z20\n"
+    got = tips("millplus", start + "G81 Y2. Z-5. B3. F50.\nG79 X4. Y0. Z10.\nG79 X6.\nM30")
+    assert got == [
+        [0, 0, 20], [4, 0, 20], [4, 0, 12], [4, 0, 5], [4, 0, 15], [6, 0, 15], [6, 0, 12], [6, 0, 5], [6, 0, 15],
+    ]  # fmt: skip

@@ -1,0 +1,42 @@
+"""Controllers are told by what stands in the program."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.support.growth import order_of_growth
+from toolpace.reading.controllers.recognise import recognise
+from toolpace.reading.source import Source
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "why"),
+    [
+        ("%\nO ENTER OP AND LAST 3 DIGITS\nG90 G53 G00 Z0.0\nN1 T008 M06\nG43 G00 X1. H008", "haas", "header"),
+        ("G00 G90 G154 P5 X0\nG254\nM31", "haas", "G154"),
+        ("O0001\nG91 G28 Z0.0\nG05.1 Q1\nG43.4 H1", "fanuc", "G05.1 Q"),
+        ("G54.1 P3\nG68.2 X0 Y0 Z0 I0 J30. K0\nG53.1", "fanuc", "of Fanuc"),
+        ("#1=0\nWHILE [#1 LT 5] DO1\nEND1\nIF[#1EQ5]GOTO10", "fanuc", "GOTO"),
+        ("o100 sub\nG1 X#1\no100 endsub\no100 call [3]", "linuxcnc", "O-words"),
+        ("M428\nG1 X1", "linuxcnc", "kinematics"),
+        ("#<depth>=5\nG1 Z#<depth>", "linuxcnc", "named variables"), ("G21 G64 P0.01\nG0 X1", "linuxcnc", "tolerance"),
+        ("%PM1\nN10 G54 I1\nN20 G7 A5=0.0 B5=0.0 L1=1\nN30 G174", "millplus", "MillPlus"),
+        ("G21 G90\nG0 X0 Y0\nG1 X1 F100", "iso", "nothing"), ("(G254 M428 O100 SUB)\nG1 X1", "iso", "nothing"),
+    ],
+)  # fmt: skip
+def test_signs_tell_the_controller_and_the_reason_is_said(text, name, why):
+    found, reason = recognise(Source.from_text(text))
+    assert found.name == name and why in reason
+
+
+def test_the_name_tells_where_the_program_does_not():
+    assert recognise(Source.from_text("G0 X0\n", "part.ngc"))[0].name == "linuxcnc"
+
+
+@pytest.mark.parametrize("piece", ["G74 X1 ", " ", "O ", "N1 ", "(", "G91 G", "IF[", "#<", "T0", "\n", "A5"])
+def test_telling_takes_time_in_proportion(piece):
+    def tell(text):
+        recognise(Source.from_text("G0" + text))
+
+    few, many = (piece * (size // len(piece)) for size in (50_000, 200_000))
+    assert order_of_growth(tell, few, many, 4.0) < 1.6
