@@ -1,0 +1,206 @@
+"""Reads a line into a block: labels, words, assignments, calls; what begins with a word of flow is read by flows."""
+
+from __future__ import annotations
+
+import re
+
+from toolpace.reading.sinumerik.syntax import flows
+from toolpace.reading.sinumerik.syntax.blocks import ADDRESSES, FORMS, Assignment, Block, Call, Word
+from toolpace.reading.sinumerik.syntax.expressions import Parser, constant, r_number
+from toolpace.reading.sinumerik.syntax.lexer import (
+    END,
+    LETTER,
+    NAME,
+    SYSTEM,
+    TEXT,
+    WORD,
+    SyntaxFault,
+    Token,
+    tokens,
+    without_comment,
+)
+from toolpace.reading.sinumerik.syntax.values import Compiled, ValueFault
+
+_HEAD = re.compile(
+    r"[ \t]*(?P<skip>/[0-9]?)?[ \t]*(?:(?P<number>[N:])[ \t]*(?P<digits>[0-9]+))?[ \t]*(?P<late>/[0-9]?)?[ \t]*"
+    r"(?:(?P<label>[A-Z_][A-Z_][A-Z0-9_]*)[ \t]*:(?!=))?[ \t]*",
+    re.IGNORECASE,
+)
+_PLAIN = re.compile(r"(?:[A-Z][ \t]*[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)[ \t]*+)*+")
+_PLAIN_WORD = re.compile(r"([A-Z])[ \t]*([-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++))")
+_CODES = ("G", "M")
+
+
+def block(text: str, line: int) -> Block:
+    """The block of a line; what cannot be understood is a fault of it."""
+    text = without_comment(text)
+    if not text:
+        return Block(line)
+    head = _HEAD.match(text)
+    assert head is not None
+    skip = bool(head["skip"] or head["late"])
+    name = head["label"].upper() if head["label"] else ""
+    named = f"{head['number'].upper()}{int(head['digits'][-9:])}" if head["number"] else ""
+    rest = text[head.end() :]
+    try:
+        found = _plain(rest, line) or _Reader(tokens(rest)).block(line)
+    except (SyntaxFault, ValueFault) as error:
+        found = Block(line, fault=str(error))
+    return found._replace(label=name, number=named, skip=skip) if name or named or skip else found
+
+
+def _plain(text: str, line: int) -> Block | None:
+    """A block of letters with constant numbers; None for others."""
+    upper = text.upper()
+    if len(upper) != len(text) or _PLAIN.fullmatch(upper) is None:
+        return None
+    codes: list[str] = []
+    words: list[Word] = []
+    for letter, figure in _PLAIN_WORD.findall(upper):
+        if letter in _CODES:
+            codes.append(code(letter, float(figure)))
+        elif letter in "LRP":
+            return None
+        else:
+            words.append(Word(letter, float(figure)))
+    _refuse_twice(words)
+    return Block(line, codes=tuple(codes), words=tuple(words), plain=True)
+
+
+def code(letter: str, value: float) -> str:
+    """G1 of G01."""
+    if value != int(value) or not 0 <= value < 1e6:
+        raise SyntaxFault(f"{letter}{value:g} is no code: they are whole numbers, like {letter}1")
+    return f"{letter}{int(value)}"
+
+
+def _refuse_twice(words: list[Word]) -> None:
+    if len(words) > 1:
+        seen = [word.address for word in words if not word.index]
+        if len(set(seen)) < len(seen):
+            twice = next(address for address in seen if seen.count(address) > 1)
+            raise SyntaxFault(f"{twice} stands twice in one block: remove one")
+
+
+class _Reader(Parser):
+    """Reads the rest of a block."""
+
+    def __init__(self, tokens: list[Token]) -> None:
+        super().__init__(tokens)
+        self.codes: list[str] = []
+        self.words: list[Word] = []
+        self.assignments: list[Assignment] = []
+        self.calls: list[Call] = []
+
+    def block(self, line: int) -> Block:
+        """All of it."""
+        flow = flows.read(self)
+        if flow is not None:
+            if self.token.kind != END:
+                raise SyntaxFault(f"{self.found()} has no meaning behind {flow.kind}: write it in a block of its own")
+            return Block(line, flow=flow)
+        while self.token.kind != END:
+            self._element(self.take())
+        _refuse_twice(self.words)
+        plain = not self.assignments and not self.calls
+        plain = plain and all(word.value is not None and not word.form for word in self.words)
+        return Block(
+            line, "", "", False, tuple(self.codes), tuple(self.words), tuple(self.assignments), tuple(self.calls),
+            plain=plain,
+        )  # fmt: skip
+
+    def _element(self, token: Token) -> None:
+        if token.kind == WORD:
+            self._word(token)
+        elif token.kind == LETTER:
+            self._letter(token)
+        elif token.kind == NAME:
+            self._name(token.text)
+        elif token.kind == SYSTEM:
+            index = tuple(self.index()) if self.sign("[") else ()
+            self.need("=")
+            self.assignments.append(Assignment(token.text, index, self.expression()))
+        elif token.text == "(":
+            raise SyntaxFault("a bracket stands alone: comments begin with ; on this control")
+        elif token.kind == TEXT:
+            raise SyntaxFault(f'the text "{token.text[:20]}" belongs to nothing: write it like MSG("text")')
+        else:
+            raise SyntaxFault(f"'{token.text[:30]}' has no meaning here: write words like X10 or X=R1+5")
+
+    def _word(self, token: Token) -> None:
+        letter, figure = token.text[0], token.text[1:]
+        if self.sign("="):
+            if letter == "R" and figure.isdigit():
+                number = r_number(token.value)
+                self.assignments.append(Assignment("R", (constant(number),), self.expression()))
+            elif letter in _CODES and figure.isdigit():
+                self._ignored_value(f"{letter}{figure}=")
+            elif figure.isdigit():
+                self._value(token.text)
+            else:
+                raise SyntaxFault(f"'{token.text[:30]}=' names no address: write X=... or X1=...")
+        elif letter in _CODES:
+            self.codes.append(code(letter, token.value))
+        elif letter == "L":
+            self.calls.append(Call(token.text))
+        elif letter == "R":
+            raise SyntaxFault(f"'{token.text[:30]}' does nothing: assign it, like R1=5")
+        elif letter == "P" and self.calls:
+            self.calls[-1] = self.calls[-1]._replace(times=constant(token.value))
+        else:
+            self.words.append(Word(letter, token.value))
+
+    def _letter(self, token: Token) -> None:
+        letter = token.text
+        if letter == "R" and self.sign("["):
+            index = tuple(self.index())
+            self.need("=")
+            self.assignments.append(Assignment("R", index, self.expression()))
+        elif self.sign("["):
+            index = tuple(self.index())
+            self.need("=")
+            self._value(letter, index)
+        elif self.sign("="):
+            if letter == "M":
+                self._ignored_value("M=")
+            elif letter == "P" and self.calls:
+                self.calls[-1] = self.calls[-1]._replace(times=self.expression())
+            else:
+                self._value(letter)
+        else:
+            raise SyntaxFault(f"letter {letter} has no number after it: write one, like {letter}1.5")
+
+    def _name(self, name: str) -> None:
+        if self.sign("="):
+            if name in ADDRESSES:
+                self._value(name)
+            else:
+                self.assignments.append(Assignment(name, (), self.expression()))
+        elif self.sign("["):
+            index = tuple(self.index())
+            self.need("=")
+            if name in ADDRESSES:
+                self._value(name, index)
+            else:
+                self.assignments.append(Assignment(name, index, self.expression()))
+        elif self.sign("("):
+            self.calls.append(Call(name, tuple(self.arguments()), True))
+        else:
+            self.codes.append(name)
+
+    def _value(self, address: str, index: tuple[Compiled, ...] = ()) -> None:
+        form = ""
+        if self.token.kind == NAME and self.token.text in FORMS:
+            form = self.take().text
+            self.need("(")
+            value = self.expression()
+            self.need(")")
+        elif address == "PO" and self.sign("("):
+            self.words.append(Word(address, None, constant(0.0), "", index, tuple(self.arguments())))
+            return
+        else:
+            value = self.expression()
+        self.words.append(Word(address, None, value, form, index))
+
+    def _ignored_value(self, address: str) -> None:
+        self.words.append(Word(address, None, self.expression()))
