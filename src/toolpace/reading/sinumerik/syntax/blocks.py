@@ -61,14 +61,8 @@ class Flow(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What a line says."""
+    """What a line says, but for its number, its label and `/`."""
 
-    line: int
-    label: str = ""
-    number: str = ""
-    """N10 in capitals, without leading zeros."""
-    skip: bool = False
-    """Whether `/` stands before it."""
     codes: tuple[str, ...] = ()
     """G1, M6, TRAORI: words without a value, in their order."""
     words: tuple[Word, ...] = ()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
+from typing import NamedTuple
 
 from toolpace.reading.sinumerik.syntax import flows
 from toolpace.reading.sinumerik.syntax.blocks import ADDRESSES, FORMS, Assignment, Block, Call, Word
@@ -29,27 +31,43 @@ _HEAD = re.compile(
 _PLAIN = re.compile(r"(?:[A-Z][ \t]*[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)[ \t]*+)*+")
 _PLAIN_WORD = re.compile(r"([A-Z])[ \t]*([-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++))")
 _CODES = ("G", "M")
+KEPT = 1 << 14
+"""Compiled blocks that are kept, for loops and subprograms: those of a whole long program would fill memory."""
 
 
-def block(text: str, line: int) -> Block:
-    """The block of a line; what cannot be understood is a fault of it."""
-    text = without_comment(text)
-    if not text:
-        return Block(line)
-    head = _HEAD.match(text)
-    assert head is not None
-    skip = bool(head["skip"] or head["late"])
-    name = head["label"].upper() if head["label"] else ""
-    named = f"{head['number'].upper()}{int(head['digits'][-9:])}" if head["number"] else ""
-    rest = text[head.end() :]
+class Head(NamedTuple):
+    """What stands before the words of a block."""
+
+    rest: str
+    """The words."""
+    number: str = ""
+    """N10 in capitals, without leading zeros."""
+    label: str = ""
+    skip: bool = False
+    """Whether `/` stands before it."""
+
+
+def head(line: str) -> Head:
+    """Number, label and `/` of a line, and the rest of its block without comment."""
+    text = without_comment(line)
+    found = _HEAD.match(text)
+    assert found is not None
+    skip, kind, digits, late, label = found.groups()
+    rest = text[found.end() :] if found.end() else text
+    number = f"{kind.upper()}{int(digits[-9:])}" if kind else ""
+    return Head(rest, number, label.upper() if label else "", bool(skip or late))
+
+
+@lru_cache(maxsize=KEPT)
+def block(text: str) -> Block:
+    """The block of the rest of a line; what cannot be understood is a fault of it."""
     try:
-        found = _plain(rest, line) or _Reader(tokens(rest)).block(line)
+        return _plain(text) or _Reader(tokens(text)).block()
     except (SyntaxFault, ValueFault) as error:
-        found = Block(line, fault=str(error))
-    return found._replace(label=name, number=named, skip=skip) if name or named or skip else found
+        return Block(fault=str(error))
 
 
-def _plain(text: str, line: int) -> Block | None:
+def _plain(text: str) -> Block | None:
     """A block of letters with constant numbers; None for others."""
     upper = text.upper()
     if len(upper) != len(text) or _PLAIN.fullmatch(upper) is None:
@@ -64,7 +82,7 @@ def _plain(text: str, line: int) -> Block | None:
         else:
             words.append(Word(letter, float(figure)))
     _refuse_twice(words)
-    return Block(line, codes=tuple(codes), words=tuple(words), plain=True)
+    return Block(codes=tuple(codes), words=tuple(words), plain=True)
 
 
 def code(letter: str, value: float) -> str:
@@ -92,22 +110,21 @@ class _Reader(Parser):
         self.assignments: list[Assignment] = []
         self.calls: list[Call] = []
 
-    def block(self, line: int) -> Block:
+    def block(self) -> Block:
         """All of it."""
         flow = flows.read(self)
         if flow is not None:
             if self.token.kind != END:
                 raise SyntaxFault(f"{self.found()} has no meaning behind {flow.kind}: write it in a block of its own")
-            return Block(line, flow=flow)
+            return Block(flow=flow)
         while self.token.kind != END:
             self._element(self.take())
         _refuse_twice(self.words)
         plain = not self.assignments and not self.calls
         plain = plain and all(word.value is not None and not word.form for word in self.words)
         return Block(
-            line, "", "", False, tuple(self.codes), tuple(self.words), tuple(self.assignments), tuple(self.calls),
-            plain=plain,
-        )  # fmt: skip
+            tuple(self.codes), tuple(self.words), tuple(self.assignments), tuple(self.calls), plain=plain
+        )
 
     def _element(self, token: Token) -> None:
         if token.kind == WORD:

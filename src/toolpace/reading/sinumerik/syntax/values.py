@@ -141,4 +141,5 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
     "BOUND": (3, lambda low, high, x: min(max(x, low), high)),
 }
 """How many arguments each function takes, and what it is; angles are in degrees (NC Programming, 2.15)."""
-CONSTANTS: dict[str, Value] = {"TRUE": True, "FALSE": False}
+CONSTANTS: dict[str, Value] = {"TRUE": True, "FALSE": False, **{part: part for part in ("TR", "FI", "RT", "SC", "MI")}}
+"""TR, FI, RT, SC and MI are parts of a frame: $P_UIFR[1, X, TR]."""
