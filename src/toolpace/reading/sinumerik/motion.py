@@ -11,7 +11,7 @@ from toolpace.reading.sinumerik.given import Given, Words, bounded, number
 from toolpace.reading.sinumerik.orientation import Vectors
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
-from toolpace.units import DEGREE, MINUTE
+from toolpace.units import DEGREE
 
 NO_ARC = {"CR": "G2 or G3", "AR": "G2 or G3", "TURN": "G2 or G3", "I": "arcs", "J": "arcs", "K": "arcs"}
 """Words that only arcs have."""
@@ -167,7 +167,8 @@ class Motion:
             lead = value if value is not None else lead
         if not lead or self.control.feed.spindle <= 0.0:
             raise ValueFault(f"{self.state.motion} needs its lead as K and the spindle speed as S: write both")
-        with_speed(self.control, abs(lead) * self.state.unit * self.control.feed.spindle, target, named)
+        with self.control.feed.held(abs(lead) * self.state.unit * self.control.feed.spindle):
+            self.control.straight(target, named, rapid=False)
         self.control.stop()
 
     def in_machine(self, words: Words, *, stop: bool) -> bool:
@@ -191,16 +192,3 @@ class Motion:
         if stop:
             control.stop()
         return any(address in "XYZ" for address in coordinates)
-
-
-def with_speed(control: Control, speed: float, words: list[float], named: int) -> None:
-    """Move straight at a speed [m/s], whatever F is."""
-    if speed <= 0.0:
-        raise ValueFault("the feed of this motion is not above zero: correct its spindle speed, lead or feed")
-    feed = control.feed
-    before = feed.mode, feed.value, feed.turn
-    feed.mode, feed.value, feed.turn = "per minute", speed, speed / 1e-3 * DEGREE / MINUTE
-    try:
-        control.straight(words, named, rapid=False)
-    finally:
-        feed.mode, feed.value, feed.turn = before

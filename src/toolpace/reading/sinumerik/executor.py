@@ -1,0 +1,289 @@
+"""Does what a block says, in the order in which the control acts: modes, tools, feed, frames, calls, motion, ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from toolpace.reading.arcs import ArcError
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.options import PROGRAM, ReadOptions
+from toolpace.reading.sinumerik import state as modes
+from toolpace.reading.sinumerik.commands import Commands
+from toolpace.reading.sinumerik.flow.interpreter import Interpreter
+from toolpace.reading.sinumerik.flow.memory import Store
+from toolpace.reading.sinumerik.frames import PROGRAMMED, Frames, Saved
+from toolpace.reading.sinumerik.given import FARTHEST, Given, Words, number
+from toolpace.reading.sinumerik.motion import Motion
+from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.syntax.blocks import Block, Call
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault, real
+from toolpace.reading.sinumerik.tooling import Tooling
+from toolpace.reading.sinumerik.vocabulary import Vocabulary
+from toolpace.units import MINUTE
+
+FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
+IN_MACHINE = ("SUPA", "G53", "G153")
+POLES = ("G110", "G111", "G112")
+OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
+
+
+@dataclass
+class Now:
+    """What lasts for one block."""
+
+    words: Words
+    in_machine: bool = False
+    stop: bool = False
+    stop_after: bool = False
+    ends: bool = False
+    claim: str = ""
+    """The word that the axis words of the block belong to: G4, TRANS, G111."""
+
+
+class Executor:
+    """Carries out blocks on the virtual control."""
+
+    def __init__(self, control: Control, controller: Controller, options: ReadOptions) -> None:
+        self.control, self.findings = control, control.findings
+        self.state = State()
+        self.frames = Frames(control)
+        self.motion = Motion(control, self.state)
+        self.vocabulary = Vocabulary(controller)
+        self.tooling = Tooling(control, self.state, options)
+        self.commands = Commands(self)
+        self.memory = Store(options.setup.variables, self.commands.system.read)
+        self.base_unit = self.vocabulary.base_unit
+        self.interpreter: Interpreter
+        self.meanings: dict[str, Callable[[Now], None]] = {
+            "tool change": lambda now: self.tooling.change(),
+            "stop": lambda now: setattr(now, "stop_after", True),
+            "end": lambda now: setattr(now, "ends", True),
+            "spindle or coolant": lambda now: control.stop(),
+            "tip mode on": lambda now: self.commands.tip_mode(True),
+            "tip mode off": lambda now: self.commands.tip_mode(False),
+        }
+        self.vocabulary.check(tuple(self.meanings))
+
+    def begin(self, line: int) -> None:
+        """A block of this line comes next."""
+        self.control.begin_block(line)
+
+    def ignored(self, word: str) -> None:
+        """Count a word that moves nothing."""
+        self.findings.ignored(word)
+
+    def refuse(self, word: str, line: int, cure: str) -> None:
+        """Note a word that is not read."""
+        self.findings.refused(word, line, cure)
+
+    def saved(self) -> tuple[State, Saved]:
+        """Modes and frames, for a subprogram with SAVE."""
+        return replace(self.state), self.frames.saved()
+
+    def restore(self, state: tuple[State, Saved]) -> None:
+        """Modes and frames as they were."""
+        for name, value in vars(state[0]).items():
+            setattr(self.state, name, value)
+        self.memory.unit = self.state.unit
+        self.frames.restore(state[1])
+
+    def execute(self, block: Block) -> bool:
+        """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""
+        words = self._words(block)
+        if block.assignments:
+            self._assign(block)
+        now = Now(words)
+        dwells = "G4" in block.codes
+        if words and not dwells:
+            self.tooling.take(words)
+        for code in block.codes:
+            self._code(code, now)
+        if dwells:
+            self._dwell(words)
+        elif "F" in words:
+            self._feed(words)
+        if now.claim:
+            self._claim(now)
+        for call in block.calls:
+            self._call(call, words)
+        moved = self._move(now) if words else False
+        if now.stop_after:
+            self.control.stop()
+        if now.ends:
+            self.interpreter.end()
+        return moved
+
+    def _words(self, block: Block) -> Words:
+        if block.plain:
+            return {word.address: Given(word.value) for word in block.words if word.value is not None}
+        words: Words = {}
+        memory = self.memory
+        for word in block.words:
+            value: Value = word.value if word.compiled is None else word.compiled(memory)  # type: ignore[assignment]
+            if word.address in memory.local:
+                memory.assign(word.address, (), value)
+            else:
+                words[word.address] = Given(value, word.form, tuple(index(memory) for index in word.index))
+        return words
+
+    def _assign(self, block: Block) -> None:
+        memory = self.memory
+        for name, index, compiled in block.assignments:
+            places = tuple(place(memory) for place in index)
+            value = compiled(memory)
+            if name[0] == "$":
+                self.commands.write(name, places, value)
+            else:
+                memory.assign(name, places, value)
+
+    # Words without a value
+
+    def _code(self, code: str, now: Now) -> None:
+        state = self.state
+        if modes.apply(state, code):
+            self.memory.unit = state.unit
+            if code in modes.TOLERANCES:
+                self.control.tolerance(code)
+        elif code in IN_MACHINE:
+            now.in_machine = True
+        elif code == "G9":
+            now.stop = True
+        elif code in OFFSETS:
+            self.frames.select(OFFSETS[code])
+        elif code in FEEDS:
+            self.control.feed.set_mode(FEEDS[code])
+        elif code in ("G40", "G41", "G42"):
+            self.tooling.compensate(code)
+        elif code in PROGRAMMED or code in POLES or code in ("G58", "G59", "G74", "G75", "G25", "G26"):
+            now.claim = code
+        elif code != "G4":
+            self._named(code, now)
+
+    def _named(self, code: str, now: Now) -> None:
+        """A word that the controller's file explains, a command, or a subprogram."""
+        vocabulary = self.vocabulary
+        meaning = vocabulary.meaning(code)
+        if meaning in self.meanings:
+            self.meanings[meaning](now)
+        elif meaning == "ignored":
+            self.findings.ignored(code)
+        elif code in self.commands.known:
+            self.commands.perform(code, [])
+        elif code[1:].isdigit() and code[0] == "M":
+            self.findings.ignored(code)
+            self.findings.assumed(f"{code} is a word of the machine's builder: it is taken to move nothing")
+        else:
+            cure = vocabulary.refusal(code)
+            if cure:
+                raise Unread(code, cure)
+            times = now.words.pop("P", None)
+            self._subprogram(Call(code, times=None if times is None else lambda memory: times.value), [])
+
+    def _call(self, call: Call, words: Words) -> None:
+        """NAME(...), L123."""
+        arguments = [None if argument is None else argument(self.memory) for argument in call.arguments]
+        meaning = self.vocabulary.meaning(call.name)
+        if call.name not in self.commands.known and meaning in self.meanings:
+            self.meanings[meaning](Now(words))
+        elif meaning == "ignored":
+            self.findings.ignored(call.name)
+        elif not self.perform(call, arguments):
+            self._subprogram(call, arguments)
+
+    def _subprogram(self, call: Call, arguments: list[Value | None]) -> None:
+        cure = self.vocabulary.refusal(call.name)
+        if cure and self.interpreter.library.find(call.name) is None:
+            raise Unread(call.name, cure)
+        self.interpreter.call(call, arguments)
+
+    def perform(self, call: Call, arguments: list[Value | None]) -> bool:
+        """Do a command or a cycle; False where it is none."""
+        if call.name not in self.commands.known:
+            return False
+        self.commands.perform(call.name, arguments)
+        return True
+
+    # Words with a value
+
+    def _dwell(self, words: Words) -> None:
+        seconds, turns = number(words, "F"), number(words, "S")
+        if seconds is None and turns is None:
+            raise ValueFault("G4 needs its time: write G4 F2 for seconds, or G4 S3 for turns of the spindle")
+        if seconds is None and turns is not None:
+            if self.control.feed.spindle <= 0.0:
+                raise ValueFault("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
+            seconds = turns / self.control.feed.spindle
+        self.control.dwell(seconds or 0.0)
+
+    def _feed(self, words: Words) -> None:
+        value = real(words.pop("F").value)
+        feed, state = self.control.feed, self.state
+        if feed.mode == INVERSE:
+            if not 0.0 < value <= 1e9:
+                raise ValueFault(f"feed F{value:g} must be above zero: correct F")
+            state.inverse = value
+            return
+        unit = state.feed_unit
+        if unit is None:
+            if self.base_unit is None:
+                self.base_unit = state.unit
+                if state.unit != modes.MILLIMETRE:
+                    self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
+            unit = self.base_unit
+        feed.set(value, unit, self.control.line)
+
+    def _claim(self, now: Now) -> None:
+        code, words = now.claim, now.words
+        if code in PROGRAMMED:
+            self.frames.program(code, words, self.state)
+            self.state.tangent = None
+        elif code in POLES:
+            self.motion.set_pole(code, words)
+        elif code in ("G58", "G59"):
+            self.frames.axis_shift(code, words, self.state)
+        elif code in ("G25", "G26"):
+            self.findings.ignored(code)
+            words.clear()
+        else:
+            self.commands.reference(code, words)
+            self.motion.here()
+
+    def _move(self, now: Now) -> bool:
+        words = now.words
+        moved = False
+        if now.in_machine or self.motion.has_axes(words):
+            try:
+                if now.in_machine:
+                    moved = self.motion.in_machine(words, stop=now.stop or self.state.exact_stop)
+                else:
+                    moved = self.motion.execute(words, stop=now.stop or self.state.exact_stop)
+            except ArcError as error:
+                raise ValueFault(str(error)) from None
+        elif self.state.motion in ("G2", "G3") and any(letter in words for letter in ("I", "J", "K", "AR")):
+            # a full circle may name its centre alone
+            moved = self.circle_in_place(words, now)
+        for address in words:
+            self._left(address)
+        return moved
+
+    def circle_in_place(self, words: Words, now: Now) -> bool:
+        """G2 I10: the end is the start."""
+        try:
+            self.motion.execute(words, stop=now.stop or self.state.exact_stop)
+        except ArcError as error:
+            raise ValueFault(str(error)) from None
+        return True
+
+    def _left(self, address: str) -> None:
+        """A word that nothing in its block took."""
+        if self.vocabulary.meaning(address) == "ignored" or (address[0] in "SMHTD" and address.rstrip("=")[1:].isdigit()):
+            self.findings.ignored(address)
+            return
+        cure = self.vocabulary.refusal(address)
+        raise Unread(f"{address}=" if len(address) > 1 else address, cure or "it might move something: remove it")
+
+
+
