@@ -30,7 +30,7 @@ class Commands:
         self.control, self.state = executor.control, executor.state
         self.system = System(self.control, self.state, executor.frames)
         self.holes = Holes(
-            self.control, self.state, refuse_low_retraction=executor.vocabulary.controller.option("strict_cycles", False)
+            self.control, self.state, strict=executor.vocabulary.controller.option("strict_cycles", False)
         )
         self.known: dict[str, Callable[[list[Value | None]], None]] = {
             "MSG": self._message,

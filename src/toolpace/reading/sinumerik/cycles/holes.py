@@ -21,8 +21,8 @@ MOST = 24
 class Holes:
     """Makes the motions of the cycles of holes."""
 
-    def __init__(self, control: Control, state: State, *, refuse_low_retraction: bool) -> None:
-        self.control, self.state, self.refuse_low_retraction = control, state, refuse_low_retraction
+    def __init__(self, control: Control, state: State, *, strict: bool) -> None:
+        self.control, self.state, self.strict = control, state, strict
         self.cycles: dict[str, Callable[[Arguments, Levels], None]] = {
             "CYCLE81": self._plain,
             "CYCLE82": self._plain,
@@ -34,6 +34,7 @@ class Holes:
             "CYCLE87": self._bore_with_stop,
             "CYCLE88": self._bore_with_stop,
             "CYCLE89": self._plain,
+            "CYCLE76": self._builders_bore,
         }
         self.name = ""
 
@@ -64,14 +65,21 @@ class Holes:
         down = -1.0 if bottom <= reference else 1.0
         top = reference - down * safety
         if (back - reference) * -down < -1e-12:
-            below = f"{self.name} has its retraction plane RTP below its reference plane RFP"
-            if self.refuse_low_retraction:
-                raise Unread(f"{self.name} with RTP below RFP", "the control stops with alarm 61101: raise RTP")
-            self.control.findings.assumed(f"{below} (alarm 61101 on some controls): it goes back to RFP + SDIS")
+            self._tolerate(
+                "RTP below RFP",
+                "alarm 61101: raise RTP",
+                "where a cycle's retraction plane RTP lies below its reference plane RFP, the tool goes back to RFP + SDIS",
+            )
             back = top
         if (back - top) * -down < 0.0:
             back = top
         return Levels(back, reference, top, bottom)
+
+    def _tolerate(self, what: str, cure: str, sentence: str) -> None:
+        """Take a cycle that controls stop at for what it must mean, and say so; refuse it where that is asked for."""
+        if self.strict:
+            raise Unread(f"{self.name} with {what}", f"the control stops there ({cure})")
+        self.control.findings.assumed(f"{sentence} (controls may stop there: {cure})")
 
     def _along(self, levels: Levels) -> Along:
         return Along(self.control, self.state, self.axis, levels)
@@ -100,6 +108,12 @@ class Holes:
         first = abs(arguments.number(6)) * unit
         if not first and arguments.given(5):
             first = abs(levels.reference - arguments.number(5) * unit)
+        if first > whole:
+            self._tolerate(
+                "a first stroke below its depth",
+                "alarm 61107: correct FDEP",
+                "CYCLE83 whose first stroke FDEP lies below the whole depth DP drills in one stroke",
+            )
         less = abs(arguments.number(7)) * unit
         factor = arguments.number(10, 1.0)
         if factor not in (0.0, 1.0):
@@ -146,11 +160,30 @@ class Holes:
         hole[self.axis] = levels.back
         self.control.straight(hole, 7, rapid=True)
 
+    def _builders_bore(self, arguments: Arguments, levels: Levels) -> None:
+        """CYCLE76 mills a rectangular spigot; without its width it cannot, and posts mean a boring cycle by it."""
+        if any(arguments.given(place) for place in range(6, MOST)):
+            raise Unread("CYCLE76", "cycles that clear areas are not read: let the CAM system write them out")
+        self._tolerate(
+            "neither width nor radius",
+            "CYCLE76 mills a spigot",
+            "CYCLE76 without the size of a spigot is a boring cycle of the machine's builder, that moves as CYCLE86",
+        )
+        self._bore(arguments, levels)
+
     def _bore_with_stop(self, arguments: Arguments, levels: Levels) -> None:
         dwell = self._dwell(arguments.number(5)) if self.name == "CYCLE88" else 0.0
         self._drill(levels, dwell=dwell, stops=True)
 
     def _rigid_tap(self, arguments: Arguments, levels: Levels) -> None:
+        if not arguments.number(7) and not arguments.number(8):
+            self._tolerate(
+                "neither MPIT nor PIT",
+                "write the pitch",
+                "CYCLE84 without a pitch (MPIT, PIT) taps at the feed in force",
+            )
+            self._tap(levels, 0.0, 0.0, self._dwell(arguments.number(5)))
+            return
         pitch = self._pitch(arguments, 7, 8, 13)
         speed = arguments.number(10) or self.control.feed.spindle * MINUTE
         back = arguments.number(11) or speed
