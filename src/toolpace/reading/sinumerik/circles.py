@@ -85,7 +85,9 @@ def _leave_out(words: Words, other: str) -> None:
             raise ValueFault(f"an arc has {other}, or I, J, K, not both: remove one")
 
 
-def _centre_of_opening(start: list[float], end: list[float], opening: float, plane: int, clockwise: bool) -> list[float]:
+def _centre_of_opening(
+    start: list[float], end: list[float], opening: float, plane: int, clockwise: bool
+) -> list[float]:
     """Centre from the end and the opening angle AR [rad]."""
     _refuse_opening(opening)
     first, second = AXES[plane]

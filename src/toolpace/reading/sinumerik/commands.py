@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from toolpace.reading.arcs import ArcError
 from toolpace.reading.sinumerik.cycles.holes import Holes
@@ -11,11 +10,8 @@ from toolpace.reading.sinumerik.cycles.patterns import places
 from toolpace.reading.sinumerik.cycles.swivel import swivel
 from toolpace.reading.sinumerik.cycles.thread import mill_thread
 from toolpace.reading.sinumerik.given import Arguments, Words, number
+from toolpace.reading.sinumerik.run import Run
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
-from toolpace.reading.sinumerik.system import System
-
-if TYPE_CHECKING:
-    from toolpace.reading.sinumerik.executor import Executor
 
 OLD_MODE = 1000
 """CYCLE832 modes from here on are those of old controls, whose hundreds switch TRAORI."""
@@ -25,13 +21,9 @@ TOP_SURFACE = 1_000_000
 class Commands:
     """Names that are called, with or without arguments."""
 
-    def __init__(self, executor: Executor) -> None:
-        self.executor = executor
-        self.control, self.state = executor.control, executor.state
-        self.system = System(self.control, self.state, executor.frames)
-        self.holes = Holes(
-            self.control, self.state, strict=executor.vocabulary.controller.option("strict_cycles", False)
-        )
+    def __init__(self, run: Run) -> None:
+        self.run, self.control, self.state = run, run.control, run.state
+        self.holes = Holes(self.control, self.state, strict=run.vocabulary.controller.option("strict_cycles", False))
         self.known: dict[str, Callable[[list[Value | None]], None]] = {
             "MSG": self._message,
             "TRAORI": self._traori,
@@ -53,14 +45,14 @@ class Commands:
             self.known[name](values)
         except ArcError as error:
             raise ValueFault(f"{name}: {error}") from None
-        self.executor.motion.here()
+        self.run.motion.here()
 
     def _cycle(self, name: str) -> Callable[[list[Value | None]], None]:
         return lambda values: self.holes.perform(name, values)
 
     def _message(self, values: list[Value | None]) -> None:
         said = text(values[0]).strip() if values and values[0] is not None else ""
-        self.executor.findings.ignored("MSG")
+        self.run.findings.ignored("MSG")
         if said:
             self.control.begin_operation(said)
 
@@ -71,21 +63,21 @@ class Commands:
 
     def tip_mode(self, on: bool) -> None:
         """TRAORI, TRAFOOF: the machine stays where it is, and the frames in force stay (posts count on it)."""
-        if on and not self.control.tip_mode and (self.executor.frames.offset or self.control.frame != _NONE):
+        if on and not self.control.tip_mode and (self.run.frames.offset or self.control.frame != _NONE):
             self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
         self.control.set_tip_mode(on)
         self.state.tangent = None
-        self.executor.motion.here()
+        self.run.motion.here()
 
     def _feed_group(self, values: list[Value | None]) -> None:
         rotary = [value for value in values if isinstance(value, Axis) and value.letter not in ("X", "Y", "Z")]
         feed = self.control.feed
         feed.rules = feed.rules._replace(turning="vector" if rotary else "xyz")
-        self.executor.findings.ignored("FGROUP")
+        self.run.findings.ignored("FGROUP")
 
     def _swivel(self, values: list[Value | None]) -> None:
         self.state.tangent = None
-        swivel(values, self.control, self.executor.frames, self.state)
+        swivel(values, self.control, self.run.frames, self.state)
 
     def _high_speed(self, values: list[Value | None]) -> None:
         """CYCLE832(tolerance, mode, ...): it asks for a tolerance, and for blending unless the mode is 0 (off)."""
@@ -105,10 +97,10 @@ class Commands:
             self.tip_mode(True)
 
     def _thread(self, values: list[Value | None]) -> None:
-        mill_thread(values, self.control, self.state, self.executor.tooling.radius)
+        mill_thread(values, self.control, self.state, self.run.tooling.radius)
 
     def _pattern(self, name: str, values: list[Value | None]) -> None:
-        modal = self.executor.interpreter.modal
+        modal = self.run.modal
         if modal is not None and modal[0].name not in self.known:
             raise Unread(f"{name} with a subprogram under MCALL", "write the places as blocks of their own")
         for words in places(name, values, self.control, self.state):
@@ -132,7 +124,7 @@ class Commands:
     def write(self, name: str, index: tuple[Value, ...], value: Value) -> None:
         """$NAME[index]=value. Raises Unread."""
         if name == "$P_UIFR":
-            self.executor.frames.write(index, value, self.state.unit)
+            self.run.frames.write(index, value, self.state.unit)
             return
         raise Unread(f"{name}=", "it sets data of the control that may shift positions: put them on the set-up sheet")
 

@@ -6,23 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from toolpace.reading.arcs import ArcError
-from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.options import PROGRAM, ReadOptions
 from toolpace.reading.sinumerik import state as modes
 from toolpace.reading.sinumerik.commands import Commands
+from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
-from toolpace.reading.sinumerik.flow.memory import Store
-from toolpace.reading.sinumerik.frames import PROGRAMMED, Frames, Saved
-from toolpace.reading.sinumerik.given import FARTHEST, Given, Words, number
-from toolpace.reading.sinumerik.motion import Motion
+from toolpace.reading.sinumerik.frames import PROGRAMMED, Saved
+from toolpace.reading.sinumerik.given import Given, Words
+from toolpace.reading.sinumerik.run import Modal, Run
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
-from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault, real
-from toolpace.reading.sinumerik.tooling import Tooling
-from toolpace.reading.sinumerik.vocabulary import Vocabulary
-from toolpace.units import MINUTE
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
@@ -46,26 +40,30 @@ class Now:
 class Executor:
     """Carries out blocks on the virtual control."""
 
-    def __init__(self, control: Control, controller: Controller, options: ReadOptions) -> None:
-        self.control, self.findings = control, control.findings
-        self.state = State()
-        self.frames = Frames(control)
-        self.motion = Motion(control, self.state)
-        self.vocabulary = Vocabulary(controller)
-        self.tooling = Tooling(control, self.state, options)
-        self.commands = Commands(self)
-        self.memory = Store(options.setup.variables, self.commands.system.read)
-        self.base_unit = self.vocabulary.base_unit
+    def __init__(self, run: Run) -> None:
+        self.run, self.control, self.findings = run, run.control, run.findings
+        self.state, self.frames, self.motion = run.state, run.frames, run.motion
+        self.tooling, self.vocabulary, self.memory = run.tooling, run.vocabulary, run.memory
+        self.commands, self.feed_words = Commands(run), FeedWords(run)
         self.interpreter: Interpreter
         self.meanings: dict[str, Callable[[Now], None]] = {
             "tool change": lambda now: self.tooling.change(),
             "stop": lambda now: setattr(now, "stop_after", True),
             "end": lambda now: setattr(now, "ends", True),
-            "spindle or coolant": lambda now: control.stop(),
+            "spindle or coolant": lambda now: run.control.stop(),
             "tip mode on": lambda now: self.commands.tip_mode(True),
             "tip mode off": lambda now: self.commands.tip_mode(False),
         }
         self.vocabulary.check(tuple(self.meanings))
+
+    @property
+    def modal(self) -> Modal | None:
+        """What MCALL asked for."""
+        return self.run.modal
+
+    @modal.setter
+    def modal(self, wanted: Modal | None) -> None:
+        self.run.modal = wanted
 
     def begin(self, line: int) -> None:
         """A block of this line comes next."""
@@ -100,11 +98,14 @@ class Executor:
         if words and not dwells:
             self.tooling.take(words)
         for code in block.codes:
-            self._code(code, now)
+            try:
+                self._code(code, now)
+            except Unread as error:
+                self.refuse(error.word, self.control.line, error.cure)
         if dwells:
-            self._dwell(words)
+            self.feed_words.dwell(words)
         elif "F" in words:
-            self._feed(words)
+            self.feed_words.feed(words)
         if now.claim:
             self._claim(now)
         for call in block.calls:
@@ -126,7 +127,7 @@ class Executor:
             if word.address in memory.local:
                 memory.assign(word.address, (), value)
             else:
-                words[word.address] = Given(value, word.form, tuple(index(memory) for index in word.index))
+                words[word.address] = Given(value, word.form, tuple(index(memory) for index in word.indices))
         return words
 
     def _assign(self, block: Block) -> None:
@@ -138,8 +139,6 @@ class Executor:
                 self.commands.write(name, places, value)
             else:
                 memory.assign(name, places, value)
-
-    # Words without a value
 
     def _code(self, code: str, now: Now) -> None:
         state = self.state
@@ -206,35 +205,6 @@ class Executor:
         self.commands.perform(call.name, arguments)
         return True
 
-    # Words with a value
-
-    def _dwell(self, words: Words) -> None:
-        seconds, turns = number(words, "F"), number(words, "S")
-        if seconds is None and turns is None:
-            raise ValueFault("G4 needs its time: write G4 F2 for seconds, or G4 S3 for turns of the spindle")
-        if seconds is None and turns is not None:
-            if self.control.feed.spindle <= 0.0:
-                raise ValueFault("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
-            seconds = turns / self.control.feed.spindle
-        self.control.dwell(seconds or 0.0)
-
-    def _feed(self, words: Words) -> None:
-        value = real(words.pop("F").value)
-        feed, state = self.control.feed, self.state
-        if feed.mode == INVERSE:
-            if not 0.0 < value <= 1e9:
-                raise ValueFault(f"feed F{value:g} must be above zero: correct F")
-            state.inverse = value
-            return
-        unit = state.feed_unit
-        if unit is None:
-            if self.base_unit is None:
-                self.base_unit = state.unit
-                if state.unit != modes.MILLIMETRE:
-                    self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
-            unit = self.base_unit
-        feed.set(value, unit, self.control.line)
-
     def _claim(self, now: Now) -> None:
         code, words = now.claim, now.words
         if code in PROGRAMMED:
@@ -252,38 +222,24 @@ class Executor:
             self.motion.here()
 
     def _move(self, now: Now) -> bool:
-        words = now.words
-        moved = False
-        if now.in_machine or self.motion.has_axes(words):
-            try:
-                if now.in_machine:
-                    moved = self.motion.in_machine(words, stop=now.stop or self.state.exact_stop)
-                else:
-                    moved = self.motion.execute(words, stop=now.stop or self.state.exact_stop)
-            except ArcError as error:
-                raise ValueFault(str(error)) from None
-        elif self.state.motion in ("G2", "G3") and any(letter in words for letter in ("I", "J", "K", "AR")):
-            # a full circle may name its centre alone
-            moved = self.circle_in_place(words, now)
+        words, moved = now.words, False
+        stop = now.stop or self.state.exact_stop
+        try:
+            if now.in_machine:
+                moved = self.motion.in_machine(words, stop=stop)
+            elif self.motion.has_axes(words):
+                moved = self.motion.execute(words, stop=stop)
+        except ArcError as error:
+            raise ValueFault(str(error)) from None
         for address in words:
             self._left(address)
         return moved
 
-    def circle_in_place(self, words: Words, now: Now) -> bool:
-        """G2 I10: the end is the start."""
-        try:
-            self.motion.execute(words, stop=now.stop or self.state.exact_stop)
-        except ArcError as error:
-            raise ValueFault(str(error)) from None
-        return True
-
     def _left(self, address: str) -> None:
         """A word that nothing in its block took."""
-        if self.vocabulary.meaning(address) == "ignored" or (address[0] in "SMHTD" and address.rstrip("=")[1:].isdigit()):
+        of_spindle = address[0] in "SMHTD" and address.rstrip("=")[1:].isdigit()
+        if of_spindle or self.vocabulary.meaning(address) == "ignored":
             self.findings.ignored(address)
             return
-        cure = self.vocabulary.refusal(address)
-        raise Unread(f"{address}=" if len(address) > 1 else address, cure or "it might move something: remove it")
-
-
-
+        word = f"{address}=" if len(address) > 1 else address
+        self.refuse(word, self.control.line, self.vocabulary.refusal(address) or "it might move something: remove it")

@@ -15,7 +15,7 @@ class Given(NamedTuple):
 
     value: Value
     form: str = ""
-    index: tuple[Value, ...] = ()
+    indices: tuple[Value, ...] = ()
 
 
 Words = dict[str, Given]

@@ -8,14 +8,16 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.sinumerik import circles
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
-from toolpace.reading.sinumerik.orientation import Vectors
+from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 from toolpace.units import DEGREE
 
 NO_ARC = {"CR": "G2 or G3", "AR": "G2 or G3", "TURN": "G2 or G3", "I": "arcs", "J": "arcs", "K": "arcs"}
 """Words that only arcs have."""
-POINTS_BETWEEN = ("I1", "J1", "K1")
+LETTERS = "XYZABCUVW"
+AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
+"""Addresses that ask for motion."""
 
 
 class Motion:
@@ -34,8 +36,10 @@ class Motion:
 
     def has_axes(self, words: Words) -> bool:
         """Whether words ask for motion."""
-        slots = self.control.slots
-        return any(address in slots or address in ("AP", "RP") for address in words) or self.vectors.asked(words)
+        if not AXES.isdisjoint(words):
+            return True
+        # a full circle may name its centre alone
+        return self.state.motion in ("G2", "G3") and not {"I", "J", "K", "AR"}.isdisjoint(words)
 
     def execute(self, words: Words, *, stop: bool) -> bool:
         """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
@@ -64,7 +68,7 @@ class Motion:
         control = self.control
         target, named = list(control.words), 0
         slots = control.slots
-        for address in [address for address in words if len(address) == 1 and address in "XYZABCUVW"]:
+        for address in [address for address in words if len(address) == 1 and address in LETTERS]:
             slot = slots.get(address)
             if slot is None:
                 slot = control.slot(address)
@@ -177,11 +181,13 @@ class Motion:
         if self.state.motion not in ("G0", "G1"):
             raise ValueFault("machine coordinates (SUPA, G53) are reached with G0 or G1: write one of them")
         coordinates = {}
-        for address in [address for address in words if len(address) == 1 and address in "XYZABCUVW"]:
+        for address in [address for address in words if len(address) == 1 and address in LETTERS]:
             given = words.pop(address)
             slot = control.slot(address)
             if given.form == "IC" or (not given.form and not self.state.absolute):
-                raise ValueFault(f"{address} is a distance, but SUPA and G53 need a place: write G90, or {address}=AC()")
+                raise ValueFault(
+                    f"{address} is a distance, but SUPA and G53 need a place: write G90, or {address}=AC()"
+                )
             coordinates[address] = bounded(given, address) * (self.state.unit if slot < 3 else DEGREE)
         if not coordinates:
             return False

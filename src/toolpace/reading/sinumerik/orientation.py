@@ -63,7 +63,9 @@ class Vectors:
         """Rotary words for a tool axis on the part."""
         return self.control.rotary_for(vector)
 
-    def straight(self, target: list[float], named: int, vector: list[float], *, rapid: bool, number: float | None) -> None:
+    def straight(
+        self, target: list[float], named: int, vector: list[float], *, rapid: bool, number: float | None
+    ) -> None:
         """Move straight, while the tool turns in the plane of both vectors, or the rotary axes in proportion."""
         control = self.control
         start = list(control.words)

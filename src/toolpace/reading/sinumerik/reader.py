@@ -13,6 +13,7 @@ from toolpace.reading.options import ReadOptions
 from toolpace.reading.sinumerik.executor import Executor
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.flow.routines import Library
+from toolpace.reading.sinumerik.run import Run
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
@@ -42,21 +43,21 @@ class SinumerikReader:
             controller=controller.name,
             most_blocks=options.most_blocks,
         )
-        self.executor = Executor(self.control, controller, options)
+        self.parts = Run(self.control, controller, options)
 
     def run(self) -> ToolPath:
         """Execute the program, then lay the points. Raises ProgramError."""
-        executor = self.executor
+        run = self.parts
+        executor = Executor(run)
         if not any(_CHANGES.search(line.split(";", 1)[0]) for line in self.source.lines):
-            executor.tooling.at_once = True
-        library = Library(self.source)
+            run.tooling.at_once = True
         executor.interpreter = Interpreter(
-            self.source, library, executor, executor.memory, self.options.block_delete
+            self.source, Library(self.source), executor, run.memory, self.options.block_delete
         )
         executor.interpreter.run()
         if not executor.interpreter.ended:
             self._refuse_cut_off()
-        if not executor.state.stop_told and len(self.control.moves):
+        if not run.state.stop_told and len(self.control.moves):
             self.findings.assumed("the program says neither G60 nor G64: blocks are taken to meet without a stop (G64)")
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()

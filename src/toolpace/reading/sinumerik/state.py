@@ -50,15 +50,13 @@ SETS: dict[str, dict[str, object]] = {
     "G90": {"absolute": True},
     "G91": {"absolute": False},
     "G60": {"exact_stop": True, "stop_told": True},
-    **dict.fromkeys(
-        ("G64", "G641", "G642", "G643", "G644", "G645"), {"exact_stop": False, "stop_told": True}
-    ),
+    **{key: {"exact_stop": False, "stop_told": True} for key in ("G64", "G641", "G642", "G643", "G644", "G645")},
     "G70": {"unit": INCH, "feed_unit": None},
     "G71": {"unit": MILLIMETRE, "feed_unit": None},
     "G700": {"unit": INCH, "feed_unit": INCH},
     "G710": {"unit": MILLIMETRE, "feed_unit": MILLIMETRE},
-    **dict.fromkeys(("ORIWKS", "ORIVECT", "ORIPLANE"), {"turning": GREAT_CIRCLE}),
-    **dict.fromkeys(("ORIMKS", "ORIAXES"), {"turning": ROTARY}),
+    **{key: {"turning": GREAT_CIRCLE} for key in ("ORIWKS", "ORIVECT", "ORIPLANE")},
+    **{key: {"turning": ROTARY} for key in ("ORIMKS", "ORIAXES")},
     "ORIEULER": {"angles": EULER},
     "ORIRPY": {"angles": RPY},
     "ORIRPY2": {"angles": RPY},

@@ -32,7 +32,7 @@ class Tooling:
         given = words.pop("T", None)
         if given is not None:
             value = given.value
-            if isinstance(value, (tuple, bool)) or isinstance(value, Axis):
+            if isinstance(value, (tuple, bool, Axis)):
                 raise ValueFault(f'T is the number or the name of a tool, not {shown(value)}: write T5 or T="MILL"')
             self.selected = value.strip() if isinstance(value, str) else f"{value:g}"
             if self.at_once:

@@ -8,6 +8,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.sinumerik.cycles.along import Along, Levels
+from toolpace.reading.sinumerik.cycles.strokes import stop_distance, strokes_of
 from toolpace.reading.sinumerik.cycles.taps import metric_pitch
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
@@ -68,7 +69,7 @@ class Holes:
             self._tolerate(
                 "RTP below RFP",
                 "alarm 61101: raise RTP",
-                "where a cycle's retraction plane RTP lies below its reference plane RFP, the tool goes back to RFP + SDIS",
+                "where the retraction plane RTP lies below the reference plane RFP, a cycle goes back to RFP + SDIS",
             )
             back = top
         if (back - top) * -down < 0.0:
@@ -122,11 +123,11 @@ class Holes:
         strokes = strokes_of(whole, first or whole, less)
         clear = arguments.code(11) != 0
         back = abs(arguments.number(14)) * unit or MILLIMETRE
-        stop_distance = abs(arguments.number(16)) * unit or _stop_distance(whole)
+        ahead = abs(arguments.number(16)) * unit or stop_distance(whole)
         self._along(levels).strokes(
             [safety + depth for depth in strokes],
             chip_break=0.0 if clear else back,
-            clearance=stop_distance,
+            clearance=ahead,
             dwell=self._dwell(arguments.number(8)),
             top_dwell=self._dwell(arguments.number(9)) if clear else 0.0,
             last_dwell=self._dwell(arguments.number(15)) if arguments.given(15) else self._dwell(arguments.number(8)),
@@ -221,29 +222,6 @@ class Holes:
             return abs(arguments.number(pitch)) * scale
         if arguments.number(size):
             return metric_pitch(abs(arguments.number(size)))
-        raise ValueFault(f"{self.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}")
-
-
-def strokes_of(whole: float, first: float, less: float) -> list[float]:
-    """Depths [m] at which the strokes of CYCLE83 end: each is shorter by `less`, down to that; the last two are equal.
-
-    Where `less` is zero all strokes but the last are as long as the first.
-    """
-    found: list[float] = []
-    depth, stroke = 0.0, min(first, whole)
-    if stroke <= 0.0 or whole / max(min(stroke, less or stroke), 1e-12) > 1e4:
-        raise ValueFault("CYCLE83 takes more than 10000 strokes, or none: check its depths")
-    while whole - depth > stroke * (1.0 + 1e-9):
-        depth += stroke
-        found.append(depth)
-        if less:
-            stroke = max(stroke - less, less)
-            rest = whole - depth
-            if stroke < rest < 2.0 * less:
-                stroke = rest / 2.0
-    return [*found, whole]
-
-
-def _stop_distance(whole: float) -> float:
-    """How far above the last depth the rapid ends: 0.6 mm to 30 mm of depth, then a fiftieth, at most 7 mm."""
-    return 0.6 * MILLIMETRE if whole <= 30.0 * MILLIMETRE else min(whole / 50.0, 7.0 * MILLIMETRE)
+        raise ValueFault(
+            f"{self.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}"
+        )

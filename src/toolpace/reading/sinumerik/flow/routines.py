@@ -68,7 +68,9 @@ class Routine:
             elif kind in CLOSES:
                 if not opened or opened[-1][0] != CLOSES[kind]:
                     inside = f", the last open one is {opened[-1][0]}" if opened else ""
-                    raise StructureFault(f"{kind} stands without its {CLOSES[kind]}{inside}: correct the nesting", index)
+                    raise StructureFault(
+                        f"{kind} stands without its {CLOSES[kind]}{inside}: correct the nesting", index
+                    )
                 _, start = opened.pop()
                 found[start] = index
                 if kind == "ELSE":

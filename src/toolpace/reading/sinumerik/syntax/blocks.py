@@ -10,9 +10,14 @@ ABSOLUTE, INCREMENTAL, SHORTEST, UPWARD, DOWNWARD = "AC", "IC", "DC", "ACP", "AC
 FORMS = (ABSOLUTE, INCREMENTAL, SHORTEST, UPWARD, DOWNWARD)
 """How the value of one word is meant: X=IC(5); ACP and ACN turn a rotary axis up and down, DC the shortest way."""
 ADDRESSES = frozenset(
-    """CR AR TURN AP RP ADIS ADISPOS PW SD PL FP CHF CHR RND RNDM ANG LEAD TILT THETA XH YH ZH SF SPOS SPOSA RPL CTOL
-    OTOL ATOL OVR OVRRAP OVRA ACC JERKLIM VELOLIM FGREF FD FA FB FRC FRCM DISR DISCL DISC OFFN POS POSA POSP PO STW
-    SPOSMODE FXS FXST FXSW DITS DITE ORIPATHS DISRP FZ FL G SVC SCC LIMS NORM""".split()
+    {
+        *("CR", "AR", "TURN", "AP", "RP", "FP", "RPL", "PW", "SD", "PL", "PO"),
+        *("ADIS", "ADISPOS", "CTOL", "OTOL", "ATOL", "ORIPATHS", "DISR", "DISCL", "DISC", "DISRP", "OFFN", "NORM"),
+        *("CHF", "CHR", "RND", "RNDM", "ANG", "LEAD", "TILT", "THETA", "XH", "YH", "ZH", "SF"),
+        *("SPOS", "SPOSA", "SVC", "SCC", "LIMS", "FGREF", "FD", "FA", "FB", "FZ", "FL", "FRC", "FRCM"),
+        *("OVR", "OVRRAP", "OVRA", "ACC", "JERKLIM", "VELOLIM", "POS", "POSA", "POSP", "STW", "SPOSMODE"),
+        *("FXS", "FXST", "FXSW", "DITS", "DITE", "G"),
+    }
 )
 """Names that take a value with `=` and are no variables."""
 
@@ -25,7 +30,7 @@ class Word(NamedTuple):
     """None where it is compiled."""
     compiled: Compiled | None = None
     form: str = ""
-    index: tuple[Compiled, ...] = ()
+    indices: tuple[Compiled, ...] = ()
     rest: tuple[Compiled | None, ...] = ()
     """Further values: PO[X]=(a, b, c)."""
 
@@ -34,7 +39,7 @@ class Assignment(NamedTuple):
     """R1=..., NAME=..., NAME[i]=..., $NAME[i]=..."""
 
     name: str
-    index: tuple[Compiled, ...]
+    indices: tuple[Compiled, ...]
     value: Compiled
 
 

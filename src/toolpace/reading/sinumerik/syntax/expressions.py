@@ -28,7 +28,6 @@ from toolpace.reading.sinumerik.syntax.values import (
     FUNCTIONS,
     Axis,
     Compiled,
-    Memory,
     Value,
     ValueFault,
     above,

@@ -94,7 +94,7 @@ def code(letter: str, value: float) -> str:
 
 def _refuse_twice(words: list[Word]) -> None:
     if len(words) > 1:
-        seen = [word.address for word in words if not word.index]
+        seen = [word.address for word in words if not word.indices]
         if len(set(seen)) < len(seen):
             twice = next(address for address in seen if seen.count(address) > 1)
             raise SyntaxFault(f"{twice} stands twice in one block: remove one")
@@ -122,9 +122,7 @@ class _Reader(Parser):
         _refuse_twice(self.words)
         plain = not self.assignments and not self.calls
         plain = plain and all(word.value is not None and not word.form for word in self.words)
-        return Block(
-            tuple(self.codes), tuple(self.words), tuple(self.assignments), tuple(self.calls), plain=plain
-        )
+        return Block(tuple(self.codes), tuple(self.words), tuple(self.assignments), tuple(self.calls), plain=plain)
 
     def _element(self, token: Token) -> None:
         if token.kind == WORD:
