@@ -119,11 +119,13 @@ class Executor:
 
     def _words(self, block: Block) -> Words:
         if block.plain:
-            return {word.address: Given(word.value) for word in block.words if word.value is not None}
+            literals = self.memory.literals
+            return {word.address: Given(literals[word.literal]) for word in block.words}
         words: Words = {}
         memory = self.memory
         for word in block.words:
-            value: Value = word.value if word.compiled is None else word.compiled(memory)  # type: ignore[assignment]
+            place, compiled = word.literal, word.compiled
+            value = memory.literals[place] if compiled is None else compiled(memory)
             if word.address in memory.local:
                 memory.assign(word.address, (), value)
             else:

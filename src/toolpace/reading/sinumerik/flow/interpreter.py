@@ -75,12 +75,13 @@ class Interpreter:
                 continue
             index = frame.at
             frame.at += 1
-            head, block = frame.routine.read(index)
+            head, said = frame.routine.read(index)
             if not head.rest and not head.label:
                 continue
             if head.skip and self.block_delete:
                 self.actions.ignored(SKIPPED)
                 continue
+            block, self.memory.literals = said
             line = frame.line or frame.routine.first + index
             self.actions.begin(line)
             try:
@@ -151,16 +152,17 @@ class Interpreter:
         """Give the parameters of PROC, which stands first in the routine, their values."""
         frame = self.stack[-1]
         for index in range(len(routine.lines)):
-            head, block = routine.read(index)
+            head, said = routine.read(index)
             if head.rest:
                 break
         else:
             return
-        if block.flow is None or block.flow.kind != "PROC":
+        flow = said.block.flow
+        if flow is None or flow.kind != "PROC":
             if arguments:
                 raise ValueFault(f"{routine.name} takes no arguments, it has no PROC with parameters: remove them")
             return
-        names = block.flow.names
+        names = flow.names
         if names[-1] == "SAVE" and len(names) % 2 == 0:
             frame.state, names = self.actions.saved(), names[:-1]
         if len(arguments) > len(names) // 2:
@@ -168,7 +170,7 @@ class Interpreter:
         for k, (kind, name) in enumerate(zip(names[1::2], names[2::2])):
             variable = self.memory.define(name, kind)
             given = arguments[k] if k < len(arguments) else None
-            default = block.flow.values[k]
+            default = flow.values[k]
             value = given if given is not None or default is None else default(self.memory)
             if value is not None:
                 variable.set((), value, name)

@@ -70,7 +70,7 @@ class Jumps:
     def _for(self, flow: Flow, frame: Frame, index: int) -> None:
         if flow.kind == "ENDFOR":
             start = frame.routine.partners[index]
-            opening = frame.routine.read(start)[1].flow
+            opening = frame.routine.read(start)[1].block.flow
             assert opening is not None
             place = self._variable(opening)
             value: Value = real(self._value(opening, place)) + 1.0

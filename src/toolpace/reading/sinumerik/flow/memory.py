@@ -69,6 +69,7 @@ class Store:
     def __init__(self, given: Mapping[str, float], system: Callable[[str, tuple[Value, ...]], Value]) -> None:
         self.r: dict[int, float] = {}
         self.unit = MILLIMETRE
+        self.literals: tuple[float, ...] = ()
         self.given = {name.upper(): value for name, value in given.items()}
         self.local: Local = {}
         self._system = system

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from toolpace.reading.sinumerik.syntax.blocks import Block
-from toolpace.reading.sinumerik.syntax.statements import Head, block, head
+from toolpace.reading.sinumerik.syntax.blocks import Line
+from toolpace.reading.sinumerik.syntax.statements import Head, head, line
 from toolpace.reading.source import Source
 
 SUFFIXES = (".spf", ".SPF", ".mpf", ".MPF", "")
@@ -45,10 +45,10 @@ class Routine:
     file: str = ""
     """Of a subprogram in a file of its own."""
 
-    def read(self, index: int) -> tuple[Head, Block]:
-        """The block of a line."""
+    def read(self, index: int) -> tuple[Head, Line]:
+        """What a line says."""
         found = head(self.lines[index])
-        return found, block(found.rest)
+        return found, line(found.rest)
 
     @cached_property
     def partners(self) -> dict[int, int]:
@@ -58,10 +58,10 @@ class Routine:
         """
         found: dict[int, int] = {}
         opened: list[tuple[str, int]] = []
-        for index, line in enumerate(self.lines):
-            if not _STRUCTURED.match(line):
+        for index, text in enumerate(self.lines):
+            if not _STRUCTURED.match(text):
                 continue
-            flow = self.read(index)[1].flow
+            flow = self.read(index)[1].block.flow
             kind = "" if flow is None else flow.kind
             if kind in ("IF", "FOR", "WHILE", "LOOP", "REPEAT"):
                 opened.append((kind, index))
@@ -85,8 +85,8 @@ class Routine:
     def labels(self) -> dict[str, list[int]]:
         """Indices of each label and block number, in the order of the lines."""
         found: dict[str, list[int]] = {}
-        for index, line in enumerate(self.lines):
-            beginning = head(line)
+        for index, text in enumerate(self.lines):
+            beginning = head(text)
             for name in (beginning.label, beginning.number):
                 if name:
                     found.setdefault(name, []).append(index)
@@ -157,11 +157,11 @@ def routines_of(lines: tuple[str, ...], file: str = "") -> list[Routine]:
     """Routines of a file: each begins with %_N_NAME_SPF or PROC; what stands before the first is the main program."""
     starts: list[tuple[str, int, bool]] = []
     named = False
-    for index, line in enumerate(lines):
-        if "%" in line and (opening := _OPENING.fullmatch(line)):
+    for index, text in enumerate(lines):
+        if "%" in text and (opening := _OPENING.fullmatch(text)):
             starts.append((opening[1].upper(), index + 1, True))
             named = True
-        elif ("PROC" in line or "proc" in line) and (procedure := _PROCEDURE.match(line)):
+        elif ("PROC" in text or "proc" in text) and (procedure := _PROCEDURE.match(text)):
             # PROC right behind %_N_..._SPF, or at the head of the file, opens no routine of its own
             if not (named and not _said(lines[starts[-1][1] : index])):
                 starts.append((procedure[1].upper(), index, False))

@@ -26,8 +26,8 @@ class Word(NamedTuple):
     """An address with its value: X10, CR=5, X=IC(R1), FGREF[A]=10."""
 
     address: str
-    value: float | None
-    """None where it is compiled."""
+    literal: int
+    """Place of its value among the constants of the block; -1 where it is compiled."""
     compiled: Compiled | None = None
     form: str = ""
     indices: tuple[Compiled, ...] = ()
@@ -78,3 +78,10 @@ class Block(NamedTuple):
     """Why it cannot be understood; an error when it is executed."""
     plain: bool = False
     """Whether it has nothing but codes and words with constant values."""
+
+
+class Line(NamedTuple):
+    """A block with the constants that stand in it."""
+
+    block: Block
+    literals: tuple[float, ...] = ()

@@ -84,6 +84,11 @@ def constant(value: Value) -> Compiled:
     return lambda memory: value
 
 
+def literal(place: int) -> Compiled:
+    """A function that has the value of a constant of the block at hand."""
+    return lambda memory: memory.literals[place]
+
+
 class Parser:
     """Reads the tokens of one block, one after the other."""
 
@@ -156,7 +161,7 @@ class Parser:
     def _operand(self) -> Compiled:
         token = self.take()
         if token.kind == NUMBER:
-            return constant(token.value)
+            return literal(int(token.value)) if token.marked else constant(token.value)
         if token.kind == TEXT:
             return constant(token.text)
         if token.kind == SIGN and token.text == "(":

@@ -13,7 +13,10 @@ WORD, LETTER, NAME, SYSTEM, NUMBER, TEXT, SIGN, END = "word", "letter", "name", 
 LONGEST = 4096
 """Most characters of a block; the control takes 512."""
 
-_FIGURE = r"(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:EX[-+]?[0-9]++)?"
+MARK = "\x01"
+"""Stands for a constant number in the shape of a block."""
+FIGURE = r"(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:EX[-+]?[0-9]++)?"
+_FIGURE = rf"(?:{FIGURE}|{MARK})"
 _TOKEN = re.compile(
     rf"""[ \t]*(?:
       (?P<text>"[^"]*")
@@ -36,7 +39,12 @@ class Token(NamedTuple):
     text: str
     """In capitals, but for texts."""
     value: float = 0.0
-    """Of words and numbers."""
+    """Of words and numbers; of a mark, its place among the constants of the block."""
+
+    @property
+    def marked(self) -> bool:
+        """Whether its number is a mark."""
+        return self.text[-1:] == MARK
 
 
 class SyntaxFault(ValueError):
@@ -56,7 +64,9 @@ def without_comment(line: str) -> str:
 
 
 def number(text: str) -> float:
-    """The value of a figure such as 1.5EX-3."""
+    """The value of a figure such as 1.5EX-3; of a mark, zero."""
+    if text[-1] == MARK:
+        return 0.0
     mantissa, _, exponent = text.upper().partition("EX")
     if exponent and not -300 <= int(exponent[:6]) <= 300:
         raise SyntaxFault(f"number {text[:20]} is out of range: correct its exponent")
@@ -71,12 +81,16 @@ def tokens(block: str) -> list[Token]:
     if len(upper) != len(block):
         raise SyntaxFault("the block has letters that no control has: write names in plain letters")
     found: list[Token] = []
+    marks = 0
     at, end = 0, len(block)
     while at < end:
         match = _TOKEN.match(upper, at)
         if match is None:
             raise SyntaxFault(_reason(block[at:].lstrip()))
-        found.append(_token(match, block))
+        token = _token(match, block)
+        if token.marked and token.kind != TEXT:
+            token, marks = token._replace(value=float(marks)), marks + 1
+        found.append(token)
         at = match.end()
         while at < end and block[at] in " \t":
             at += 1

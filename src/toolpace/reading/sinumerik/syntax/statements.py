@@ -7,17 +7,20 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from toolpace.reading.sinumerik.syntax import flows
-from toolpace.reading.sinumerik.syntax.blocks import ADDRESSES, FORMS, Assignment, Block, Call, Word
+from toolpace.reading.sinumerik.syntax.blocks import ADDRESSES, FORMS, Assignment, Block, Call, Line, Word
 from toolpace.reading.sinumerik.syntax.expressions import Parser, constant, r_number
 from toolpace.reading.sinumerik.syntax.lexer import (
     END,
+    FIGURE,
     LETTER,
+    MARK,
     NAME,
     SYSTEM,
     TEXT,
     WORD,
     SyntaxFault,
     Token,
+    number,
     tokens,
     without_comment,
 )
@@ -28,8 +31,12 @@ _HEAD = re.compile(
     r"(?:(?P<label>[A-Z_][A-Z_][A-Z0-9_]*)[ \t]*:(?!=))?[ \t]*",
     re.IGNORECASE,
 )
-_PLAIN = re.compile(r"(?:[A-Z][ \t]*[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)[ \t]*+)*+")
-_PLAIN_WORD = re.compile(r"([A-Z])[ \t]*([-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++))")
+_CONSTANT = re.compile(
+    rf"""[A-Z_$][A-Z_][A-Z0-9_]*+ | '[^']*' | [A-Z][0-9]++(?=[ \t]*=(?!=)) | [GMRLNPH][ \t]*[-+]?[0-9.]++
+    | ([A-Z])[ \t]*([-+]?{FIGURE}) | ({FIGURE})""",
+    re.VERBOSE,
+)
+"""Constants in capitals: of words that are no code, name or parameter, and within expressions."""
 _CODES = ("G", "M")
 KEPT = 1 << 14
 """Compiled blocks that are kept, for loops and subprograms: those of a whole long program would fill memory."""
@@ -58,31 +65,52 @@ def head(line: str) -> Head:
     return Head(rest, number, label.upper() if label else "", bool(skip or late))
 
 
+def line(text: str) -> Line:
+    """What the rest of a line says: the block of its shape, with its constants. A fault is part of the block."""
+    literals: list[float] = []
+
+    def mark(match: re.Match[str]) -> str:
+        letter, of_letter, alone = match.groups()
+        if letter:
+            literals.append(number(of_letter))
+            return str(letter) + MARK
+        if alone:
+            literals.append(number(alone))
+            return MARK
+        return match[0]
+
+    upper = text.upper()
+    found = None
+    # texts keep their letters: only blocks without them have a shape
+    if '"' not in text and MARK not in text and len(upper) == len(text):
+        try:
+            found = _shaped(_CONSTANT.sub(mark, upper))
+        except SyntaxFault as error:
+            return Line(Block(fault=str(error)))
+    return Line(_exact(text)) if found is None else Line(found, tuple(literals))
+
+
 @lru_cache(maxsize=KEPT)
-def block(text: str) -> Block:
-    """The block of the rest of a line; what cannot be understood is a fault of it."""
+def _shaped(shape: str) -> Block | None:
+    """The block of a shape, whose constants are marks; None where it has to be read with its constants.
+
+    Flow has, since the end of FOR and the defaults of PROC are asked for at other blocks; faults too, to show them.
+    """
     try:
-        return _plain(text) or _Reader(tokens(text)).block()
+        found = _Reader(tokens(shape)).block()
+    except (SyntaxFault, ValueFault):
+        return None
+    return None if found.flow is not None else found
+
+
+@lru_cache(maxsize=KEPT)
+def _exact(text: str) -> Block:
+    if MARK in text:
+        return Block(fault="the block has a character that cannot be printed: remove it")
+    try:
+        return _Reader(tokens(text)).block()
     except (SyntaxFault, ValueFault) as error:
         return Block(fault=str(error))
-
-
-def _plain(text: str) -> Block | None:
-    """A block of letters with constant numbers; None for others."""
-    upper = text.upper()
-    if len(upper) != len(text) or _PLAIN.fullmatch(upper) is None:
-        return None
-    codes: list[str] = []
-    words: list[Word] = []
-    for letter, figure in _PLAIN_WORD.findall(upper):
-        if letter in _CODES:
-            codes.append(code(letter, float(figure)))
-        elif letter in "LRP":
-            return None
-        else:
-            words.append(Word(letter, float(figure)))
-    _refuse_twice(words)
-    return Block(codes=tuple(codes), words=tuple(words), plain=True)
 
 
 def code(letter: str, value: float) -> str:
@@ -121,7 +149,7 @@ class _Reader(Parser):
             self._element(self.take())
         _refuse_twice(self.words)
         plain = not self.assignments and not self.calls
-        plain = plain and all(word.value is not None and not word.form for word in self.words)
+        plain = plain and all(word.literal >= 0 for word in self.words)
         return Block(tuple(self.codes), tuple(self.words), tuple(self.assignments), tuple(self.calls), plain=plain)
 
     def _element(self, token: Token) -> None:
@@ -163,7 +191,8 @@ class _Reader(Parser):
         elif letter == "P" and self.calls:
             self.calls[-1] = self.calls[-1]._replace(times=constant(token.value))
         else:
-            self.words.append(Word(letter, token.value))
+            place = int(token.value) if token.marked else -1
+            self.words.append(Word(letter, place, None if token.marked else constant(token.value)))
 
     def _letter(self, token: Token) -> None:
         letter = token.text
@@ -211,11 +240,11 @@ class _Reader(Parser):
             value = self.expression()
             self.need(")")
         elif address == "PO" and self.sign("("):
-            self.words.append(Word(address, None, constant(0.0), "", index, tuple(self.arguments())))
+            self.words.append(Word(address, -1, constant(0.0), "", index, tuple(self.arguments())))
             return
         else:
             value = self.expression()
-        self.words.append(Word(address, None, value, form, index))
+        self.words.append(Word(address, -1, value, form, index))
 
     def _ignored_value(self, address: str) -> None:
-        self.words.append(Word(address, None, self.expression()))
+        self.words.append(Word(address, -1, self.expression()))

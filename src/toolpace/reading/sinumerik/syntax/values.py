@@ -30,6 +30,8 @@ class Memory(Protocol):
     r: dict[int, float]
     unit: float
     """Of lengths [m]."""
+    literals: tuple[float, ...]
+    """Constants of the block at hand."""
 
     def variable(self, name: str, index: tuple[int, ...]) -> Value:
         """A variable of the program. Raises Unread."""
