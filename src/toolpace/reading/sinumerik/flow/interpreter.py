@@ -68,6 +68,7 @@ class Interpreter:
         """Execute the main program."""
         main = self.library.main
         self.stack.append(Frame(main, 0, len(main.lines)))
+        self._check(main)
         while self.stack:
             frame = self.stack[-1]
             if frame.at >= frame.end:
@@ -95,22 +96,28 @@ class Interpreter:
             except ValueFault as error:
                 where = f"{frame.routine.file} line {index + 1}: " if frame.routine.file else ""
                 self.source.fail(where + str(error), line)
-            except StructureFault as error:
-                self.source.fail(str(error), frame.line or frame.routine.first + error.index)
             except Unread as error:
                 self.actions.refuse(error.word, line, error.cure)
                 kind = "" if block.flow is None else block.flow.kind
                 if kind in ("IF", "WHILE", "FOR"):
                     frame.at = frame.routine.partners[index] + 1  # what cannot be decided is left out
 
+    def _check(self, routine: Routine, line: int = 0) -> None:
+        """ProgramError where the choices and loops of a routine have no partners."""
+        try:
+            routine.partners  # noqa: B018
+        except StructureFault as error:
+            where = f"{routine.file} line {error.index + 1}: " if routine.file else ""
+            self.source.fail(where + str(error), line or routine.first + error.index)
+
     def end(self) -> None:
         """Leave the subprogram at hand; of the main program all (M30, M17, RET)."""
         while self.stack:
             frame = self.stack[-1]
-            frame.at, frame.left = frame.end, 1
-            self._leave(frame)
             if frame.local is not None:
+                frame.at = frame.end  # a call with P may begin again
                 return
+            self.stack.pop()
         self.ended = True
 
     def _leave(self, frame: Frame) -> None:
@@ -143,6 +150,7 @@ class Interpreter:
             line = self.stack[-1].line if self.stack else 0
             if routine.file and not line:
                 line = self.stack[-1].routine.first + self.stack[-1].at - 1
+            self._check(routine, line)
             inside = modal or any(frame.modal for frame in self.stack[-1:])
             self.stack.push(Frame(routine, 0, len(routine.lines), 0, times, outer, None, inside, line))
             self.memory.local = {}
