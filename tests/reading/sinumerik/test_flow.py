@@ -20,9 +20,7 @@ def test_if_else():
 
 
 def test_nested_choices_and_loops():
-    text = (
-        "FOR R1=1 TO 3\nIF R1<>2\nWHILE R2<2\nG1 X=R1*10+R2\nR2=R2+1\nENDWHILE\nELSE\nX50\nENDIF\nR2=0\nENDFOR"
-    )
+    text = "FOR R1=1 TO 3\nIF R1<>2\nWHILE R2<2\nG1 X=R1*10+R2\nR2=R2+1\nENDWHILE\nELSE\nX50\nENDIF\nR2=0\nENDFOR"
     assert xs(text) == [10, 11, 50, 30, 31]
 
 
@@ -63,8 +61,11 @@ def test_repetitions_of_a_part():
 
 def test_subprograms_with_arguments():
     """Empty arguments take the defaults; variables of a subprogram are its own; values are passed, not names."""
-    main = "DEF REAL WIDE=4\nBOX(WIDE,,\"x\")\nG1 X=WIDE\n"
-    assert xs(main + "M30\nPROC BOX(REAL WIDE, REAL HIGH=7, STRING[8] SAID)\nWIDE=WIDE+1\nG1 X=WIDE+HIGH\nRET") == [12, 4]
+    main = 'DEF REAL WIDE=4\nBOX(WIDE,,"x")\nG1 X=WIDE\n'
+    assert xs(main + "M30\nPROC BOX(REAL WIDE, REAL HIGH=7, STRING[8] SAID)\nWIDE=WIDE+1\nG1 X=WIDE+HIGH\nRET") == [
+        12,
+        4,
+    ]
 
 
 def test_subprograms_by_number_and_their_repetitions():

@@ -35,7 +35,6 @@ def test_inch_and_metric_and_what_they_say_of_f():
     assert any("F under G70 is in inches" in sentence for sentence in path.assumed)
 
 
-
 @pytest.mark.parametrize(
     ("words", "end", "centre", "radius"),
     [
@@ -92,7 +91,7 @@ def test_turns_of_a_helix():
         ("G2 X0 Y0 CR=5", "a full circle cannot be written"),
         ("CIP X10 Y10 I1=5 J1=5", "lie on a line"),
         ("CT X10", "CT needs a motion before it"),
-        ("G1 X5 CR=5", "CR belongs to G2 or G3"),
+        ("G1 X5 CR=5", "CR= is not read: it belongs to arcs"),
         ("G1 X5 X6", "X stands twice"),
         ("G1 X=DC(5)", r"X=DC\(\) is for rotary axes"),
         ("G1 X1e9", "is not read|beyond"),

@@ -13,6 +13,7 @@ from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED, Saved
 from toolpace.reading.sinumerik.given import Given, Words
+from toolpace.reading.sinumerik.motion import OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
@@ -244,4 +245,7 @@ class Executor:
             self.findings.ignored(address)
             return
         word = f"{address}=" if len(address) > 1 else address
-        self.refuse(word, self.control.line, self.vocabulary.refusal(address) or "it might move something: remove it")
+        cure = self.vocabulary.refusal(address) or "it might move something: remove it"
+        if address in OF_ARCS:
+            cure = "it belongs to arcs: remove it, or write G2, G3 or CIP"
+        self.refuse(word, self.control.line, cure)

@@ -13,8 +13,8 @@ from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 from toolpace.units import DEGREE
 
-NO_ARC = {"CR": "G2 or G3", "AR": "G2 or G3", "TURN": "G2 or G3", "I": "arcs", "J": "arcs", "K": "arcs"}
-"""Words that only arcs have."""
+OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
+"""Addresses that only arcs take."""
 LETTERS = "XYZABCUVW"
 AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
 """Addresses that ask for motion."""
@@ -141,9 +141,6 @@ class Motion:
         if named:
             way = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
             state.tangent = way if any(way) else state.tangent
-        for address in words:
-            if address in NO_ARC:
-                raise ValueFault(f"{address} belongs to {NO_ARC[address]}: remove it, or write G2 or G3")
 
     def _arc(self, target: list[float], named: int, words: Words, vector: list[float] | None) -> None:
         control, state = self.control, self.state
