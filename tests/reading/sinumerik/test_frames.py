@@ -132,7 +132,7 @@ def test_cycle800_alone_and_additive():
 
 @pytest.mark.parametrize("mode", [128, 192])
 def test_cycle800_by_projection_or_axes_is_refused(mode):
-    with pytest.raises(ProgramError, match="CYCLE800 with .* is not read"):
+    with pytest.raises(ProgramError, match=r"CYCLE800 with .* is not read"):
         swivelled(f'CYCLE800(0,"",0,{mode},0,0,0,10,0,0,0,0,0,0,0)')
 
 
