@@ -146,5 +146,6 @@ def test_cycles_that_controls_stop_at_are_said_or_refused(call):
 
 
 def test_tolerances_of_cycle832_are_told_and_blend():
-    path = read("G60 G1 X1\nX2\nCYCLE832(0.02,3,1)\nX3\nX4\nCYCLE832()\nX5\nX6")
-    assert path.stop.tolist() == [True, True, True, False, False, True, True] and path.skipped["CYCLE832"] == 2
+    for mode in ("3,1", "_ROUGH,1", "_TOP_SURFACE_SMOOTH_ON+_ORI_FINISH,0.5"):
+        path = read(f"G60 G1 X1\nX2\nCYCLE832(0.02,{mode})\nX3\nX4\nCYCLE832()\nX5\nX6")
+        assert path.stop.tolist() == [True, True, True, False, False, True, True] and path.skipped["CYCLE832"] == 2

@@ -6,7 +6,7 @@ import pytest
 
 from toolpace.errors import ProgramError
 
-from .programs import ends, last, read
+from .programs import START, ends, last, read
 
 
 def xs(text: str, **options) -> list[float]:
@@ -75,6 +75,12 @@ def test_subprograms_by_number_and_their_repetitions():
     """L7 is not L07: leading zeros count (Fundamentals, names of subprograms)."""
     text = "L7 P3\nL07\nM30\n%_N_L7_SPF\nG1 X=IC(1)\nM17\n%_N_L07_SPF\nG1 X100\nM17"
     assert xs(text) == [1, 2, 3, 100]
+
+
+def test_the_main_program_of_a_file_of_several():
+    """The file that ends in MPF is the main program, wherever it stands."""
+    head = "%_N_SUB1_SPF\nG1 X=IC(2)\nM17\n%_N_PART_MPF\n;$PATH=/_N_WKS_DIR\n"
+    assert xs("SUB1\nSUB1", start=head + START) == [2, 4]
 
 
 def test_a_subprogram_beside_the_program(tmp_path):

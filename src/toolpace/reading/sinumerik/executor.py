@@ -35,7 +35,7 @@ class Now:
     stop_after: bool = False
     ends: bool = False
     claim: str = ""
-    """The word that the axis words of the block belong to: G4, TRANS, G111."""
+    """The word that the axis words of the block belong to: TRANS, G111."""
 
 
 class Executor:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.unroll import AXIS_GAP, slerp
+from toolpace.reading.control.unroll import AXIS_GAP
 from toolpace.reading.sinumerik.given import Words, bounded
 from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
@@ -24,6 +22,8 @@ class Vectors:
 
     def __init__(self, control: Control, state: State) -> None:
         self.control, self.state = control, state
+        self._reached: tuple[list[float], list[float]] = [], []
+        """Rotary joints at the end of the last tool vector, and that vector."""
 
     @staticmethod
     def asked(words: Words) -> bool:
@@ -73,13 +73,15 @@ class Vectors:
             control.straight([*target[:3], *self.rotary(vector)], named, rapid=rapid, number=number)
             return
         shift = control.placement.shift or (0.0,) * len(start[3:])
-        first = control.poses.axis([a + b for a, b in zip(start[3:], shift)])
+        joints = [a + b for a, b in zip(start[3:], shift)]
+        first = self._reached[1] if self._reached[0] == joints else control.poses.axis(joints)
         pieces = self._pieces(first, vector, start[3:])
         for k, (share, rotary) in enumerate(pieces):
             place = [a + share * (b - a) for a, b in zip(start[:3], target[:3])]
             before = pieces[k - 1][0] if k else 0.0
             part = None if number is None else number / (share - before)
             control.straight([*(target[:3] if share == 1.0 else place), *rotary], named, rapid=rapid, number=part)
+        self._reached = [a + b for a, b in zip(control.words[3:], shift)], vector
 
     def _pieces(self, first: list[float], last: list[float], rotary: list[float]) -> list[tuple[float, list[float]]]:
         """Shares of the way with their rotary words, so close that the axes in proportion stay on the great circle.
@@ -87,22 +89,21 @@ class Vectors:
         Begins with the whole way and halves what strays; a stack in place of recursion keeps the order.
         """
         control = self.control
-        a, b = np.array([first]), np.array([last])
         shift = control.placement.shift or (0.0,) * len(rotary)
-        if float(a[0] @ b[0]) < -1.0 + 1e-9:
+        if sum(x * y for x, y in zip(first, last)) < -1.0 + 1e-9:
             raise ValueFault("the tool vector is opposite to the one before: no plane holds its way; write one between")
         done: list[tuple[float, list[float]]] = []
         begin, here = 0.0, list(rotary)
         ends = [(1.0, 0)]
         while ends:
             share, halved = ends[-1]
-            axis = slerp(a, b, share)[0]
-            wanted, fault = control.orientation.rotary(axis.tolist(), [x + y for x, y in zip(here, shift)])
+            axis = last if share == 1.0 else between(first, last, share)
+            wanted, fault = control.orientation.rotary(axis, [x + y for x, y in zip(here, shift)])
             if fault:
                 raise ValueFault(fault)
             words = [x - y for x, y in zip(wanted, shift)]
             middle = control.poses.axis([(x + y) / 2 + z for x, y, z in zip(here, words, shift)])
-            meant = slerp(a, b, (begin + share) / 2)[0]
+            meant = between(first, last, (begin + share) / 2)
             if halved < MOST_HALVINGS and math.dist(middle, meant) > AXIS_GAP:
                 ends.append(((begin + share) / 2, halved + 1))
                 ends[-2] = (share, halved + 1)
@@ -111,3 +112,13 @@ class Vectors:
             begin, here = share, words
             ends.pop()
         return done
+
+
+def between(a: list[float], b: list[float], share: float) -> list[float]:
+    """The unit vector at a share of the great circle from a to b (Shoemake 1985, slerp)."""
+    angle = 2.0 * math.asin(min(math.dist(a, b) / 2.0, 1.0))
+    if angle < 1e-9:
+        return [x + share * (y - x) for x, y in zip(a, b)]
+    sine = math.sin(angle)
+    first, second = math.sin((1.0 - share) * angle) / sine, math.sin(share * angle) / sine
+    return [first * x + second * y for x, y in zip(a, b)]

@@ -17,6 +17,7 @@ SUFFIXES = (".spf", ".SPF", ".mpf", ".MPF", "")
 LARGEST = 16 << 20
 """Most bytes of a subprogram's file."""
 MOST_FILES = 200
+LONGEST_NAME = 64
 _OPENING = re.compile(r"[ \t]*%_N_([A-Z0-9_]+?)(?:_(MPF|SPF))?[ \t]*(?:;.*)?", re.IGNORECASE)
 _PROCEDURE = re.compile(r"[ \t]*(?:N[0-9]+[ \t]*)?PROC[ \t]+([A-Z_][A-Z0-9_]*)", re.IGNORECASE)
 _WORDS = "IF|ELSE|ENDIF|FOR|ENDFOR|WHILE|ENDWHILE|LOOP|ENDLOOP|REPEAT|UNTIL"
@@ -44,6 +45,8 @@ class Routine:
     """Line of the file, from 1, of lines[0]."""
     file: str = ""
     """Of a subprogram in a file of its own."""
+    is_main: bool = False
+    """Whether %_N_..._MPF opens it."""
 
     def read(self, index: int) -> tuple[Head, Line]:
         """What a line says."""
@@ -116,8 +119,8 @@ class Library:
 
     def __post_init__(self) -> None:
         found = routines_of(self.source.lines)
-        self.main = found[0]
-        self.add(found[1:])
+        self.main = next((routine for routine in found if routine.is_main), found[0])
+        self.add([routine for routine in found if routine is not self.main])
 
     def add(self, found: list[Routine]) -> None:
         """Make routines known by their names; the first of a name counts."""
@@ -140,12 +143,12 @@ class Library:
 
     def _look_beside(self, name: str) -> None:
         folder = Path(self.source.name).parent
-        if not Path(self.source.name).is_file() or not name.replace("_", "").isalnum():
+        if len(name) > LONGEST_NAME or not name.replace("_", "").isalnum() or not _is_file(Path(self.source.name)):
             return
         for spelling in (name, name.lower(), f"_N_{name}_SPF"):
             for suffix in SUFFIXES:
                 path = folder / (spelling + suffix)
-                if path.is_file() and path.stat().st_size <= LARGEST:
+                if _is_file(path):
                     loaded = Source.load(path)
                     found = routines_of(loaded.lines, path.name)
                     found[0].name = name
@@ -153,15 +156,26 @@ class Library:
                     return
 
 
+def _is_file(path: Path) -> bool:
+    """Whether there is a file that can be read, and is none too large."""
+    try:
+        return path.is_file() and path.stat().st_size <= LARGEST
+    except (OSError, ValueError):
+        return False
+
+
 def routines_of(lines: tuple[str, ...], file: str = "") -> list[Routine]:
     """Routines of a file: each begins with %_N_NAME_SPF or PROC; what stands before the first is the main program."""
     starts: list[tuple[str, int, bool]] = []
+    mains: set[int] = set()
     named = False
     for index, text in enumerate(lines):
         if "%" in text and (opening := _OPENING.fullmatch(text)):
             starts.append((opening[1].upper(), index + 1, True))
+            if (opening[2] or "").upper() == "MPF":
+                mains.add(index + 1)
             named = True
-        elif ("PROC" in text or "proc" in text) and (procedure := _PROCEDURE.match(text)):
+        elif procedure := _PROCEDURE.match(text):
             # PROC right behind %_N_..._SPF, or at the head of the file, opens no routine of its own
             if not (named and not _said(lines[starts[-1][1] : index])):
                 starts.append((procedure[1].upper(), index, False))
@@ -170,7 +184,7 @@ def routines_of(lines: tuple[str, ...], file: str = "") -> list[Routine]:
         starts.insert(0, ("", 0, False))
     found = []
     for (name, start, _), following in zip(starts, [*starts[1:], ("", len(lines), False)]):
-        found.append(Routine(name, lines[start : following[1] - following[2]], start + 1, file))
+        found.append(Routine(name, lines[start : following[1] - following[2]], start + 1, file, start in mains))
     return found
 
 

@@ -143,5 +143,22 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
     "BOUND": (3, lambda low, high, x: min(max(x, low), high)),
 }
 """How many arguments each function takes, and what it is; angles are in degrees (NC Programming, 2.15)."""
-CONSTANTS: dict[str, Value] = {"TRUE": True, "FALSE": False, **{part: part for part in ("TR", "FI", "RT", "SC", "MI")}}
-"""TR, FI, RT, SC and MI are parts of a frame: $P_UIFR[1, X, TR]."""
+CONSTANTS: dict[str, Value] = {
+    "TRUE": True,
+    "FALSE": False,
+    # parts of a frame: $P_UIFR[1, X, TR]
+    **{part: part for part in ("TR", "FI", "RT", "SC", "MI")},
+    # modes of CYCLE832 (NC Programming, 3.25)
+    "_OFF": 0,
+    "_FINISH": 1,
+    "_SEMIFIN": 2,
+    "_ROUGH": 3,
+    "_PRECISION": 4,
+    "_ORI_FINISH": 11,
+    "_ORI_SEMIFIN": 12,
+    "_ORI_ROUGH": 13,
+    "_ORI_PRECISION": 14,
+    "_TOP_SURFACE_SMOOTH_OFF": 1_000_000,
+    "_TOP_SURFACE_SMOOTH_ON": 2_000_000,
+}
+"""Names of values."""
