@@ -29,6 +29,8 @@ LONGEST_DWELL = 86400.0
 """A day [s]: a longer dwell is a slip of units."""
 MOST_BLOCKS = 2_000_000
 """Blocks that are executed: more is taken for a loop without end."""
+MARGIN = 5e-3
+"""How far inside the ends of travel of X, Y and Z their stand-ins lie [m]: the tolerances of a path need room."""
 ALL = 7
 """Bits of X, Y and Z."""
 
@@ -272,7 +274,8 @@ class Control:
             low, high = (float(end) for end in machine.travel[columns[slot]])
             if not low <= joints[slot] <= high:
                 self.findings.assumed(f"machine coordinates of {letter} beyond its travel end at the end of travel")
-            joints[slot] = min(max(joints[slot], low), high)
+            margin = MARGIN if slot < 3 and high - low > 4.0 * MARGIN else 0.0
+            joints[slot] = min(max(joints[slot], low + margin), high - margin)
         return joints
 
     def reference(self, number: int, letters: list[str]) -> None:
