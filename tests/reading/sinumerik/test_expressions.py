@@ -111,7 +111,21 @@ def test_logic_is_pythons_with_and_before_xor_before_or(rest, first):
     assert value(text) is wanted
 
 
-@pytest.mark.parametrize("text", ["1/0", "5 MOD 0", "SQRT(-1)", "ASIN(2)", "LN(0)", "EXP(10000)", '"A"+1', "TABLE[3]"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1/0",
+        "5 MOD 0",
+        "SQRT(-1)",
+        "ASIN(2)",
+        "LN(0)",
+        "EXP(10000)",
+        "1EX299 DIV 1EX-299",
+        "EXP(700)*EXP(700)*0+1",
+        '"A"+1',
+        "TABLE[3]",
+    ],
+)
 def test_what_has_no_value_is_told(text):
     with pytest.raises(ValueFault, match=": "):
         value(text)

@@ -244,8 +244,7 @@ class Executor:
         if of_spindle or self.vocabulary.meaning(address) == "ignored":
             self.findings.ignored(address)
             return
-        word = f"{address}=" if len(address) > 1 else address
         cure = self.vocabulary.refusal(address) or "it might move something: remove it"
         if address in OF_ARCS:
             cure = "it belongs to arcs: remove it, or write G2, G3 or CIP"
-        self.refuse(word, self.control.line, cure)
+        self.refuse(f"{address}=" if len(address) > 1 else address, self.control.line, cure)

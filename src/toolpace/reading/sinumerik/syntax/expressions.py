@@ -52,7 +52,7 @@ _Operation = Callable[[Value, Value], Value]
 OPERATIONS: dict[str, tuple[int, _Operation]] = {
     "*": (90, lambda a, b: real(a) * real(b)),
     "/": (90, lambda a, b: real(a) / nonzero(b)),
-    "DIV": (90, lambda a, b: math.trunc(real(a) / nonzero(b))),
+    "DIV": (90, lambda a, b: math.trunc(real(real(a) / nonzero(b)))),
     "MOD": (90, lambda a, b: math.fmod(real(a), nonzero(b))),
     ":": (90, _chain),
     "+": (80, lambda a, b: real(a) + real(b)),
