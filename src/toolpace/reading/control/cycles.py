@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 from toolpace.reading.control.control import Control
@@ -37,7 +38,13 @@ class Drilling:
     """At the bottom [s]."""
     peck_dwell: float = 0.0
     """After each stroke but the last [s]."""
+    top_dwell: float = 0.0
+    """Each time that the top is gone back to between strokes [s]."""
+    full_after: int = 0
+    """Chips that are broken before a stroke is gone back to the top; 0: it never is."""
     out: str = RAPID_OUT
+    out_speed: float = 0.0
+    """Of the way out at feed [m/s]; 0: the feed in force."""
     stops: bool = False
     """Whether the spindle stops or reverses at the bottom: so does the motion."""
 
@@ -88,15 +95,18 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
             break
         if cycle.peck_dwell:
             control.dwell(cycle.peck_dwell)
-        if cycle.chip_break:
+        if cycle.chip_break and not (cycle.full_after and (k + 1) % (cycle.full_after + 1) == 0):
             to(cycle.top + down * max(depth - cycle.chip_break, 0.0), True)
         else:
             to(cycle.top, True)
+            if cycle.top_dwell:
+                control.dwell(cycle.top_dwell)
             to(cycle.top + down * max(depth - cycle.clearance, 0.0), True)
     if cycle.dwell:
         control.dwell(cycle.dwell)
     if cycle.stops:
         control.stop()
     if cycle.out == FEED_OUT:
-        to(cycle.top, False)
+        with control.feed.held(cycle.out_speed) if cycle.out_speed else nullcontext():
+            to(cycle.top, False)
     to(cycle.back, True)

@@ -1,0 +1,1 @@
+"""Programs of Sinumerik 840D, 828D and their kin."""

@@ -1,0 +1,132 @@
+"""Commands with arguments: MSG, TRAORI, FGROUP, the cycles, references, variables of the control."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from toolpace.reading.arcs import ArcError
+from toolpace.reading.sinumerik.cycles.holes import Holes
+from toolpace.reading.sinumerik.cycles.patterns import places
+from toolpace.reading.sinumerik.cycles.swivel import swivel
+from toolpace.reading.sinumerik.cycles.thread import mill_thread
+from toolpace.reading.sinumerik.given import Arguments, Words, number
+from toolpace.reading.sinumerik.run import Run
+from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
+
+OLD_MODE = 1000
+"""CYCLE832 modes from here on are those of old controls, whose hundreds switch TRAORI."""
+TOP_SURFACE = 1_000_000
+
+
+class Commands:
+    """Names that are called, with or without arguments."""
+
+    def __init__(self, run: Run) -> None:
+        self.run, self.control, self.state = run, run.control, run.state
+        self.holes = Holes(self.control, self.state, strict=run.vocabulary.controller.option("strict_cycles", False))
+        self.known: dict[str, Callable[[list[Value | None]], None]] = {
+            "MSG": self._message,
+            "TRAORI": self._traori,
+            "TRAFOOF": lambda values: self.tip_mode(False),
+            "FGROUP": self._feed_group,
+            "CYCLE800": self._swivel,
+            "CYCLE832": self._high_speed,
+            "CYCLE90": self._thread,
+            "HOLES1": lambda values: self._pattern("HOLES1", values),
+            "HOLES2": lambda values: self._pattern("HOLES2", values),
+        }
+        for name in self.holes.cycles:
+            self.known[name] = self._cycle(name)
+        self._exact_stop_before: bool | None = None
+
+    def perform(self, name: str, values: list[Value | None]) -> None:
+        """Do a command. Raises Unread, ValueFault."""
+        try:
+            self.known[name](values)
+        except ArcError as error:
+            raise ValueFault(f"{name}: {error}") from None
+        self.run.motion.here()
+
+    def _cycle(self, name: str) -> Callable[[list[Value | None]], None]:
+        return lambda values: self.holes.perform(name, values)
+
+    def _message(self, values: list[Value | None]) -> None:
+        said = text(values[0]).strip() if values and values[0] is not None else ""
+        self.run.findings.ignored("MSG")
+        if said:
+            self.control.begin_operation(said)
+
+    def _traori(self, values: list[Value | None]) -> None:
+        if any(value is not None for value in values[1:]):
+            raise Unread("TRAORI with a direction or offsets", "they are data of the machine: write TRAORI alone")
+        self.tip_mode(True)
+
+    def tip_mode(self, on: bool) -> None:
+        """TRAORI, TRAFOOF: the machine stays where it is, and the frames in force stay (posts count on it)."""
+        if on and not self.control.tip_mode and (self.run.frames.offset or self.control.frame != _NONE):
+            self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
+        self.control.set_tip_mode(on)
+        self.state.tangent = None
+        self.run.motion.here()
+
+    def _feed_group(self, values: list[Value | None]) -> None:
+        rotary = [value for value in values if isinstance(value, Axis) and value.letter not in ("X", "Y", "Z")]
+        feed = self.control.feed
+        feed.rules = feed.rules._replace(turning="vector" if rotary else "xyz")
+        self.run.findings.ignored("FGROUP")
+
+    def _swivel(self, values: list[Value | None]) -> None:
+        self.state.tangent = None
+        swivel(values, self.control, self.run.frames, self.state)
+
+    def _high_speed(self, values: list[Value | None]) -> None:
+        """CYCLE832(tolerance, mode, ...): it asks for a tolerance, and for blending unless the mode is 0 (off)."""
+        arguments = Arguments("CYCLE832", values, 24)
+        mode = arguments.code(1) % TOP_SURFACE
+        self.control.tolerance("CYCLE832")
+        if not values or mode % 10 == 0:
+            if self._exact_stop_before is not None:
+                self.state.exact_stop, self._exact_stop_before = self._exact_stop_before, None
+            return
+        if self.state.exact_stop:
+            self.control.findings.assumed("CYCLE832 switches blending on (G64x), and off what it was before")
+            self._exact_stop_before = True
+            self.state.exact_stop = False
+        if mode >= OLD_MODE and mode // 100 % 10 in (1, 2):
+            self.control.findings.assumed("CYCLE832 with 1 or 2 in the hundreds of its mode switches TRAORI on")
+            self.tip_mode(True)
+
+    def _thread(self, values: list[Value | None]) -> None:
+        mill_thread(values, self.control, self.state, self.run.tooling.radius)
+
+    def _pattern(self, name: str, values: list[Value | None]) -> None:
+        modal = self.run.modal
+        if modal is not None and modal[0].name not in self.known:
+            raise Unread(f"{name} with a subprogram under MCALL", "write the places as blocks of their own")
+        for words in places(name, values, self.control, self.state):
+            self.control.straight(words, 7, rapid=True)
+            if modal is not None:
+                self.perform(modal[0].name, modal[1])
+
+    def reference(self, code: str, words: Words) -> None:
+        """G74 X1=0: the reference point; G75 FP=n X1=0: a fixed point, the n + 1st of the set-up sheet."""
+        fixed = round(number(words, "FP", 1.0) or 1.0) if code == "G75" else 0
+        letters = []
+        for address in list(words):
+            letter = Axis(address).letter
+            if letter in self.control.slots:
+                letters.append(letter)
+                words.pop(address)
+        if fixed:
+            self.control.findings.assumed("fixed points (G75 FP=n) are the reference points n + 1 of the set-up sheet")
+        self.control.reference(fixed + 1, letters)
+
+    def write(self, name: str, index: tuple[Value, ...], value: Value) -> None:
+        """$NAME[index]=value. Raises Unread."""
+        if name == "$P_UIFR":
+            self.run.frames.write(index, value, self.state.unit)
+            return
+        raise Unread(f"{name}=", "it sets data of the control that may shift positions: put them on the set-up sheet")
+
+
+_NONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))

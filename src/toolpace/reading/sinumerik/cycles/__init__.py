@@ -1,0 +1,1 @@
+"""Standard cycles: holes, threads, patterns of holes, swivelled planes."""

@@ -1,0 +1,227 @@
+"""CYCLE81 to CYCLE89 and CYCLE840, written out as motions (Programming Manual Cycles, chapter 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
+from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.sinumerik.cycles.along import Along, Levels
+from toolpace.reading.sinumerik.cycles.strokes import stop_distance, strokes_of
+from toolpace.reading.sinumerik.cycles.taps import metric_pitch
+from toolpace.reading.sinumerik.given import Arguments
+from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.units import INCH, MILLIMETRE, MINUTE
+
+MOST = 24
+"""Arguments of a cycle: newer controls append theirs (_GMODE, _DMODE, _AMODE)."""
+
+
+class Holes:
+    """Makes the motions of the cycles of holes."""
+
+    def __init__(self, control: Control, state: State, *, strict: bool) -> None:
+        self.control, self.state, self.strict = control, state, strict
+        self.cycles: dict[str, Callable[[Arguments, Levels], None]] = {
+            "CYCLE81": self._plain,
+            "CYCLE82": self._plain,
+            "CYCLE83": self._deep,
+            "CYCLE84": self._rigid_tap,
+            "CYCLE840": self._floating_tap,
+            "CYCLE85": self._ream,
+            "CYCLE86": self._bore,
+            "CYCLE87": self._bore_with_stop,
+            "CYCLE88": self._bore_with_stop,
+            "CYCLE89": self._plain,
+            "CYCLE76": self._builders_bore,
+        }
+        self.name = ""
+
+    @property
+    def axis(self) -> int:
+        """Of X, Y, Z, the one along which the tool works."""
+        return (2, 1, 0)[self.state.plane]
+
+    def perform(self, name: str, values: list[Value | None]) -> None:
+        """One cycle where the tool stands. Raises ValueFault, Unread."""
+        if not len(self.control.moves):
+            self.control.begin_here()
+        arguments = Arguments(name, values, MOST)
+        self.name = name
+        self.cycles[name](arguments, self._levels(arguments))
+
+    def _levels(self, arguments: Arguments) -> Levels:
+        unit = self.state.unit
+        for place, what in ((0, "RTP, the retraction plane,"), (1, "RFP, the reference plane,")):
+            if not arguments.given(place):
+                raise ValueFault(f"{self.name} lacks {what} its argument {place + 1}: write it")
+        back, reference = arguments.number(0) * unit, arguments.number(1) * unit
+        safety = abs(arguments.number(2)) * unit
+        depth = abs(arguments.number(4)) * unit
+        if not depth and not arguments.given(3):
+            raise ValueFault(f"{self.name} lacks its depth: write DP or DPR, its arguments 4 and 5")
+        bottom = reference - depth if depth else arguments.number(3) * unit
+        down = -1.0 if bottom <= reference else 1.0
+        top = reference - down * safety
+        if (back - reference) * -down < -1e-12:
+            self._tolerate(
+                "RTP below RFP",
+                "alarm 61101: raise RTP",
+                "where the retraction plane RTP lies below the reference plane RFP, a cycle goes back to RFP + SDIS",
+            )
+            back = top
+        if (back - top) * -down < 0.0:
+            back = top
+        return Levels(back, reference, top, bottom)
+
+    def _tolerate(self, what: str, cure: str, sentence: str) -> None:
+        """Take a cycle that controls stop at for what it must mean, and say so; refuse it where that is asked for."""
+        if self.strict:
+            raise Unread(f"{self.name} with {what}", f"the control stops there ({cure})")
+        self.control.findings.assumed(f"{sentence} (controls may stop there: {cure})")
+
+    def _along(self, levels: Levels) -> Along:
+        return Along(self.control, self.state, self.axis, levels)
+
+    def _dwell(self, given: float) -> float:
+        """Seconds of a dwell; negative values are turns of the spindle."""
+        if given >= 0.0:
+            return given
+        spindle = self.control.feed.spindle
+        if spindle <= 0.0:
+            raise ValueFault(f"{self.name} dwells for turns of the spindle: write S before it")
+        return -given / spindle
+
+    def _drill(self, levels: Levels, **more: float | str | bool) -> None:
+        cycle = Drilling(levels.top, levels.bottom, levels.back, axis=self.axis, **more)  # type: ignore[arg-type]
+        number = self.state.inverse if self.control.feed.mode == INVERSE else None
+        drill(self.control, cycle, list(self.control.words), number)
+
+    def _plain(self, arguments: Arguments, levels: Levels) -> None:
+        dwell = 0.0 if self.name == "CYCLE81" else self._dwell(arguments.number(5))
+        self._drill(levels, dwell=dwell, out=FEED_OUT if self.name == "CYCLE89" else RAPID_OUT)
+
+    def _deep(self, arguments: Arguments, levels: Levels) -> None:
+        unit = self.state.unit
+        whole = abs(levels.reference - levels.bottom)
+        first = abs(arguments.number(6)) * unit
+        if not first and arguments.given(5):
+            first = abs(levels.reference - arguments.number(5) * unit)
+        if first > whole:
+            self._tolerate(
+                "a first stroke below its depth",
+                "alarm 61107: correct FDEP",
+                "CYCLE83 whose first stroke FDEP lies below the whole depth DP drills in one stroke",
+            )
+        less = abs(arguments.number(7)) * unit
+        factor = arguments.number(10, 1.0)
+        if factor not in (0.0, 1.0):
+            self.control.findings.assumed("CYCLE83: the feed of the first stroke is taken as that of the others (FRF)")
+        safety = abs(levels.top - levels.reference)
+        strokes = strokes_of(whole, first or whole, less)
+        clear = arguments.code(11) != 0
+        back = abs(arguments.number(14)) * unit or MILLIMETRE
+        ahead = abs(arguments.number(16)) * unit or stop_distance(whole)
+        self._along(levels).strokes(
+            [safety + depth for depth in strokes],
+            chip_break=0.0 if clear else back,
+            clearance=ahead,
+            dwell=self._dwell(arguments.number(8)),
+            top_dwell=self._dwell(arguments.number(9)) if clear else 0.0,
+            last_dwell=self._dwell(arguments.number(15)) if arguments.given(15) else self._dwell(arguments.number(8)),
+        )
+
+    def _ream(self, arguments: Arguments, levels: Levels) -> None:
+        per_minute = self.state.unit / MINUTE
+        way = self._along(levels)
+        way.over()
+        way.feed(levels.bottom, arguments.number(6) * per_minute)
+        way.pause(self._dwell(arguments.number(5)))
+        way.feed(levels.top, arguments.number(7) * per_minute)
+        way.rapid(levels.back)
+
+    def _bore(self, arguments: Arguments, levels: Levels) -> None:
+        """CYCLE86: at the bottom the spindle is oriented, and the bar lifted off by RPA, RPO, RPAP."""
+        unit = self.state.unit
+        first, second = ((0, 1), (2, 0), (1, 2))[self.state.plane]
+        off = [0.0, 0.0, 0.0]
+        off[first], off[second] = arguments.number(7) * unit, arguments.number(8) * unit
+        off[self.axis] = arguments.number(9) * unit
+        way = self._along(levels)
+        way.over()
+        hole = list(self.control.words)
+        way.feed(levels.bottom)
+        way.pause(self._dwell(arguments.number(5)))
+        self.control.stop()
+        lifted = [a + b for a, b in zip(self.control.words[:3], off)]
+        self.control.straight([*lifted, *hole[3:]], 7, rapid=True)
+        way.rapid(levels.back)
+        hole[self.axis] = levels.back
+        self.control.straight(hole, 7, rapid=True)
+
+    def _builders_bore(self, arguments: Arguments, levels: Levels) -> None:
+        """CYCLE76 mills a rectangular spigot; without its width it cannot, and posts mean a boring cycle by it."""
+        if any(arguments.given(place) for place in range(6, MOST)):
+            raise Unread("CYCLE76", "cycles that clear areas are not read: let the CAM system write them out")
+        self._tolerate(
+            "neither width nor radius",
+            "CYCLE76 mills a spigot",
+            "CYCLE76 without the size of a spigot is a boring cycle of the machine's builder, that moves as CYCLE86",
+        )
+        self._bore(arguments, levels)
+
+    def _bore_with_stop(self, arguments: Arguments, levels: Levels) -> None:
+        dwell = self._dwell(arguments.number(5)) if self.name == "CYCLE88" else 0.0
+        self._drill(levels, dwell=dwell, stops=True)
+
+    def _rigid_tap(self, arguments: Arguments, levels: Levels) -> None:
+        if not arguments.number(7) and not arguments.number(8):
+            self._tolerate(
+                "neither MPIT nor PIT",
+                "write the pitch",
+                "CYCLE84 without a pitch (MPIT, PIT) taps at the feed in force",
+            )
+            self._tap(levels, 0.0, 0.0, self._dwell(arguments.number(5)))
+            return
+        pitch = self._pitch(arguments, 7, 8, 13)
+        speed = arguments.number(10) or self.control.feed.spindle * MINUTE
+        back = arguments.number(11) or speed
+        if arguments.code(15):
+            raise Unread("CYCLE84 with chip breaking (_VARI)", "its strokes are not read: let the CAM write them out")
+        self._tap(levels, pitch * speed / MINUTE, pitch * back / MINUTE, self._dwell(arguments.number(5)))
+
+    def _floating_tap(self, arguments: Arguments, levels: Levels) -> None:
+        spindle = self.control.feed.spindle
+        if arguments.number(9) or arguments.number(10):
+            speed = self._pitch(arguments, 9, 10, 12) * spindle
+        else:
+            # without a pitch the feed of the program is the one that fits (G63)
+            speed = self.control.feed.rate(self.state.inverse, self.control.line).speed
+        self._tap(levels, speed, speed, self._dwell(arguments.number(5)))
+
+    def _tap(self, levels: Levels, into: float, out: float, dwell: float) -> None:
+        way = self._along(levels)
+        way.over()
+        self.control.stop()
+        way.feed(levels.bottom, into)
+        self.control.stop()
+        way.pause(dwell)
+        way.feed(levels.top, out)
+        self.control.stop()
+        way.rapid(levels.back)
+
+    def _pitch(self, arguments: Arguments, size: int, pitch: int, unit: int) -> float:
+        """Lead of a thread [m]: by its metric size, or by itself."""
+        if arguments.number(pitch):
+            kind = arguments.code(unit)
+            if kind not in (0, 1, 3):
+                raise Unread(f"{self.name} with a pitch in modules or turns per inch", "write it in mm or inch")
+            scale = {0: self.state.unit, 1: MILLIMETRE, 3: INCH}[kind]
+            return abs(arguments.number(pitch)) * scale
+        if arguments.number(size):
+            return metric_pitch(abs(arguments.number(size)))
+        raise ValueFault(
+            f"{self.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}"
+        )

@@ -1,0 +1,55 @@
+"""Rows and circles of holes: HOLES1, HOLES2 (Programming Manual Cycles, 2.3)."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.sinumerik.given import Arguments
+from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.syntax.values import Value, ValueFault
+from toolpace.units import DEGREE
+
+MOST = 10_000
+"""Holes of a pattern."""
+
+
+def places(name: str, values: list[Value | None], control: Control, state: State) -> list[list[float]]:
+    """Words (3 + rotary) of the holes of a pattern, in their order."""
+    arguments = Arguments(name, values, 12)
+    if name == "HOLES1":
+        points = _row(arguments)
+    else:
+        points = _circle(arguments)
+    first, second = ((0, 1), (2, 0), (1, 2))[state.plane]
+    found = []
+    for a, b in points:
+        words = list(control.words)
+        words[first], words[second] = a * state.unit, b * state.unit
+        found.append(words)
+    return found
+
+
+def _count(arguments: Arguments, place: int) -> int:
+    count = arguments.code(place)
+    if not 1 <= count <= MOST:
+        raise ValueFault(f"{arguments.name} needs the number of its holes, from 1 to {MOST}, as argument {place + 1}")
+    return count
+
+
+def _row(arguments: Arguments) -> list[tuple[float, float]]:
+    """SPCA, SPCO, STA1, FDIS, DBH, NUM: reference, angle, distance of the first, of the others, number."""
+    a, b = arguments.number(0), arguments.number(1)
+    angle, first, step = arguments.number(2) * DEGREE, arguments.number(3), arguments.number(4)
+    along = [first + step * k for k in range(_count(arguments, 5))]
+    return [(a + d * math.cos(angle), b + d * math.sin(angle)) for d in along]
+
+
+def _circle(arguments: Arguments) -> list[tuple[float, float]]:
+    """CPA, CPO, RAD, STA1, INDA, NUM: centre, radius, first angle, step (0: evenly round), number."""
+    a, b, radius = arguments.number(0), arguments.number(1), arguments.number(2)
+    count = _count(arguments, 5)
+    step = (arguments.number(4) or 360.0 / count) * DEGREE
+    start = arguments.number(3) * DEGREE
+    angles = [start + step * k for k in range(count)]
+    return [(a + radius * math.cos(angle), b + radius * math.sin(angle)) for angle in angles]

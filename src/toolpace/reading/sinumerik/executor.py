@@ -1,0 +1,250 @@
+"""Does what a block says, in the order in which the control acts: modes, tools, feed, frames, calls, motion, ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from toolpace.reading.arcs import ArcError
+from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.sinumerik import state as modes
+from toolpace.reading.sinumerik.commands import Commands
+from toolpace.reading.sinumerik.feed_words import FeedWords
+from toolpace.reading.sinumerik.flow.interpreter import Interpreter
+from toolpace.reading.sinumerik.frames import PROGRAMMED, Saved
+from toolpace.reading.sinumerik.given import Given, Words
+from toolpace.reading.sinumerik.motion import OF_ARCS
+from toolpace.reading.sinumerik.run import Modal, Run
+from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.syntax.blocks import Block, Call
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+
+FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
+IN_MACHINE = ("SUPA", "G53", "G153")
+POLES = ("G110", "G111", "G112")
+OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
+
+
+@dataclass
+class Now:
+    """What lasts for one block."""
+
+    words: Words
+    in_machine: bool = False
+    stop: bool = False
+    stop_after: bool = False
+    ends: bool = False
+    claim: str = ""
+    """The word that the axis words of the block belong to: TRANS, G111."""
+
+
+class Executor:
+    """Carries out blocks on the virtual control."""
+
+    def __init__(self, run: Run) -> None:
+        self.run, self.control, self.findings = run, run.control, run.findings
+        self.state, self.frames, self.motion = run.state, run.frames, run.motion
+        self.tooling, self.vocabulary, self.memory = run.tooling, run.vocabulary, run.memory
+        self.commands, self.feed_words = Commands(run), FeedWords(run)
+        self.interpreter: Interpreter
+        self.meanings: dict[str, Callable[[Now], None]] = {
+            "tool change": lambda now: self.tooling.change(),
+            "stop": lambda now: setattr(now, "stop_after", True),
+            "end": lambda now: setattr(now, "ends", True),
+            "spindle or coolant": lambda now: run.control.stop(),
+            "tip mode on": lambda now: self.commands.tip_mode(True),
+            "tip mode off": lambda now: self.commands.tip_mode(False),
+        }
+        self.vocabulary.check(tuple(self.meanings))
+
+    @property
+    def modal(self) -> Modal | None:
+        """What MCALL asked for."""
+        return self.run.modal
+
+    @modal.setter
+    def modal(self, wanted: Modal | None) -> None:
+        self.run.modal = wanted
+
+    def begin(self, line: int) -> None:
+        """A block of this line comes next."""
+        self.control.begin_block(line)
+
+    def ignored(self, word: str) -> None:
+        """Count a word that moves nothing."""
+        self.findings.ignored(word)
+
+    def refuse(self, word: str, line: int, cure: str) -> None:
+        """Note a word that is not read."""
+        self.findings.refused(word, line, cure)
+
+    def saved(self) -> tuple[State, Saved]:
+        """Modes and frames, for a subprogram with SAVE."""
+        return replace(self.state), self.frames.saved()
+
+    def restore(self, state: tuple[State, Saved]) -> None:
+        """Modes and frames as they were."""
+        for name, value in vars(state[0]).items():
+            setattr(self.state, name, value)
+        self.memory.unit = self.state.unit
+        self.frames.restore(state[1])
+
+    def execute(self, block: Block) -> bool:
+        """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""
+        words = self._words(block)
+        if block.assignments:
+            self._assign(block)
+        now = Now(words)
+        dwells = "G4" in block.codes
+        if words and not dwells:
+            self.tooling.take(words)
+        for code in block.codes:
+            try:
+                self._code(code, now)
+            except Unread as error:
+                self.refuse(error.word, self.control.line, error.cure)
+        if dwells:
+            self.feed_words.dwell(words)
+        elif "F" in words:
+            self.feed_words.feed(words)
+        if now.claim:
+            self._claim(now)
+        for call in block.calls:
+            self._call(call, words)
+        moved = self._move(now) if words else False
+        if now.stop_after:
+            self.control.stop()
+        if now.ends:
+            self.interpreter.end()
+        return moved
+
+    def _words(self, block: Block) -> Words:
+        if block.plain:
+            literals = self.memory.literals
+            return {word.address: Given(literals[word.literal]) for word in block.words}
+        words: Words = {}
+        memory = self.memory
+        for word in block.words:
+            place, compiled = word.literal, word.compiled
+            value = memory.literals[place] if compiled is None else compiled(memory)
+            if word.address in memory.local:
+                memory.assign(word.address, (), value)
+            else:
+                words[word.address] = Given(value, word.form, tuple(index(memory) for index in word.indices))
+        return words
+
+    def _assign(self, block: Block) -> None:
+        memory = self.memory
+        for name, index, compiled in block.assignments:
+            places = tuple(place(memory) for place in index)
+            value = compiled(memory)
+            if name[0] == "$":
+                self.commands.write(name, places, value)
+            else:
+                memory.assign(name, places, value)
+
+    def _code(self, code: str, now: Now) -> None:
+        state = self.state
+        if modes.apply(state, code):
+            self.memory.unit = state.unit
+            if code in modes.TOLERANCES:
+                self.control.tolerance(code)
+        elif code in IN_MACHINE:
+            now.in_machine = True
+        elif code == "G9":
+            now.stop = True
+        elif code in OFFSETS:
+            self.frames.select(OFFSETS[code])
+        elif code in FEEDS:
+            self.control.feed.set_mode(FEEDS[code])
+        elif code in ("G40", "G41", "G42"):
+            self.tooling.compensate(code)
+        elif code in PROGRAMMED or code in POLES or code in ("G58", "G59", "G74", "G75", "G25", "G26"):
+            now.claim = code
+        elif code != "G4":
+            self._named(code, now)
+
+    def _named(self, code: str, now: Now) -> None:
+        """A word that the controller's file explains, a command, or a subprogram."""
+        vocabulary = self.vocabulary
+        meaning = vocabulary.meaning(code)
+        if meaning in self.meanings:
+            self.meanings[meaning](now)
+        elif meaning == "ignored":
+            self.findings.ignored(code)
+        elif code in self.commands.known:
+            self.commands.perform(code, [])
+        elif code[1:].isdigit() and code[0] == "M":
+            self.findings.ignored(code)
+            self.findings.assumed(f"{code} is a word of the machine's builder: it is taken to move nothing")
+        else:
+            cure = vocabulary.refusal(code)
+            if cure:
+                raise Unread(code, cure)
+            times = now.words.pop("P", None)
+            self._subprogram(Call(code, times=None if times is None else lambda memory: times.value), [])
+
+    def _call(self, call: Call, words: Words) -> None:
+        """NAME(...), L123."""
+        arguments = [None if argument is None else argument(self.memory) for argument in call.arguments]
+        meaning = self.vocabulary.meaning(call.name)
+        if call.name not in self.commands.known and meaning in self.meanings:
+            self.meanings[meaning](Now(words))
+        elif meaning == "ignored":
+            self.findings.ignored(call.name)
+        elif not self.perform(call, arguments):
+            self._subprogram(call, arguments)
+
+    def _subprogram(self, call: Call, arguments: list[Value | None]) -> None:
+        cure = self.vocabulary.refusal(call.name)
+        if cure and self.interpreter.library.find(call.name) is None:
+            raise Unread(call.name, cure)
+        self.interpreter.call(call, arguments)
+
+    def perform(self, call: Call, arguments: list[Value | None]) -> bool:
+        """Do a command or a cycle; False where it is none."""
+        if call.name not in self.commands.known:
+            return False
+        self.commands.perform(call.name, arguments)
+        return True
+
+    def _claim(self, now: Now) -> None:
+        code, words = now.claim, now.words
+        if code in PROGRAMMED:
+            self.frames.program(code, words, self.state)
+            self.state.tangent = None
+        elif code in POLES:
+            self.motion.set_pole(code, words)
+        elif code in ("G58", "G59"):
+            self.frames.axis_shift(code, words, self.state)
+        elif code in ("G25", "G26"):
+            self.findings.ignored(code)
+            words.clear()
+        else:
+            self.commands.reference(code, words)
+            self.motion.here()
+
+    def _move(self, now: Now) -> bool:
+        words, moved = now.words, False
+        stop = now.stop or self.state.exact_stop
+        try:
+            if now.in_machine:
+                moved = self.motion.in_machine(words, stop=stop)
+            elif self.motion.has_axes(words):
+                moved = self.motion.execute(words, stop=stop)
+        except ArcError as error:
+            raise ValueFault(str(error)) from None
+        for address in words:
+            self._left(address)
+        return moved
+
+    def _left(self, address: str) -> None:
+        """A word that nothing in its block took."""
+        of_spindle = address[0] in "SMHTD" and address.rstrip("=")[1:].isdigit()
+        if of_spindle or self.vocabulary.meaning(address) == "ignored":
+            self.findings.ignored(address)
+            return
+        cure = self.vocabulary.refusal(address) or "it might move something: remove it"
+        if address in OF_ARCS:
+            cure = "it belongs to arcs: remove it, or write G2, G3 or CIP"
+        self.refuse(f"{address}=" if len(address) > 1 else address, self.control.line, cure)

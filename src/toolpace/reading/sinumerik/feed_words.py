@@ -1,0 +1,46 @@
+"""F, and the dwell G4."""
+
+from __future__ import annotations
+
+from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.sinumerik.given import Words, number
+from toolpace.reading.sinumerik.run import Run
+from toolpace.reading.sinumerik.syntax.values import ValueFault, real
+from toolpace.units import MILLIMETRE
+
+
+class FeedWords:
+    """Reads F and G4."""
+
+    def __init__(self, run: Run) -> None:
+        self.control, self.state, self.findings = run.control, run.state, run.findings
+        self.base_unit = run.vocabulary.base_unit
+
+    def dwell(self, words: Words) -> None:
+        """G4 F2 or G4 S3: seconds, or turns of the spindle; F and S in force stay."""
+        seconds, turns = number(words, "F"), number(words, "S")
+        if seconds is None and turns is None:
+            raise ValueFault("G4 needs its time: write G4 F2 for seconds, or G4 S3 for turns of the spindle")
+        if seconds is None and turns is not None:
+            if self.control.feed.spindle <= 0.0:
+                raise ValueFault("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
+            seconds = turns / self.control.feed.spindle
+        self.control.dwell(seconds or 0.0)
+
+    def feed(self, words: Words) -> None:
+        """F: under G700 and G710 in the unit of lengths, under G70 and G71 in the base unit of the control."""
+        value = real(words.pop("F").value)
+        feed, state = self.control.feed, self.state
+        if feed.mode == INVERSE:
+            if not 0.0 < value <= 1e9:
+                raise ValueFault(f"feed F{value:g} must be above zero: correct F")
+            state.inverse = value
+            return
+        unit = state.feed_unit
+        if unit is None:
+            if self.base_unit is None:
+                self.base_unit = state.unit
+                if state.unit != MILLIMETRE:
+                    self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
+            unit = self.base_unit
+        feed.set(value, unit, self.control.line)

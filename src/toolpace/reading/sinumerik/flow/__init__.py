@@ -1,0 +1,1 @@
+"""Which block is next: routines, jumps, loops, calls, and the variables that decide."""

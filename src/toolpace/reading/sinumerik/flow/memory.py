@@ -1,0 +1,116 @@
+"""Variables: R parameters, those of the program, those that the control has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from toolpace.reading.control.affine import Matrix
+from toolpace.reading.sinumerik.syntax.expressions import r_number
+from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, shown, whole
+from toolpace.units import MILLIMETRE
+
+MOST_ELEMENTS = 100_000
+"""Elements of one array."""
+START: Mapping[str, Value] = {"REAL": 0.0, "INT": 0, "BOOL": False, "CHAR": 0, "STRING": "", "AXIS": Axis("X")}
+Local = dict[str, "Variable"]
+IDENTITY: Matrix = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+
+
+class Variable:
+    """One variable: its type, the sizes of an array, and its values by index."""
+
+    def __init__(self, kind: str, sizes: tuple[int, ...] = ()) -> None:
+        elements = 1
+        for size in sizes:
+            elements *= size
+            if not 0 < size <= MOST_ELEMENTS or elements > MOST_ELEMENTS:
+                raise ValueFault(f"an array of {size} elements cannot be: write a size from 1 to {MOST_ELEMENTS}")
+        self.kind, self.sizes = kind, sizes
+        self.values: dict[tuple[int, ...], Value] = {}
+
+    def get(self, index: tuple[int, ...], name: str) -> Value:
+        """The value of an element."""
+        self._check(index, name)
+        found = self.values.get(index)
+        if found is None:
+            return IDENTITY if self.kind == "FRAME" else START[self.kind]
+        return found
+
+    def set(self, index: tuple[int, ...], value: Value, name: str) -> None:
+        """Give an element a value of the variable's type."""
+        self._check(index, name)
+        self.values[index] = converted(value, self.kind, name)
+
+    def _check(self, index: tuple[int, ...], name: str) -> None:
+        if len(index) != len(self.sizes):
+            raise ValueFault(f"{name} has {len(self.sizes)} indices, not {len(index)}: correct it")
+        for value, size in zip(index, self.sizes):
+            if not 0 <= value < size:
+                raise ValueFault(f"{name}[{value}] does not exist, its elements are 0 to {size - 1}: correct it")
+
+
+def converted(value: Value, kind: str, name: str) -> Value:
+    """A value as one of a type: an INT is rounded, a BOOL is whether it is not zero."""
+    if kind == "REAL":
+        return float(real(value))
+    if kind in ("INT", "CHAR"):
+        return round(real(value))
+    if kind == "BOOL":
+        return bool(real(value))
+    fits = {"STRING": isinstance(value, str), "AXIS": isinstance(value, Axis)}
+    if fits.get(kind, isinstance(value, tuple) and not isinstance(value, Axis)):
+        return value
+    raise ValueFault(f"{name} is of type {kind} and cannot be {shown(value)}: correct it")
+
+
+class Store:
+    """All variables that a block can see."""
+
+    def __init__(self, given: Mapping[str, float], system: Callable[[str, tuple[Value, ...]], Value]) -> None:
+        self.r: dict[int, float] = {}
+        self.unit = MILLIMETRE
+        self.literals: tuple[float, ...] = ()
+        self.given = {name.upper(): value for name, value in given.items()}
+        self.local: Local = {}
+        self._system = system
+        for name, value in self.given.items():
+            if name[:1] == "R" and name[1:].isdigit():
+                self.r[int(name[1:][:6])] = value
+
+    def variable(self, name: str, index: tuple[int, ...]) -> Value:
+        """A variable of the program, or one of the set-up sheet. Raises Unread."""
+        found = self.local.get(name)
+        if found is not None:
+            return found.get(index, name)
+        if name in self.given and not index:
+            return self.given[name]
+        raise Unread(name, "it is neither defined here nor on the set-up sheet: write DEF, or name it there")
+
+    def letter(self, name: str) -> Value:
+        """A variable of one letter, else the axis."""
+        return self.variable(name, ()) if name in self.local else Axis(name)
+
+    def system(self, name: str, index: tuple[Value, ...]) -> Value:
+        """A variable of the control. Raises Unread."""
+        if name in self.given:
+            return self.given[name]
+        return self._system(name, index)
+
+    def assign(self, name: str, index: tuple[Value, ...], value: Value) -> None:
+        """Set R[i] or a variable of the program."""
+        if name == "R":
+            self.r[r_number(index[0])] = real(value)
+            return
+        found = self.local.get(name)
+        if found is None:
+            if name in self.given and not index:
+                self.given[name] = real(value)
+                return
+            raise Unread(f"{name}=", "it is not defined: write DEF before it, or correct its name")
+        found.set(tuple(map(whole, index)), value, name)
+
+    def define(self, name: str, kind: str, sizes: tuple[int, ...] = ()) -> Variable:
+        """A new variable, in place of one of that name."""
+        made = Variable(kind, sizes)
+        self.local[name] = made
+        return made

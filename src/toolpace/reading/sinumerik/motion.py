@@ -1,0 +1,197 @@
+"""Motions from the words of a block: axes, polar places, machine coordinates, tool vectors."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.sinumerik import circles
+from toolpace.reading.sinumerik.given import Given, Words, bounded, number
+from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
+from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.syntax.values import ValueFault
+from toolpace.units import DEGREE
+
+OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
+"""Addresses that only arcs take."""
+LETTERS = "XYZABCUVW"
+AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
+"""Addresses that ask for motion."""
+
+
+class Motion:
+    """Makes motions of words."""
+
+    def __init__(self, control: Control, state: State) -> None:
+        self.control, self.state = control, state
+        self.vectors = Vectors(control, state)
+        self.programmed = list(control.words)
+        """End of the last motion, in the coordinates of then: IC() and G91 count from it, so that a new frame
+        shifts them too (SD42440 = 1)."""
+
+    def here(self) -> None:
+        """Count distances from where the machine is."""
+        self.programmed = self.control.words
+
+    def has_axes(self, words: Words) -> bool:
+        """Whether words ask for motion."""
+        if not AXES.isdisjoint(words):
+            return True
+        # a full circle may name its centre alone
+        return self.state.motion in ("G2", "G3") and not {"I", "J", "K", "AR"}.isdisjoint(words)
+
+    def execute(self, words: Words, *, stop: bool) -> bool:
+        """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
+        control, state = self.control, self.state
+        target, named = self.target(words)
+        path_axis = bool(named)
+        vector = self.vectors.taken(words)
+        arcs = state.motion in ("G2", "G3", "CIP", "CT")
+        if not len(control.moves) and (arcs or not state.absolute):
+            control.begin_here()
+        if state.motion in ("G331", "G332"):
+            self._tap(target, named, words)
+        elif arcs:
+            self._arc(target, named, words, vector)
+        else:
+            self._straight(target, named, vector, words)
+        self.programmed = control.words
+        if stop:
+            control.stop()
+        return path_axis
+
+    # Where to
+
+    def target(self, words: Words) -> tuple[list[float], int]:
+        """Words (3 + rotary) of the end of a motion [m, rad], and bits of X, Y, Z that it names."""
+        control = self.control
+        target, named = list(control.words), 0
+        slots = control.slots
+        for address in [address for address in words if len(address) == 1 and address in LETTERS]:
+            slot = slots.get(address)
+            if slot is None:
+                slot = control.slot(address)
+            target[slot] = self._coordinate(address, slot, words.pop(address))
+            if slot < 3:
+                named |= 1 << slot
+        if "AP" in words or "RP" in words:
+            named |= self._polar(words, target)
+        return target, named
+
+    def _coordinate(self, address: str, slot: int, given: Given) -> float:
+        value = bounded(given, address)
+        form = given.form
+        value *= self.state.unit if slot < 3 else DEGREE
+        if form == "IC" or (not form and not self.state.absolute):
+            return self.programmed[slot] + value
+        if form in ("", "AC"):
+            return value
+        if slot < 3:
+            raise ValueFault(f"{address}={form}() is for rotary axes: write {address}=AC()")
+        present, turn = self.control.words[slot], 2.0 * math.pi
+        if form == "DC":
+            return present + math.remainder(value - present, turn)
+        ahead = (value - present) % turn
+        ahead = 0.0 if turn - ahead < 1e-9 else ahead
+        return present + (ahead if form == "ACP" or ahead == 0.0 else ahead - turn)
+
+    def _polar(self, words: Words, target: list[float]) -> int:
+        """Set the end by AP and RP about the pole (NC Programming, 4.3)."""
+        state = self.state
+        angle, radius = words.pop("AP", None), number(words, "RP")
+        if angle is not None:
+            value = bounded(angle, "AP")
+            state.polar_angle = value + (state.polar_angle if angle.form == "IC" else 0.0)
+        if radius is not None:
+            state.polar_radius = radius * state.unit
+        first, second = circles.AXES[state.plane]
+        turn = state.polar_angle * DEGREE
+        target[first] = state.pole[first] + state.polar_radius * math.cos(turn)
+        target[second] = state.pole[second] + state.polar_radius * math.sin(turn)
+        return 1 << first | 1 << second
+
+    def set_pole(self, code: str, words: Words) -> None:
+        """G110: from the last point, G111: from the zero of the workpiece, G112: from the last pole."""
+        state = self.state
+        x, y, z = self.control.words[:3] if code == "G110" else state.pole if code == "G112" else (0.0, 0.0, 0.0)
+        pole = [x, y, z]
+        if "AP" in words or "RP" in words:
+            first, second = circles.AXES[state.plane]
+            angle = (number(words, "AP", 0.0) or 0.0) * DEGREE
+            radius = (number(words, "RP", 0.0) or 0.0) * state.unit
+            pole[first] += radius * math.cos(angle)
+            pole[second] += radius * math.sin(angle)
+        for slot, letter in enumerate("XYZ"):
+            pole[slot] += (number(words, letter, 0.0) or 0.0) * state.unit
+        state.pole = (pole[0], pole[1], pole[2])
+
+    # How
+
+    def _number(self) -> float | None:
+        return self.state.inverse if self.control.feed.mode == INVERSE else None
+
+    def _straight(self, target: list[float], named: int, vector: list[float] | None, words: Words) -> None:
+        control, state = self.control, self.state
+        rapid, start = state.motion == "G0", control.words
+        if vector is not None:
+            self.vectors.straight(target, named, vector, rapid=rapid, number=self._number())
+        else:
+            control.straight(target, named, rapid=rapid, number=self._number())
+        if named:
+            way = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
+            state.tangent = way if any(way) else state.tangent
+
+    def _arc(self, target: list[float], named: int, words: Words, vector: list[float] | None) -> None:
+        control, state = self.control, self.state
+        if vector is not None:
+            control.findings.assumed("on arcs tool vectors are reached with the rotary axes in proportion")
+            target[3:] = self.vectors.rotary(vector)
+        if state.motion == "CT":
+            tangential = circles.tangent(control, state, target)
+            if tangential is None:
+                self._straight(target, named, None, words)
+                return
+            arc = tangential
+        elif state.motion == "CIP":
+            arc = circles.through(control, state, words, target)
+        else:
+            arc = circles.circle(control, state, words, target)
+        control.arc(target, named, arc, self._number())
+        state.tangent = circles.last_direction(arc)
+
+    def _tap(self, target: list[float], named: int, words: Words) -> None:
+        """G331 and G332: the axis moves one lead K a turn of the spindle."""
+        lead = None
+        for letter in "IJK":
+            value = number(words, letter)
+            lead = value if value is not None else lead
+        if not lead or self.control.feed.spindle <= 0.0:
+            raise ValueFault(f"{self.state.motion} needs its lead as K and the spindle speed as S: write both")
+        with self.control.feed.held(abs(lead) * self.state.unit * self.control.feed.spindle):
+            self.control.straight(target, named, rapid=False)
+        self.control.stop()
+
+    def in_machine(self, words: Words, *, stop: bool) -> bool:
+        """SUPA, G53, G153: a motion to machine coordinates."""
+        control = self.control
+        if self.state.motion not in ("G0", "G1"):
+            raise ValueFault("machine coordinates (SUPA, G53) are reached with G0 or G1: write one of them")
+        coordinates = {}
+        for address in [address for address in words if len(address) == 1 and address in LETTERS]:
+            given = words.pop(address)
+            slot = control.slot(address)
+            if given.form == "IC" or (not given.form and not self.state.absolute):
+                raise ValueFault(
+                    f"{address} is a distance, but SUPA and G53 need a place: write G90, or {address}=AC()"
+                )
+            coordinates[address] = bounded(given, address) * (self.state.unit if slot < 3 else DEGREE)
+        if not coordinates:
+            return False
+        if control.compensated and control.poses.machine is not None:
+            control.findings.assumed("machine coordinates (SUPA, G53) are those of the axes, without tool length")
+        control.straight_in_machine(coordinates, rapid=self.state.motion == "G0")
+        self.here()
+        if stop:
+            control.stop()
+        return any(address in "XYZ" for address in coordinates)

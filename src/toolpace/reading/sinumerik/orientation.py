@@ -1,0 +1,124 @@
+"""Tool vectors: A3= B3= C3= and angles A2= B2= C2= (Job Planning, 7.2), and what lies between two of them."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.reading.control import affine
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.unroll import AXIS_GAP
+from toolpace.reading.sinumerik.given import Words, bounded
+from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, State
+from toolpace.reading.sinumerik.syntax.values import ValueFault
+from toolpace.units import DEGREE
+
+VECTOR, ANGLES = ("A3", "B3", "C3"), ("A2", "B2", "C2")
+MOST_HALVINGS = 10
+"""Of the way between two tool vectors."""
+
+
+class Vectors:
+    """Reads tool vectors and moves to them."""
+
+    def __init__(self, control: Control, state: State) -> None:
+        self.control, self.state = control, state
+        self._reached: tuple[list[float], list[float]] = [], []
+        """Rotary joints at the end of the last tool vector, and that vector."""
+
+    @staticmethod
+    def asked(words: Words) -> bool:
+        """Whether words have a tool vector."""
+        return any(address in words for address in (*VECTOR, *ANGLES))
+
+    def taken(self, words: Words) -> list[float] | None:
+        """The tool axis (3,) on the part that the words ask for; None where they ask for none."""
+        if len(words) == 0 or not self.asked(words):
+            return None
+        if not self.control.tip_mode:
+            raise ValueFault("tool vectors (A3=, A2=) need TRAORI: switch it on before them")
+        if any(address in words for address in VECTOR):
+            vector = [self._one(words, address) for address in VECTOR]
+        else:
+            a, b, c = (self._one(words, address) * DEGREE for address in ANGLES)
+            vector = list(affine.direct(self._turns(a, b, c), (0.0, 0.0, 1.0)))
+        if math.hypot(*vector) < 1e-6:
+            raise ValueFault("the tool vector is zero: give the direction from the tip to the spindle")
+        on_part = affine.direct(self.control.placement.matrix, vector)
+        size = math.hypot(*on_part)
+        return [value / size for value in on_part]
+
+    @staticmethod
+    def _one(words: Words, address: str) -> float:
+        given = words.pop(address, None)
+        return 0.0 if given is None else bounded(given, address)
+
+    def _turns(self, a: float, b: float, c: float) -> affine.Matrix:
+        if self.state.angles == EULER:
+            return affine.turns((2, a), (0, b), (2, c))
+        if self.state.angles == RPY:
+            return affine.turns((2, c), (1, b), (0, a))
+        return affine.turns((0, a), (1, b), (2, c))
+
+    def rotary(self, vector: list[float]) -> list[float]:
+        """Rotary words for a tool axis on the part."""
+        return self.control.rotary_for(vector)
+
+    def straight(
+        self, target: list[float], named: int, vector: list[float], *, rapid: bool, number: float | None
+    ) -> None:
+        """Move straight, while the tool turns in the plane of both vectors, or the rotary axes in proportion."""
+        control = self.control
+        start = list(control.words)
+        if rapid or self.state.turning != GREAT_CIRCLE or control.poses.machine is None:
+            control.straight([*target[:3], *self.rotary(vector)], named, rapid=rapid, number=number)
+            return
+        shift = control.placement.shift or (0.0,) * len(start[3:])
+        joints = [a + b for a, b in zip(start[3:], shift)]
+        first = self._reached[1] if self._reached[0] == joints else control.poses.axis(joints)
+        pieces = self._pieces(first, vector, start[3:])
+        for k, (share, rotary) in enumerate(pieces):
+            place = [a + share * (b - a) for a, b in zip(start[:3], target[:3])]
+            before = pieces[k - 1][0] if k else 0.0
+            part = None if number is None else number / (share - before)
+            control.straight([*(target[:3] if share == 1.0 else place), *rotary], named, rapid=rapid, number=part)
+        self._reached = [a + b for a, b in zip(control.words[3:], shift)], vector
+
+    def _pieces(self, first: list[float], last: list[float], rotary: list[float]) -> list[tuple[float, list[float]]]:
+        """Shares of the way with their rotary words, so close that the axes in proportion stay on the great circle.
+
+        Begins with the whole way and halves what strays; a stack in place of recursion keeps the order.
+        """
+        control = self.control
+        shift = control.placement.shift or (0.0,) * len(rotary)
+        if sum(x * y for x, y in zip(first, last)) < -1.0 + 1e-9:
+            raise ValueFault("the tool vector is opposite to the one before: no plane holds its way; write one between")
+        done: list[tuple[float, list[float]]] = []
+        begin, here = 0.0, list(rotary)
+        ends = [(1.0, 0)]
+        while ends:
+            share, halved = ends[-1]
+            axis = last if share == 1.0 else between(first, last, share)
+            wanted, fault = control.orientation.rotary(axis, [x + y for x, y in zip(here, shift)])
+            if fault:
+                raise ValueFault(fault)
+            words = [x - y for x, y in zip(wanted, shift)]
+            middle = control.poses.axis([(x + y) / 2 + z for x, y, z in zip(here, words, shift)])
+            meant = between(first, last, (begin + share) / 2)
+            if halved < MOST_HALVINGS and math.dist(middle, meant) > AXIS_GAP:
+                ends.append(((begin + share) / 2, halved + 1))
+                ends[-2] = (share, halved + 1)
+                continue
+            done.append((share, words))
+            begin, here = share, words
+            ends.pop()
+        return done
+
+
+def between(a: list[float], b: list[float], share: float) -> list[float]:
+    """The unit vector at a share of the great circle from a to b (Shoemake 1985, slerp)."""
+    angle = 2.0 * math.asin(min(math.dist(a, b) / 2.0, 1.0))
+    if angle < 1e-9:
+        return [x + share * (y - x) for x, y in zip(a, b)]
+    sine = math.sin(angle)
+    first, second = math.sin((1.0 - share) * angle) / sine, math.sin(share * angle) / sine
+    return [first * x + second * y for x, y in zip(a, b)]

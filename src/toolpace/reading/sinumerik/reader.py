@@ -1,0 +1,71 @@
+"""Reads programs of Sinumerik controls."""
+
+from __future__ import annotations
+
+import re
+
+from toolpace.reading.control.control import Control, Rules
+from toolpace.reading.control.feed import FeedRules
+from toolpace.reading.control.kinematics import Kinematics
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.findings import Findings
+from toolpace.reading.options import ReadOptions
+from toolpace.reading.sinumerik.executor import Executor
+from toolpace.reading.sinumerik.flow.interpreter import Interpreter
+from toolpace.reading.sinumerik.flow.routines import Library
+from toolpace.reading.sinumerik.run import Run
+from toolpace.reading.source import Source
+from toolpace.toolpath import ToolPath
+
+_CHANGES = re.compile(r"(?:^|[^A-Z_$])(?:M0*6(?![0-9])|L0*6(?![0-9]))", re.IGNORECASE)
+"""A word that changes the tool, in a block without comment."""
+
+
+class SinumerikReader:
+    """One reading of one program; `run` does it."""
+
+    def __init__(
+        self,
+        source: Source,
+        machine: Kinematics | None,
+        controller: Controller,
+        options: ReadOptions,
+        findings: Findings,
+    ) -> None:
+        self.source, self.options, self.findings = source, options, findings
+        self.control = Control(
+            source,
+            machine,
+            options.setup,
+            findings=findings,
+            rules=Rules(FeedRules(controller.option("feed_turning", "xyz"))),
+            default_feed=options.default_feed,
+            controller=controller.name,
+            most_blocks=options.most_blocks,
+        )
+        self.parts = Run(self.control, controller, options)
+
+    def run(self) -> ToolPath:
+        """Execute the program, then lay the points. Raises ProgramError."""
+        run = self.parts
+        executor = Executor(run)
+        if not any(_CHANGES.search(line.split(";", 1)[0]) for line in self.source.lines):
+            run.tooling.at_once = True
+        executor.interpreter = Interpreter(
+            self.source, Library(self.source), executor, run.memory, self.options.block_delete
+        )
+        executor.interpreter.run()
+        if not executor.interpreter.ended:
+            self._refuse_cut_off()
+        if not run.state.stop_told and len(self.control.moves):
+            self.findings.assumed("the program says neither G60 nor G64: blocks are taken to meet without a stop (G64)")
+        self.findings.raise_if_refused(self.source, self.options.skip_unknown)
+        return self.control.toolpath()
+
+    def _refuse_cut_off(self) -> None:
+        if not self.source.last_line_ended:
+            self.source.fail(
+                "the program looks cut off: neither M2, M30, M17 nor RET ends it, and its last line has no end; "
+                "export it again, or end the line if it is complete",
+                len(self.source.lines),
+            )

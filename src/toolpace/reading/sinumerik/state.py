@@ -1,0 +1,76 @@
+"""The modes of a program, and the words that set one mode each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from toolpace.units import INCH, MILLIMETRE
+
+Point = tuple[float, float, float]
+GREAT_CIRCLE, ROTARY = "great circle", "rotary"
+"""What a tool vector does between two blocks: turn in a plane, or as the rotary axes do in proportion."""
+EULER, RPY, RPY_XYZ = "euler", "rpy", "rpy xyz"
+"""What A2, B2 and C2 are: angles about Z, X', Z''; about Z, Y', X''; about X, Y', Z''."""
+
+
+@dataclass
+class State:
+    """All that lasts from block to block, but for frames; at the start of a program (lists of G groups, PF 12.3)."""
+
+    motion: str = "G1"
+    plane: int = 0
+    """0: XY, 1: ZX, 2: YZ."""
+    absolute: bool = True
+    unit: float = MILLIMETRE
+    """Of lengths [m]."""
+    feed_unit: float | None = None
+    """Of F [m]; None: that of the control itself."""
+    exact_stop: bool = False
+    stop_told: bool = False
+    """Whether the program said how blocks meet: G60, G64."""
+    compensation: str = "G40"
+    turning: str = GREAT_CIRCLE
+    angles: str = EULER
+    pole: Point = (0.0, 0.0, 0.0)
+    polar_radius: float = 0.0
+    """[m]"""
+    polar_angle: float = 0.0
+    """[deg]"""
+    inverse: float | None = None
+    """F under G93."""
+    tangent: Point | None = field(default=None, compare=False)
+    """Direction in which the last motion ended, in the program's coordinates."""
+
+
+SETS: dict[str, dict[str, object]] = {
+    **{code: {"motion": code} for code in ("G0", "G1", "G2", "G3", "CIP", "CT", "G331", "G332")},
+    "G17": {"plane": 0},
+    "G18": {"plane": 1},
+    "G19": {"plane": 2},
+    "G90": {"absolute": True},
+    "G91": {"absolute": False},
+    "G60": {"exact_stop": True, "stop_told": True},
+    **{key: {"exact_stop": False, "stop_told": True} for key in ("G64", "G641", "G642", "G643", "G644", "G645")},
+    "G70": {"unit": INCH, "feed_unit": None},
+    "G71": {"unit": MILLIMETRE, "feed_unit": None},
+    "G700": {"unit": INCH, "feed_unit": INCH},
+    "G710": {"unit": MILLIMETRE, "feed_unit": MILLIMETRE},
+    **{key: {"turning": GREAT_CIRCLE} for key in ("ORIWKS", "ORIVECT", "ORIPLANE")},
+    **{key: {"turning": ROTARY} for key in ("ORIMKS", "ORIAXES")},
+    "ORIEULER": {"angles": EULER},
+    "ORIRPY": {"angles": RPY},
+    "ORIRPY2": {"angles": RPY},
+}
+"""What each word sets, and that alone (Programming Manual Fundamentals 12.3; Job Planning 7.2)."""
+TOLERANCES = ("G641", "G642", "G643", "G644", "G645")
+"""Blending within a tolerance that is set elsewhere."""
+
+
+def apply(state: State, code: str) -> bool:
+    """Set the mode of a word; False where it sets none."""
+    wanted = SETS.get(code)
+    if wanted is None:
+        return False
+    for name, value in wanted.items():
+        setattr(state, name, value)
+    return True

@@ -1,0 +1,61 @@
+"""Frames as values: CTRANS(X,10):CROT(Z,30) (Function Manual Basic Functions, K2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from toolpace.reading.control import affine
+from toolpace.reading.control.affine import Matrix
+from toolpace.reading.sinumerik.syntax.values import Axis, Value, ValueFault, real
+from toolpace.units import DEGREE
+
+FUNCTIONS = ("CTRANS", "CFINE", "CROT", "CSCALE", "CMIRROR")
+SLOTS = {"X": 0, "Y": 1, "Z": 2}
+RPY = (2, 1, 0)
+"""Axes of the turns of one ROT block: Z, then the new Y, then the newest X, whatever the order they are written in
+(MD10600 = 1, Programming Manual Fundamentals, 12.4)."""
+
+
+def made(name: str, arguments: Sequence[Value], unit: float) -> Matrix:
+    """The frame of a function with these arguments: axes, each with its value, but for CMIRROR."""
+    values: dict[str, float] = {}
+    if name == "CMIRROR":
+        return mirror(axes(arguments))
+    if len(arguments) % 2:
+        raise ValueFault(f"{name} takes axes with a value each, like {name}(X,10,Y,20): correct it")
+    for axis, value in zip(axes(arguments[::2]), arguments[1::2]):
+        values[axis] = real(value)
+    if name == "CROT":
+        return rotation(values)
+    if name == "CSCALE":
+        return scale(values)
+    return affine.shift([values.get(axis, 0.0) * unit for axis in SLOTS])
+
+
+def axes(arguments: Sequence[Value]) -> list[str]:
+    """Letters of axes that a frame has: X, Y, Z."""
+    found = []
+    for argument in arguments:
+        letter = argument.letter if isinstance(argument, Axis) else ""
+        if letter not in SLOTS:
+            raise ValueFault("a frame's function takes the axes X, Y and Z: correct its arguments")
+        found.append(letter)
+    return found
+
+
+def rotation(degrees: dict[str, float]) -> Matrix:
+    """Turns by angles about the axes, by name."""
+    return affine.turns(*((slot, degrees.get("XYZ"[slot], 0.0) * DEGREE) for slot in RPY))
+
+
+def scale(factors: dict[str, float]) -> Matrix:
+    """Scales along the axes, by name."""
+    wanted = [factors.get(axis, 1.0) for axis in SLOTS]
+    if not all(1e-6 < abs(factor) < 1e6 for factor in wanted):
+        raise ValueFault("a scale must not be zero: correct it")
+    return affine.scaling(wanted)
+
+
+def mirror(letters: Sequence[str]) -> Matrix:
+    """Reflections along the axes."""
+    return affine.scaling([-1.0 if axis in letters else 1.0 for axis in SLOTS])

@@ -1,0 +1,71 @@
+"""Tools: T, D, the change, the length and the radius of the one in the spindle."""
+
+from __future__ import annotations
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.options import PROGRAM, ReadOptions
+from toolpace.reading.sinumerik.given import Words, number
+from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.syntax.values import Axis, ValueFault, shown
+from toolpace.units import MINUTE
+
+_CURE = (
+    "give --compensation program where the CAM system wrote the path of the tool's centre (the radius of D is then "
+    "that of wear, or zero); else let it compensate"
+)
+
+
+class Tooling:
+    """The tool that is selected, the one in the spindle, and what of them counts."""
+
+    def __init__(self, control: Control, state: State, options: ReadOptions) -> None:
+        self.control, self.state = control, state
+        self.as_programmed = options.compensation == PROGRAM
+        self.selected = ""
+        self.at_once = False
+        """Whether T changes the tool, since the program has no M6."""
+        self.edge = 1
+        control.set_length("")
+
+    def take(self, words: Words) -> None:
+        """T, D and S of a block."""
+        given = words.pop("T", None)
+        if given is not None:
+            value = given.value
+            if isinstance(value, (tuple, bool, Axis)):
+                raise ValueFault(f'T is the number or the name of a tool, not {shown(value)}: write T5 or T="MILL"')
+            self.selected = value.strip() if isinstance(value, str) else f"{value:g}"
+            if self.at_once:
+                self.change()
+        edge = number(words, "D")
+        if edge is not None:
+            self.edge = round(edge)
+            self.control.set_length(None if self.edge == 0 else "")
+        spindle = number(words, "S")
+        if spindle is not None:
+            self.control.feed.spindle = spindle / MINUTE
+
+    def change(self) -> None:
+        """Put the selected tool into the spindle; its first edge counts then."""
+        self.control.change_tool(self.selected)
+        if self.edge == 0:
+            self.edge = 1
+            self.control.set_length("")
+
+    @property
+    def radius(self) -> float | None:
+        """Of the tool in the spindle [m], zero where its contour is the programmed one; None: unknown."""
+        if self.as_programmed or self.edge == 0:
+            return 0.0
+        found = self.control.setup.tools.get(self.control.tool)
+        return None if found is None else found.radius
+
+    def compensate(self, code: str) -> None:
+        """G40, G41, G42."""
+        self.state.compensation = code
+        if code == "G40":
+            return
+        if self.radius != 0.0:
+            self.control.findings.refused(code, self.control.line, _CURE)
+        elif self.as_programmed:
+            self.control.findings.assumed("G41 and G42: the tool follows the programmed contour")
