@@ -194,24 +194,18 @@ class Control:
         """
         self._move(words, named, rapid, number)
 
-    def arc(self, words: list[float], named: int, arc: Arc, number: float | None = None) -> None:
-        """Move at feed along an arc, which is given in the program's coordinates as the words are."""
+    def arc(
+        self, words: list[float], named: int, arc: Arc, number: float | None = None, *, rapid: bool = False
+    ) -> None:
+        """Move along an arc, which is given in the program's coordinates as the words are."""
         if not len(self.moves):
             self.source.fail("an arc cannot be the first motion, its start is not known: position with G0", self.line)
         frame = self.placement.matrix
         length = arc.length()
         if frame is not affine.IDENTITY:
-            arc = Arc(
-                affine.apply(frame, arc.centre),
-                affine.direct(frame, arc.u),
-                affine.direct(frame, arc.w),
-                arc.r0,
-                arc.r1,
-                arc.sweep,
-                affine.direct(frame, arc.rise),
-            )
+            arc = _framed(arc, frame)
         self.moves.arcs[len(self.moves)] = arc
-        self._move(words, named, False, number, length)
+        self._move(words, named, rapid, number, length)
 
     def _move(
         self, words: list[float], named: int, rapid: bool, number: float | None, length: float | None = None
@@ -314,9 +308,13 @@ class Control:
 
     def plane_axis(self) -> list[float]:
         """The direction (3,) on the part that the tool has when it stands upright on the plane of the frame."""
-        matrix = self._placement_of_tip().matrix
-        z = affine.direct(matrix, (0.0, 0.0, 1.0))
-        return [value / math.hypot(*z) for value in z]
+        return self.direction_on_part((0.0, 0.0, 1.0))
+
+    def direction_on_part(self, direction: affine.Vector) -> list[float]:
+        """A direction (3,) of the program's coordinates as a unit vector on the part; zero stays zero."""
+        found = affine.direct(self._placement_of_tip().matrix, direction)
+        length = math.hypot(*found) or 1.0
+        return [value / length for value in found]
 
     def _placement_of_tip(self) -> Placement:
         return self.placement if self.placement.tip_mode else self.datum.placement(
@@ -332,7 +330,11 @@ class Control:
         wanted = self.rotary_for(self.plane_axis(), sign)
         if follow:
             self.straight([*self.words[:3], *wanted], 0, rapid=rapid)
-            return
+        else:
+            self.turn_joints(wanted, rapid=rapid)
+
+    def turn_joints(self, wanted: list[float], *, rapid: bool) -> None:
+        """Turn the rotary joints to words (rotary) [rad]; the linear joints stay, also where words are the tip."""
         place = self.placement.place(self.words)
         joints = self.poses.to_joints(place, self.placement.longer) if self.placement.tip_mode else place
         shift = self.placement.shift or (0.0,) * len(wanted)
@@ -386,6 +388,23 @@ class Control:
             refuse_still(self.source, 0)
         told = Told(dict(self.findings.skipped), tuple(self.operations), self.controller, self.findings.assumptions)
         return Unroll(self.source, self.poses, self.moves.table()).toolpath(self.blocks, told)
+
+
+def _framed(arc: Arc, frame: Matrix) -> Arc:
+    """The arc in the coordinates that the frame stands in; its radii grow where the frame scales."""
+    u, w = affine.direct(frame, arc.u), affine.direct(frame, arc.w)
+    grown = max(math.hypot(*u), math.hypot(*w))
+    if abs(grown - 1.0) < 1e-9:
+        grown = 1.0
+    return Arc(
+        affine.apply(frame, arc.centre),
+        (u[0] / grown, u[1] / grown, u[2] / grown),
+        (w[0] / grown, w[1] / grown, w[2] / grown),
+        arc.r0 * grown,
+        arc.r1 * grown,
+        arc.sweep,
+        affine.direct(frame, arc.rise),
+    )
 
 
 def upright(axis: list[float]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 from toolpace.reading.control.control import Control
@@ -37,7 +38,11 @@ class Drilling:
     """At the bottom [s]."""
     peck_dwell: float = 0.0
     """After each stroke but the last [s]."""
+    full_after: int = 0
+    """Chips that are broken before a stroke is gone back to the top; 0: it never is."""
     out: str = RAPID_OUT
+    out_speed: float = 0.0
+    """Of the way out at feed [m/s]; 0: the feed in force."""
     stops: bool = False
     """Whether the spindle stops or reverses at the bottom: so does the motion."""
 
@@ -88,7 +93,7 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
             break
         if cycle.peck_dwell:
             control.dwell(cycle.peck_dwell)
-        if cycle.chip_break:
+        if cycle.chip_break and not (cycle.full_after and (k + 1) % (cycle.full_after + 1) == 0):
             to(cycle.top + down * max(depth - cycle.chip_break, 0.0), True)
         else:
             to(cycle.top, True)
@@ -98,5 +103,6 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
     if cycle.stops:
         control.stop()
     if cycle.out == FEED_OUT:
-        to(cycle.top, False)
+        with control.feed.held(cycle.out_speed) if cycle.out_speed else nullcontext():
+            to(cycle.top, False)
     to(cycle.back, True)

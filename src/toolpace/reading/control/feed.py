@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 from toolpace.reading.control.moves import Rate
@@ -57,6 +59,16 @@ class Feed:
             fault = feed_fault(self.value)
             if fault and number > 1.0:
                 self.source.fail(fault, line)
+
+    @contextmanager
+    def held(self, speed: float, turn: float = math.inf) -> Iterator[None]:
+        """For some motions a speed [m/s] and a rotation in place [rad/s] of their own; then what was in force."""
+        before = self.mode, self.value, self.turn
+        self.mode, self.value, self.turn = PER_MINUTE, speed, turn
+        try:
+            yield
+        finally:
+            self.mode, self.value, self.turn = before
 
     def rate(self, number: float | None, line: int, length: float = 0.0, turned: float = 0.0) -> Rate:
         """Rate of a motion at feed whose block has F `number` in inverse time, or none.
