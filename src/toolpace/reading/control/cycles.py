@@ -38,6 +38,8 @@ class Drilling:
     """At the bottom [s]."""
     peck_dwell: float = 0.0
     """After each stroke but the last [s]."""
+    top_dwell: float = 0.0
+    """Each time that the top is gone back to between strokes [s]."""
     full_after: int = 0
     """Chips that are broken before a stroke is gone back to the top; 0: it never is."""
     out: str = RAPID_OUT
@@ -97,6 +99,8 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
             to(cycle.top + down * max(depth - cycle.chip_break, 0.0), True)
         else:
             to(cycle.top, True)
+            if cycle.top_dwell:
+                control.dwell(cycle.top_dwell)
             to(cycle.top + down * max(depth - cycle.clearance, 0.0), True)
     if cycle.dwell:
         control.dwell(cycle.dwell)
