@@ -5,15 +5,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from toolpace.reading.heidenhain.expressions import Value, evaluate
-from toolpace.reading.heidenhain.parameters import BlockError, Parameters, number
+from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, number
 
 VALUE = r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+|Q[LR]?[0-9]+)"
 _WORD = re.compile(
     r"\s*(?:(F\s*MAX(?!T)|F\s*AUTO|MAX|RL|RR|R0(?![0-9.,])|R[-+](?![0-9.,Q])|DR\s*[-+](?![0-9.,Q]))"
-    r"|(I?P[RA]|CCA|LEN|MB|LA|DR2|D[LR]|I?[A-CU-Z]|[NT][XYZ]|FMAXT|F[UZT]|[EFMRST])\s*("
-    + VALUE
-    + r")?)"
+    r"|(I?P[RA]|CCA|LEN|MB|LA|DR2|D[LR]|I?[A-CU-Z]|[NT][XYZ]|FMAXT|F[UZT]|[EFMRST])\s*(" + VALUE + r")?)"
 )
 AXES = frozenset("XYZABCUVW")
 OWN_WORDS: dict[int, tuple[str, ...]] = {

@@ -11,7 +11,7 @@ import operator
 import re
 from collections.abc import Callable
 
-from toolpace.reading.heidenhain.parameters import BlockError, Parameters, number
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, number
 
 Thunk = Callable[[], float]
 Value = float | Thunk
