@@ -75,10 +75,7 @@ class HeidenhainReader:
         line = block.line if program is self.flow.main else self.flow.line(block.line)
         self.control.begin_block(line)
         try:
-            step = program.steps[at]
-            if step is None:
-                step = program.steps[at] = self.statements.compile(block.text)
-            step()
+            program.step(at, self.statements.compile)()
         except (BlockError, ArcError) as error:
             program.source.fail(str(error), block.line)
         except UnsetError as error:

@@ -23,7 +23,9 @@ class Program:
     def __init__(self, source: Source, findings: Findings, block_delete: bool) -> None:
         self.source = source
         self.blocks = blocks_of(source, findings, block_delete)
-        self.steps: list[Callable[[], None] | None] = [None] * len(self.blocks)
+        self.steps: dict[int, Callable[[], None]] = {}
+        """Blocks that were executed more than once, compiled."""
+        self.seen = bytearray(len(self.blocks))
         self.labels: dict[str, int] = {}
         """Index of the block behind each label."""
         for index, block in enumerate(self.blocks):
@@ -34,6 +36,16 @@ class Program:
             if name in self.labels:
                 source.fail(f"LBL {name} stands twice: name one of both otherwise", block.line)
             self.labels[name] = index + 1
+
+    def step(self, at: int, compiler: Callable[[str], Callable[[], None]]) -> Callable[[], None]:
+        """The step of a block; kept from the second time on, since most blocks are executed once."""
+        found = self.steps.get(at)
+        if found is None:
+            found = compiler(self.blocks[at].text)
+            if self.seen[at]:
+                self.steps[at] = found
+            self.seen[at] = 1
+        return found
 
 
 def label_of(found: re.Match[str]) -> str:
