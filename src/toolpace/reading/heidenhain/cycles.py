@@ -88,8 +88,12 @@ class Cycles:
         self.holes.define(-1, {})
 
     def items(self, text: str) -> dict[int, Value | str]:
-        """Q parameters of a cycle."""
+        """Q parameters of a cycle. Raises BlockError where something else stands behind its title."""
         found: dict[int, Value | str] = {}
+        first = _ITEM.search(text)
+        rest = _ITEM.sub("", text[first.start() :]).strip() if first else ""
+        if rest:
+            raise BlockError(f"'{rest[:20]}' is not read in CYCL DEF: does a ~ stand in front of it by mistake?")
         for number, word, value in _ITEM.findall(text):
             found[int(number)] = "".join(word.split()) if word else signed(value, self.parameters)
         return found

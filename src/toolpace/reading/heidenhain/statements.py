@@ -110,7 +110,8 @@ class Statements:
         step = make(words) if not place else self.machine.in_machine(words)
         if place == "untilted":
             step = self.machine.untilted(make(words))
-        if words.axes and not place:
+        calls = any(function == self.machine.call for function in after)
+        if words.axes and not place and not calls:
             step = self.called(step)
 
         def run() -> None:
