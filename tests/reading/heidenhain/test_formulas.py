@@ -124,6 +124,9 @@ def grown(inner):
         wanted = BY_PYTHON[sign](a.value, b.value) if b.value or sign in "+-*" else None
         return Written(f"({a.text}){sign}({b.text})", wanted)
 
+    def of(name, a):
+        return Written(f"{name} ({a.text})", FUNCTIONS[name](a.value))
+
     return st.one_of(
         st.builds(pair, st.sampled_from(sorted(BY_PYTHON)), inner, inner).filter(lambda w: w.value is not None),
         st.builds(

@@ -20,8 +20,7 @@ from toolpace.units import DEGREE
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
 _ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:(F\s*MAX|F\s*AUTO|PREDEF)|(" + VALUE + "))")
 _AXIS = re.compile(r"(CC|I?)([A-CU-Z])\s*(" + VALUE + ")")
-_LAST = re.compile("(" + VALUE + r")\s*$")
-_FIRST = re.compile("(" + VALUE + ")")
+_FIGURE = re.compile(r"[^-+0-9,Q]*?\.?\s*(" + VALUE + r")\s*")
 OLD_PECKING = {1: 200, 2: 201, 3: 202, 4: 211, 5: 206}
 """Lines of cycle 1 to the parameters of cycle 200 that mean the same."""
 ORIENTATION = 13
@@ -118,16 +117,26 @@ class Cycles:
 
     def old_pecking(self, line: int, text: str) -> Step:
         """1: a line for each figure."""
-        found, key = _LAST.search(text.strip()), OLD_PECKING.get(line)
-        if key is None or found is None:
+        if line == 0:
             return lambda: self.holes.define(1, {})
-        value = signed(found[1], self.parameters)
+        key, value = OLD_PECKING.get(line), self.figure(text, "PECKING", "DEPTH -20")
+        if key is None:
+            raise BlockError(f"CYCL DEF 1 has no line 1.{line}: correct it")
         return lambda: self.holes.items.update({key: evaluate(value)})
 
     # Cycles in lines
 
+    def figure(self, text: str, name: str, example: str) -> Value:
+        """The only figure of a line. Raises BlockError."""
+        found = _FIGURE.fullmatch(text)
+        if found is None:
+            raise BlockError(f"{name} has one figure: write it like {example}")
+        return signed(found[1], self.parameters)
+
     def axes(self, text: str) -> list[tuple[str, str, Value]]:
-        """Mark (CC, I or none), letter and value of each axis."""
+        """Mark (CC, I or none), letter and value of each axis. Raises BlockError where something else is there."""
+        if rest := _AXIS.sub("", text).strip():
+            raise BlockError(f"'{rest[:20]}' is not read here: write axes with their values")
         return [(mark, letter, signed(value, self.parameters)) for mark, letter, value in _AXIS.findall(text)]
 
     def by_letter(self, axes: list[tuple[str, str, Value]]) -> dict[str, tuple[float, bool]]:
@@ -148,7 +157,9 @@ class Cycles:
 
     def mirror(self, text: str) -> Step:
         """8: mirror; without an axis not at all."""
-        letters = "".join(re.findall("[A-CU-Z]", text))
+        letters = "".join(text.replace(",", " ").split())
+        if letters.strip("ABCUVWXYZ"):
+            raise BlockError(f"'{letters[:20]}' is not read in a mirror: write the letters of its axes")
         if letters.strip("XYZ"):
             cure = "mirror X, Y and Z only, or write the motions mirrored"
             return lambda: self.control.findings.refused("CYCL DEF 8 of a rotary axis", self.control.line, cure)
@@ -156,26 +167,17 @@ class Cycles:
 
     def dwell(self, text: str) -> Step:
         """9: seconds."""
-        found = _LAST.search(text)
-        if found is None:
-            raise BlockError("CYCL DEF 9.1 lacks its time in seconds: write DWELL 2")
-        value = signed(found[1], self.parameters)
+        value = self.figure(text, "CYCL DEF 9.1", "DWELL 2")
         return lambda: self.control.dwell(evaluate(value))
 
     def rotate(self, text: str) -> Step:
         """10: turn in the plane."""
-        found = _LAST.search(text)
-        if found is None:
-            raise BlockError("CYCL DEF 10.1 lacks its angle: write ROT+30")
-        value, adds = signed(found[1], self.parameters), "IROT" in text
+        value, adds = self.figure(text, "CYCL DEF 10.1", "ROT+30"), "IROT" in text
         return lambda: self.frames.rotate(self.state.tool_axis, evaluate(value) * DEGREE, adds)
 
     def scale(self, text: str) -> Step:
         """11: one factor for all axes."""
-        found = _LAST.search(text)
-        if found is None:
-            raise BlockError("CYCL DEF 11.1 lacks its factor: write SCL 0.99")
-        value = signed(found[1], self.parameters)
+        value = self.figure(text, "CYCL DEF 11.1", "SCL 0.99")
         return lambda: self.frames.scale([self.factor(evaluate(value))] * 3)
 
     def scale_axes(self, text: str) -> Step:

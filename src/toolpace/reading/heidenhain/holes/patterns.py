@@ -95,6 +95,10 @@ class Patterns:
 
     def compile(self, text: str) -> Step:
         """PATTERN DEF. Raises BlockError."""
+        text = text.removeprefix("DEF")
+        unread = _PART.sub("", text) + "".join(_VALUED.sub("", inner) for _, inner in _PART.findall(text))
+        if rest := unread.strip():
+            raise BlockError(f"'{rest[:20]}' is not read in PATTERN DEF: check its spelling")
         parts = [
             (kind, {name: signed(value, self.parameters) for name, value in _VALUED.findall(inner)})
             for kind, inner in _PART.findall(text)
