@@ -95,15 +95,15 @@ def test_the_unit_of_feed_is_an_option():
 
 def test_what_is_unknown_is_refused_all_of_it_in_one_run():
     with pytest.raises(ProgramError) as error:
-        read("FL X+1\nRND R5\nL X+1 F100\nRND R6\nHOP X+3")
-    for part in ("3 kinds", "FL (first line 4)", "RND (first line 5, 2 times)", "HOP (first line 8)"):
+        read("FL X+1\nSPL X5\nL X+1 F100\nSPL X6\nHOP X+3")
+    for part in ("3 kinds", "FL (first line 4)", "SPL (first line 5, 2 times)", "HOP (first line 8)"):
         assert part in str(error.value)
 
 
 def test_refused_words_are_passed_over_where_that_is_wanted():
-    found = findings("RND R5\nL X+1 F100")
-    assert [refusal.word for refusal in found.refusals] == ["RND"]
-    assert "skipped RND (first line 4, 1 time)" in found.assumptions
+    found = findings("SPL X5\nL X+1 F100")
+    assert [refusal.word for refusal in found.refusals] == ["SPL"]
+    assert "skipped SPL (first line 4, 1 time)" in found.assumptions
 
 
 def test_a_coordinate_that_is_no_number_names_line_and_word():

@@ -7,13 +7,13 @@ from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.holes.drilling import Holes, Items
 from toolpace.reading.heidenhain.holes.patterns import Patterns
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
-from toolpace.reading.heidenhain.motion import Step
 from toolpace.reading.heidenhain.tilting import Tilting
 from toolpace.units import DEGREE
 

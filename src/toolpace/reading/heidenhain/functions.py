@@ -6,13 +6,13 @@ import re
 from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.cycles import Cycles
 from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.reading.heidenhain.machine import Machine
-from toolpace.reading.heidenhain.motion import Step
 
 _DWELL = re.compile(r"DWELL\s+(TIME|REV)\s*(" + VALUE + ")")
 _PRESET = re.compile(r"SELECT\s*#?\s*(" + VALUE + r")(?:\s+KEEP TRANS)?(?:\s+WP)?")

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.program import label_of
-from toolpace.reading.heidenhain.motion import Step
 
 _LABEL = re.compile(r"(?:\"([^\"]*)\"|([0-9]+))")
 _NAME = r"(?:LBL\s*)?(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+))"

@@ -9,12 +9,12 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.control.retract import retract
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.holes.drilling import Holes
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.reading.heidenhain.klartext.words import Function, PathWords, code_of
-from toolpace.reading.heidenhain.motion import Motion, Step
 from toolpace.reading.heidenhain.state import State
 from toolpace.units import DEGREE
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from toolpace.reading.arcs import Arc
 from toolpace.units import MILLIMETRE
@@ -14,6 +15,20 @@ OF_AXIS = ((1, 2), (2, 0), (0, 1))
 """First and second axis of the plane across each axis."""
 ARC_PLANE = (2, 1, 0)
 """Its number in `reading.arcs`."""
+
+
+class Corner(NamedTuple):
+    """A corner that waits for the line behind it."""
+
+    name: str
+    """RND or CHF."""
+    size: float
+    """[m]"""
+    feed: tuple[float, float] | None
+    """Its own speed [m/s] and rotation [rad/s]."""
+    moves: int
+    """How many motions there were before it."""
+    line: int
 
 
 @dataclass
@@ -47,5 +62,7 @@ class State:
     """Words before the last motion; empty where there was none."""
     came_by: Arc | None = None
     """The arc of the last motion."""
+    corner: Corner | None = None
+    """RND or CHF of the block before."""
     ended: bool = False
     """Whether M2, M30 or the end of the main program was reached."""

@@ -7,7 +7,10 @@ from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.heidenhain.circles import Circles
+from toolpace.reading.heidenhain.contour.circles import Circles
+from toolpace.reading.heidenhain.contour.corners import Corners
+from toolpace.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.reading.heidenhain.contour.polar import Polar
 from toolpace.reading.heidenhain.cycles import Cycles
 from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.frames import Frames
@@ -17,9 +20,8 @@ from toolpace.reading.heidenhain.holes.patterns import Patterns
 from toolpace.reading.heidenhain.jumps import Jumps
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
-from toolpace.reading.heidenhain.klartext.words import AXES, path_words
+from toolpace.reading.heidenhain.klartext.words import AXES, VALUE, path_words, signed
 from toolpace.reading.heidenhain.machine import Machine
-from toolpace.reading.heidenhain.motion import Motion, Step
 from toolpace.reading.heidenhain.state import INCH, State
 from toolpace.reading.heidenhain.tilting import Tilting
 from toolpace.reading.heidenhain.tools import Tools
@@ -29,6 +31,7 @@ _FIRST = re.compile(r"[A-Z]+|\*")
 _HEADER = re.compile(r"PGM\s+(.*?)\s*(MM|INCH|IN)?$")
 _ASSIGNMENT = re.compile(r"(Q[LR]?[0-9]+)\s*=\s*(.+)")
 _TEXT = re.compile(r"(?:DECLARE\s+STRING\s+)?(QS[0-9]+)\s*=\s*\"([^\"]*)\"")
+_SIZE = re.compile(r"R?\s*(" + VALUE + ")")
 TENTH, WHOLE = "tenth", "inch"
 """Units of F in programs in inches: 0.1 inch a minute is the control's own; inch a minute is what NX's post writes."""
 UNKNOWN = "no statement of Klartext that is read: correct it, or leave it out if it moves nothing"
@@ -45,6 +48,7 @@ class Statements:
         self.frames = frames = Frames(control)
         self.motion = motion = Motion(control, state, frames, follow)
         self.circles = circles = Circles(control, state, motion)
+        polar = Polar(circles)
         self.holes = holes = Holes(control, state)
         self.machine = machine = Machine(control, state, motion, frames, holes, controller)
         self.patterns = patterns = Patterns(control, holes, motion, parameters)
@@ -60,9 +64,11 @@ class Statements:
             "CC": lambda text: self.path(text, circles.pole),
             "CR": lambda text: self.path(text, circles.of_radius),
             "CT": lambda text: self.path(text, circles.tangent_arc),
-            "LP": lambda text: self.path(text, circles.polar_line),
-            "CP": lambda text: self.path(text, circles.polar_arc),
-            "CTP": lambda text: self.path(text, circles.polar_tangent),
+            "LP": lambda text: self.path(text, polar.polar_line),
+            "CP": lambda text: self.path(text, polar.polar_arc),
+            "CTP": lambda text: self.path(text, polar.polar_tangent),
+            "RND": self.corner("RND", Corners(motion)),
+            "CHF": self.corner("CHF", Corners(motion)),
             "M": lambda text: self.path("M" + text, motion.line),
             "STOP": self.stop,
             "BEGIN": self.begin,
@@ -134,6 +140,17 @@ class Statements:
                 call()
 
         return run
+
+    def corner(self, name: str, corners: Corners) -> Callable[[str], Step]:
+        """RND and CHF with their size; R may be missing."""
+
+        def made(text: str) -> Step:
+            found = _SIZE.match(text)
+            size = signed(found[1], self.parameters) if found else None
+            words = path_words(text[found.end() :] if found else text, self.parameters)
+            return corners.compile(name, words, size)
+
+        return made
 
     def stop(self, text: str) -> Step:
         """STOP, with M functions."""

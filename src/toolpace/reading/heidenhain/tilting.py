@@ -10,12 +10,12 @@ import numpy as np
 from toolpace.reading.control import affine
 from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.control import Control, upright
+from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.reading.heidenhain.machine import Machine
-from toolpace.reading.heidenhain.motion import Step
 from toolpace.units import DEGREE
 
 _WORD = re.compile(

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
-from toolpace.reading.heidenhain.motion import Step
 from toolpace.reading.heidenhain.state import State
 from toolpace.units import MINUTE
 

@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterable
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.holes.drilling import Holes, Items
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, PathWords, signed
-from toolpace.reading.heidenhain.motion import Motion, Step
 from toolpace.reading.heidenhain.state import OF_AXIS
 from toolpace.units import DEGREE
 

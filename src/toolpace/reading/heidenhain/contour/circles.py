@@ -1,27 +1,23 @@
-"""Round and polar blocks: CC, C, CR, CT, CTP, LP, CP."""
+"""Round blocks: CC, C, CR, CT."""
 
 from __future__ import annotations
 
 import math
 
-from toolpace.reading.arcs import Arc, ArcError, arc_about, centre_of_radius, plane_arc
+from toolpace.reading.arcs import Arc, centre_of_radius, plane_arc
 from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.reading.heidenhain.klartext.words import PathWords
-from toolpace.reading.heidenhain.motion import Motion, Step
 from toolpace.reading.heidenhain.state import ARC_PLANE, OF_AXIS, State
-from toolpace.units import DEGREE
 
-MOST_TURNS = 15.0
-"""Of one helix: 5400 degrees are the most that the control takes."""
 SAME = 1e-9
 """Coordinates closer than this [m] are one."""
-POLAR = ("PR", "IPR", "PA", "IPA")
 
 
 class Circles:
-    """Arcs about a pole, by radius, tangent; and polar coordinates."""
+    """Arcs about a pole, by radius, tangent."""
 
     def __init__(self, control: Control, state: State, motion: Motion) -> None:
         self.control, self.state, self.motion = control, state, motion
@@ -153,81 +149,6 @@ class Circles:
             raise BlockError("a tangent arc needs an element before it that moves in its plane")
         return u / length, v / length
 
-    def polar_line(self, words: PathWords) -> Step:
-        """LP: straight to a polar point."""
-        axes = self.motion.resolved(words)
-        self.motion.only(words, "LP", POLAR)
-
-        def run() -> None:
-            self.need_pole()
-            rapid = self.begin(words)
-            target, named = self.polar(words, axes)
-            self.motion.straight(target, named, rapid)
-
-        return run
-
-    def polar_arc(self, words: PathWords) -> Step:
-        """CP: about the pole to an angle; with IPA over several turns, and with Z a helix."""
-        axes = self.motion.resolved(words)
-        self.motion.only(words, "CP", ("PA", "IPA"))
-        by = words.others.get("IPA")
-
-        def run() -> None:
-            self.need_pole()
-            rapid = self.begin(words)
-            target, named = self.polar(words, axes)
-            turned = 0.0 if by is None else self.limited(evaluate(by)) * DEGREE
-            sense = words.sense or (int(math.copysign(1, turned)) if turned else 0)
-            if not sense:
-                raise BlockError("CP needs its sense: write DR+ or DR-")
-            if turned * sense < 0.0:
-                raise BlockError("IPA and DR of CP have different signs: correct one")
-            if abs(turned) > MOST_TURNS * 2.0 * math.pi + 1e-9:
-                raise BlockError("IPA is more than 5400 degrees: divide the helix")
-            axis = self.state.tool_axis
-            normal = [float(sense) if k == axis else 0.0 for k in range(3)]
-            made = arc_about(self.control.words, target, self.state.pole, normal)
-            if turned:
-                made = made._replace(sweep=abs(turned))
-            self.arc(made, target, named, rapid)
-
-        return run
-
-    def polar_tangent(self, words: PathWords) -> Step:
-        """CTP: tangent arc to a polar point."""
-        axes = self.motion.resolved(words)
-        self.motion.only(words, "CTP", POLAR)
-
-        def run() -> None:
-            self.need_pole()
-            rapid = self.begin(words)
-            target, named = self.polar(words, axes)
-            self.along_tangent(target, named, rapid)
-
-        return run
-
-    def polar(self, words: PathWords, axes: list[tuple]) -> tuple[list[float], int]:  # type: ignore[type-arg]
-        """Words (3 + rotary) of a polar point: what is not given stays as it is here."""
-        target, named = self.motion.target(axes)
-        state, others = self.state, words.others
-        first, second = OF_AXIS[state.tool_axis]
-        if named & (1 << first | 1 << second):
-            raise BlockError("a polar block takes the coordinate along the tool axis beside PR and PA only")
-        du = self.control.words[first] - state.pole[first]
-        dv = self.control.words[second] - state.pole[second]
-        radius, angle = math.hypot(du, dv), math.atan2(dv, du)
-        if "PR" in others:
-            radius = self.limited(evaluate(others["PR"])) * state.unit
-        elif "IPR" in others:
-            radius += self.limited(evaluate(others["IPR"])) * state.unit
-        if "PA" in others:
-            angle = self.limited(evaluate(others["PA"])) * DEGREE
-        elif "IPA" in others:
-            angle += self.limited(evaluate(others["IPA"])) * DEGREE
-        target[first] = state.pole[first] + radius * math.cos(angle)
-        target[second] = state.pole[second] + radius * math.sin(angle)
-        return target, named | 1 << first | 1 << second
-
     def begin(self, words: PathWords) -> bool:
         """Take compensation and feed; returns whether the block is a rapid."""
         self.motion.compensation(words.side)
@@ -235,6 +156,7 @@ class Circles:
 
     def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:
         """Move along it."""
+        self.motion.refuse_corner()
         before = self.control.words
         self.control.arc(target, named, arc, rapid=rapid)
         self.state.came_from, self.state.came_by = before, arc
@@ -252,6 +174,3 @@ class Circles:
         if not abs(value) <= LARGEST:
             raise BlockError(f"{value:.6g} is beyond any machine: check its figures")
         return value
-
-
-__all__ = ["ArcError", "Circles"]

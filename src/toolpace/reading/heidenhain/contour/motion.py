@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Protocol
 
 from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
@@ -27,12 +28,24 @@ OTHER_FEEDS = {
 }
 
 
+class CornerLayer(Protocol):
+    """What a motion asks of `corners`."""
+
+    def lay(self, target: list[float]) -> None:
+        """Lay the corner before the straight way to the target begins."""
+
+    def refuse(self) -> None:
+        """Note that the corner at hand is not read."""
+
+
 class Motion:
     """Straight motion, feed and compensation."""
 
     def __init__(self, control: Control, state: State, frames: Frames, follow_contour: bool) -> None:
         self.control, self.state, self.frames = control, state, frames
         self.follow_contour = follow_contour
+        self.corners: CornerLayer | None = None
+        """What lays a corner before the line behind it."""
 
     # Words
 
@@ -135,9 +148,19 @@ class Motion:
     def straight(self, target: list[float], named: int, rapid: bool) -> None:
         """Move straight, and remember from where."""
         control, state = self.control, self.state
+        if state.corner is not None:
+            if rapid or self.corners is None:
+                self.refuse_corner()
+            else:
+                self.corners.lay(target)
         before = control.words
         control.straight(target, named, rapid=rapid)
         state.came_from, state.came_by = before, None
+
+    def refuse_corner(self) -> None:
+        """A corner that waits for a straight line, before a motion that is none."""
+        if self.state.corner is not None and self.corners is not None:
+            self.corners.refuse()
 
     def turning(self, target: list[float], named: int, rapid: bool) -> None:
         """A block that turns, in a tilted plane or by spatial angles."""
