@@ -160,6 +160,17 @@ def test_turn_keeps_the_linear_axes_and_move_keeps_the_tip():
     assert not np.allclose(joints.tip[-1], moved.tip[-1])
 
 
+@pytest.mark.parametrize("plane", ["SPATIAL SPA+30 SPB+0 SPC+20", "RESET"])
+def test_move_keeps_the_point_that_dist_names(plane):
+    """MOVE DIST50: the turning point is 50 mm above the tip, and keeps its place on the part."""
+    path = read(f"L A+10 C-20 X+5 Y+6 Z+7 F100\nPLANE {plane} MOVE DIST50 F1000", MACHINE)
+    turn = slice(int(np.flatnonzero(path.block == path.block[-1])[0]) - 1, None)
+    pivot = path.tip[turn] + 0.05 * path.axis[turn]
+    assert np.abs(pivot - pivot[0]).max() < 1e-9 and np.abs(np.diff(path.rotary[turn], axis=0)).max() > 1e-4
+    chord = np.linalg.norm(np.diff(path.tip[turn], axis=0), axis=1)
+    assert (chord[-5:] ** 2 / (8 * 0.05)).max() < 0.5e-6
+
+
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_seq_chooses_the_sign_of_the_tilt(sign):
     """SEQ+ and SEQ-: the sign of the master axis, which is the one that tilts."""
@@ -221,7 +232,6 @@ def test_a_shift_in_a_tilted_plane_is_along_its_axes_and_said():
     ("text", "word"),
     [
         ("PLANE PROJECTED PROPR+24 PROMIN+24 ROT+30 STAY", "PLANE PROJECTED"),
-        ("PLANE SPATIAL SPA+10 SPB+0 SPC+0 MOVE DIST20 FMAX", "DIST of PLANE MOVE"),
         ("PLANE SPATIAL SPA+0 SPB+0 SPC+20 TURN FMAX TABLE ROT", "TABLE ROT of a plane that is not tilted"),
         ("CYCL DEF 19.1 A+30 F1000 ABST50", "CYCL DEF 19 with a feed"),
         ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER", "FUNCTION TCPM REFPNT other than TIP-TIP"),

@@ -10,6 +10,7 @@ import numpy as np
 from toolpace.reading.control import affine
 from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.control import Control, upright
+from toolpace.reading.control.retract import turn_about
 from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
@@ -136,8 +137,7 @@ class Tilting:
         if "MB" in asked.values or "MB" in words or "MAX" in words:
             distance = asked.value("MB") * self.machine.state.unit if "MB" in asked.values else None
             self.machine.back(distance, None)
-        if "MOVE" in words and asked.value("DIST", asked.value("ABST", 0.0)) != 0.0:
-            control.findings.refused("DIST of PLANE MOVE", control.line, "write DIST0, or TURN behind a retract")
+        pivot = asked.value("DIST", asked.value("ABST", 0.0)) * self.machine.state.unit
         sign = 1 if words & {"SEQ+", "SYM+"} else -1 if words & {"SEQ-", "SYM-"} else 0
         moves = bool(words & {"MOVE", "TURN"})
         if control.poses.machine is None and not moves:
@@ -151,7 +151,7 @@ class Tilting:
         rapid = "F" not in asked.values
         with control.feed.held(*((1.0, 1.0) if rapid else self.machine.motion.speed_of(asked.value("F")))):
             if "MOVE" in words:
-                control.straight([*control.words[:3], *wanted], 0, rapid=rapid)
+                turn_about(control, wanted, pivot, rapid=rapid)
             else:
                 control.turn_joints(wanted, rapid=rapid)
 
