@@ -25,6 +25,18 @@ def test_rotary_words_are_joints():
     assert degrees(path)[-1].tolist() == [30, -15]
 
 
+def test_feed_of_a_block_that_turns_without_m128_is_said():
+    """Millimetres and degrees as one length: 3 mm and 4 deg at F 300 take a second."""
+    path = read("L X+3 A+4 F300", MACHINE)
+    assert path.least_time.sum() == pytest.approx(1.0)
+    assert any("millimetres and degrees as one length" in said for said in path.assumed)
+
+
+def test_where_m128_fixes_the_part_is_said_where_it_matters():
+    assert not read("L M128\nL X+3 F300", MACHINE).assumed
+    assert "where the tables are at zero" in " ".join(read("L C+90 FMAX\nL M128\nL X+3 F300", MACHINE).assumed)
+
+
 def test_rotary_words_need_a_machine_that_has_them():
     with pytest.raises(ProgramError, match="rotary word B needs the machine"):
         read("L B+3 FMAX")

@@ -11,6 +11,8 @@ from toolpace.reading.control.control import Control
 
 IN_TILTED = "what is shifted, mirrored, turned or scaled in a tilted plane adds to what was before the plane"
 
+IN_ORDER = "shift, mirror, rotation and scales each act in the frame of those that were programmed before"
+
 
 class Level:
     """Transformations in the order in which they were first programmed: each acts in the frame of those before."""
@@ -59,6 +61,8 @@ class Frames:
 
     def apply(self) -> None:
         """Hand it to the control."""
+        if len(self.before.steps) > 1 or len(self.within.steps) > 1:
+            self.control.findings.assumed(IN_ORDER)
         matrix = self.matrix()
         matrix = affine.IDENTITY if matrix == affine.IDENTITY else matrix
         self.control.set_frame(matrix, tilted=self.plane is not None)

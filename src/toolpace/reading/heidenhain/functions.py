@@ -12,7 +12,7 @@ from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
-from toolpace.reading.heidenhain.machine import Machine
+from toolpace.reading.heidenhain.machine import MachineFunctions
 
 _DWELL = re.compile(r"DWELL\s+(TIME|REV)\s*(" + VALUE + ")")
 _PRESET = re.compile(r"SELECT\s*#?\s*(" + VALUE + r")(?:\s+KEEP TRANS)?(?:\s+WP)?")
@@ -23,7 +23,7 @@ class ModeFunctions:
     """Compiles them."""
 
     def __init__(
-        self, control: Control, machine: Machine, frames: Frames, cycles: Cycles, parameters: Parameters
+        self, control: Control, machine: MachineFunctions, frames: Frames, cycles: Cycles, parameters: Parameters
     ) -> None:
         self.control, self.machine, self.frames = control, machine, frames
         self.cycles, self.parameters = cycles, parameters

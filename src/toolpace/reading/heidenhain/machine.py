@@ -31,7 +31,7 @@ class Functions(NamedTuple):
     """In which coordinates the block is: "machine", "untilted", or "" for the program's."""
 
 
-class Machine:
+class MachineFunctions:
     """Compiles M functions by their meanings."""
 
     def __init__(
@@ -112,6 +112,9 @@ class Machine:
         self.state.tip_mode = on
         if not on:
             self.state.spatial = False
+        elif any(abs(value) > 1e-9 for value in self.control.words[3:]):
+            where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
+            self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
         self.control.set_tip_mode(on)
 
     def shortest(self, on: bool) -> None:

@@ -21,7 +21,7 @@ from toolpace.reading.heidenhain.jumps import Jumps
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import AXES, VALUE, path_words, signed
-from toolpace.reading.heidenhain.machine import Machine
+from toolpace.reading.heidenhain.machine import MachineFunctions
 from toolpace.reading.heidenhain.state import INCH, State
 from toolpace.reading.heidenhain.tilting import Tilting
 from toolpace.reading.heidenhain.tools import Tools
@@ -50,7 +50,7 @@ class Statements:
         self.circles = circles = Circles(control, state, motion)
         polar = Polar(circles)
         self.holes = holes = Holes(control, state)
-        self.machine = machine = Machine(control, state, motion, frames, holes, controller)
+        self.machine = machine = MachineFunctions(control, state, motion, frames, holes, controller)
         self.patterns = patterns = Patterns(control, holes, motion, parameters)
         tilting = Tilting(control, frames, machine, parameters)
         cycles = Cycles(control, frames, tilting, holes, patterns, parameters, controller)

@@ -16,7 +16,7 @@ from toolpace.reading.heidenhain.frames import Frames, cross, euler, of_axes, sp
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
-from toolpace.reading.heidenhain.machine import Machine
+from toolpace.reading.heidenhain.machine import MachineFunctions
 from toolpace.units import DEGREE
 
 _WORD = re.compile(
@@ -53,7 +53,7 @@ class Asked:
 class Tilting:
     """Compiles PLANE and hands the plane to the frames."""
 
-    def __init__(self, control: Control, frames: Frames, machine: Machine, parameters: Parameters) -> None:
+    def __init__(self, control: Control, frames: Frames, machine: MachineFunctions, parameters: Parameters) -> None:
         self.control, self.frames, self.machine, self.parameters = control, frames, machine, parameters
 
     def compile(self, text: str) -> Step:

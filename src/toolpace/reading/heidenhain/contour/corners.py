@@ -55,9 +55,11 @@ class Corners:
         assert corner is not None
         before, at = state.came_from, control.words
         first, second = OF_AXIS[state.tool_axis]
+        if corner.moves != len(control.moves) or not before:
+            self.refuse()  # something else has moved in between
+            return
         others = [k for k in range(len(at)) if k not in (first, second)]
-        flat = all(abs(at[k] - before[k]) < SAME and abs(at[k] - target[k]) < SAME for k in others)
-        if corner.moves != len(control.moves) or not flat:
+        if any(abs(at[k] - before[k]) > SAME or abs(at[k] - target[k]) > SAME for k in others):
             self.refuse()
             return
         state.corner = None

@@ -21,6 +21,11 @@ Step = Callable[[], None]
 Axis = tuple[int, bool, Value, float]
 """Column of the words, whether incremental, value, and its unit [m or rad]."""
 PROGRAM_CONTOUR = "give --compensation program where the contour is the tool's centre, or write R0"
+TURNING = {
+    "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
+    "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
+}
+"""What is said of `feed_when_turning`."""
 OTHER_FEEDS = {
     "FZ": "write F or FU, a length a turn, in place of a length a tooth",
     "FT": "write F in place of the time of a block",
@@ -140,6 +145,9 @@ class Motion:
             target, named = self.target(axes)
             if turns and (self.state.spatial or self.frames.plane is not None):
                 self.turning(target, named, fast)
+            elif turns and named and not fast and not self.state.tip_mode:
+                self.control.findings.assumed(TURNING[self.control.rules.feed.turning])
+                self.straight(target, named, fast)
             else:
                 self.straight(target, named, fast)
 
