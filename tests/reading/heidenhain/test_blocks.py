@@ -83,7 +83,7 @@ def test_a_program_in_inches():
 def test_nx_spells_inches_in_and_means_inches_a_minute():
     path = read("L X+1 F78.7", unit="IN")
     assert path.feed[-1] == pytest.approx(78.7 * 0.0254 / 60)
-    assert any("F of a program in inches is inch a minute" in said for said in path.assumed)
+    assert any("F is in inches a minute" in said for said in path.assumed)
 
 
 def test_the_unit_of_feed_is_an_option():

@@ -75,6 +75,21 @@ def test_tapping_reverses_below(number, rest, feed):
     assert path.feed[-3:-1] == pytest.approx([feed / 60e3] * 2) and path.stop[-3]
 
 
+def test_deep_drilling_breaks_chips_within_its_strokes():
+    """205: every Q257 the chip is broken by Q256; every Q202 the tool leaves the hole."""
+    rest = "Q202=+12 ~\nQ258=+1 ~\nQ257=+6 ~\nQ256=+0.5"
+    assert levels(cycle(205, rest))[0] == [100, 12, 4, 4.5, -2, 12, -1, -8, -7.5, -10, 60]
+
+
+@pytest.mark.parametrize(("back", "broken"), [("+2", [0, 3, -10, -7]), ("+0", [0, 12, -10, 12])])
+def test_tapping_with_chip_breaking(back, broken):
+    """209: every Q257 back by Q256 pitches, with zero out of the hole; the spindle reverses each time."""
+    heights, path = levels(cycle(209, f"Q239=+1.5 ~\nQ257=+10 ~\nQ256={back}").replace("Q201=-20", "Q201=-25"))
+    assert heights == [100, 12, *broken, -15, 12, 60]
+    inside = (path.tip[:, 2] < 0.0121) & np.isfinite(path.feed)
+    assert path.feed[inside] == pytest.approx(0.025) and path.stop[inside][:-1].all()
+
+
 def test_centring():
     assert levels(cycle(240, "Q343=+0 ~\nQ344=+0"))[0] == [100, 12, -10, 60]
 
@@ -172,8 +187,7 @@ def test_a_cycle_of_depth_zero_is_not_executed():
     [
         ("CYCL DEF 251 POCKET ~\nQ200=+2\nL X+1 F100 M99\nCYCL CALL", ["CYCL DEF 251"]),
         ("CYCL DEF 208 BORE MILLING ~\nQ200=+2\nL X+1 F100 M99", ["CYCL DEF 208"]),
-        (cycle(205, "Q202=+12 ~\nQ257=+5"), ["CYCL DEF 205 with Q257 below Q202"]),
-        (cycle(209, "Q239=+1 ~\nQ257=+5"), ["CYCL DEF 209 with Q257 above zero"]),
+        (cycle(205, "Q202=+12 ~\nQ257=+5"), ["CYCL DEF 205 with Q257 that does not divide Q202"]),
         (cycle(240, "Q343=+1"), ["CYCL DEF 240 with Q343=1"]),
         (cycle(200, "Q202=+5 ~\nQ395=+1"), ["CYCL DEF 200 with Q395=1"]),
         (cycle(200, "Q202=+5").replace("Q201=-20", "Q201=+20"), ["CYCL DEF 200 with Q201 above zero"]),

@@ -177,10 +177,8 @@ class Statements:
             self.state.unit = self.state.feed_unit = MILLIMETRE if unit == "MM" else INCH
             if unit != "MM":
                 self.state.feed_unit = INCH if whole else 0.1 * INCH
-                shown = "inch" if whole else "0.1 inch"
-                self.findings.assumed(
-                    f"F of a program in inches is {shown} a minute (inch_feed in the controller's file)"
-                )
+                shown = "inches" if whole else "tenths of an inch"
+                self.findings.assumed(f"F is in {shown} a minute (option inch_feed of the controller's file)")
 
         return run
 

@@ -172,27 +172,43 @@ class Holes:
 
     def deep(self) -> Drilling:
         """205: deep holes; the last depth is approached at rapid up to Q258."""
-        step = self.length(257, 0.0)
-        if 0.0 < step < self.length(202):
-            raise Refusal("CYCL DEF 205 with Q257 below Q202", "write Q257=0, or cycle 203")
         if self.value(379, 0.0):
             raise Refusal("CYCL DEF 205 with Q379", "write the starting depth into Q203, with Q379=0")
         if self.value(259, 0.0) != self.value(258, 0.0) and 259 in self.items:
             self.control.findings.assumed("CYCL DEF 205: the distance of Q258 stays the same down to the bottom")
-        return self.way_out(
-            replace(
-                self.pecked(),
-                peck_less=max(self.length(212, 0.0), 0.0),
-                least_peck=max(self.length(205, 0.0), 0.0),
-                clearance=max(self.length(258, BREAK), 0.0),
-            )
+        hole = replace(
+            self.pecked(),
+            peck_less=max(self.length(212, 0.0), 0.0),
+            least_peck=max(self.length(205, 0.0), 0.0),
+            clearance=max(self.length(258, BREAK), 0.0),
         )
+        return self.way_out(self.broken(hole))
+
+    def broken(self, hole: Drilling) -> Drilling:
+        """Chips broken every Q257 within the strokes of Q202."""
+        step = max(self.length(257, 0.0), 0.0)
+        if not step or step >= hole.peck:
+            return hole
+        strokes = round(hole.peck / step)
+        if hole.peck_less or abs(strokes * step - hole.peck) > 1e-9:
+            raise Refusal(
+                "CYCL DEF 205 with Q257 that does not divide Q202", "write Q212=0 and Q202 as a multiple of Q257"
+            )
+        back = max(self.length(256, BREAK), 0.0)
+        first = step + self.length(200)
+        return replace(hole, peck=step, first_peck=first, least_peck=0.0, chip_break=back, full_after=strokes - 1)
 
     def tapping(self) -> Drilling:
-        """206, 207, 209: to the depth, reverse, out."""
-        if self.number == 209 and self.length(257, 0.0) > 0.0:
-            raise Refusal("CYCL DEF 209 with Q257 above zero", "write Q257=0, or cycle 207")
-        return replace(self.hole(), out=FEED_OUT, stops=True)
+        """206, 207, 209: to the depth, reverse, out; 209 breaks chips every Q257, back by Q256 pitches or out."""
+        hole = replace(self.hole(), out=FEED_OUT, stops=True)
+        step = max(self.length(257, 0.0), 0.0) if self.number == 209 else 0.0
+        if not step:
+            return hole
+        back = self.value(256, 0.0) * abs(self.length(239))
+        # back to the top is a chip broken by the whole depth: at feed, as the thread asks
+        return replace(
+            hole, peck=step, first_peck=step + self.length(200), chip_break=back or abs(hole.top - hole.bottom)
+        )
 
     def centring(self) -> Drilling:
         """240: to a depth."""
