@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from tests.reading.heidenhain.support import CONTROLLER, MACHINE, START, reader
+from tests.support.heidenhain import CONTROLLER, MACHINE, START, reader
 from toolpace.errors import ProgramError, ToolpaceError
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.reader import HeidenhainReader

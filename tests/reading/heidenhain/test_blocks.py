@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.reading.heidenhain.support import CONTROLLER, findings, last, read, reader, tips
+from tests.support.heidenhain import CONTROLLER, findings, last, read, reader, tips
 from toolpace.errors import ProgramError
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.reader import HeidenhainReader

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.reading.heidenhain.support import findings, read, tips
+from tests.support.heidenhain import findings, read, tips
 from toolpace.errors import ProgramError
 
 LEVELS = "Q200=+2 ~\nQ201=-20 ~\nQ206=+150 ~\nQ203=+10 ~\nQ204=+50 ~\n"

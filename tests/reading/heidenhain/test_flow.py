@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.reading.heidenhain.support import CONTROLLER, last, read, tips
+from tests.support.heidenhain import CONTROLLER, last, read, tips
 from toolpace.errors import ProgramError
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.reader import HeidenhainReader

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.reading.heidenhain.support import SetUp, findings, last, read
+from tests.support.heidenhain import SetUp, findings, last, read
 from toolpace.errors import ProgramError
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.reading.heidenhain.support import MACHINE, SetUp, findings, last, read
+from tests.support.heidenhain import MACHINE, SetUp, findings, last, read
 from toolpace.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.units import DEGREE

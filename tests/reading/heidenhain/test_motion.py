@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.reading.heidenhain.support import findings, last, read, tips
+from tests.support.heidenhain import findings, last, read, tips
 from toolpace.errors import ProgramError
 from toolpace.units import DEGREE
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.reading.heidenhain.support import CONTROLLER
+from tests.support.heidenhain import CONTROLLER
 from toolpace.machine.machine import Machine
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.reader import HeidenhainReader
