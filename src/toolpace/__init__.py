@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from toolpace.reading import Kinematics, apply_feed, read, read_text
     from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
-    from toolpace.toolpath import ToolPath
+    from toolpace.toolpath import Operation, ToolPath
     from toolpace.trajectory import OpenPlace, Trajectory
     from toolpace.workers import Progress, Workers
 
@@ -62,6 +62,7 @@ __all__ = [
     "MachineFile",
     "Motion",
     "OpenPlace",
+    "Operation",
     "Optimal",
     "Path",
     "PathJet",
@@ -106,6 +107,7 @@ _HOME = {
     "MachineFile": "machine.file",
     "Motion": "motion",
     "OpenPlace": "trajectory",
+    "Operation": "toolpath",
     "Optimal": "planning.optimal.planner",
     "Path": "path.path",
     "PathJet": "path.run",

@@ -14,6 +14,7 @@ import toolpace as tp
 from toolpace import demo
 from toolpace.cli import main
 from toolpace.machine.machine import Machine
+from toolpace.machine.poses import pose_table
 from toolpace.planning.guarantee import PROMISED
 
 CONTRACT = {
@@ -190,6 +191,19 @@ def test_machine_file_printed_can_be_used(tmp_path, capsys):
     file = tmp_path / "mine.toml"
     file.write_text(capsys.readouterr().out)
     assert Machine.load(file).to_toml() == Machine.load("xyzbc-head").to_toml()
+
+
+def test_poses_of_a_machine_file_are_printed_whole(tmp_path, capsys, monkeypatch):
+    """Lines as wide as they are, whatever the terminal, so that columns stay aligned."""
+    monkeypatch.setenv("COLUMNS", "40")
+    file = tmp_path / "mine.toml"
+    file.write_text(Machine.load("xyzbc-head").to_toml())
+    assert main(["machines", str(file), "--poses"]) == 0
+    output = capsys.readouterr().out
+    assert pose_table(Machine.load("xyzbc-head").geometry).rstrip() in output
+    assert "head-head, workpiece < bed > X > Y > Z > C > B > tool" in output
+    assert main(["machines", str(file)]) == 0
+    assert "axis x" not in capsys.readouterr().out
 
 
 def test_version(capsys):

@@ -121,6 +121,8 @@ ARGUMENTS = {
     "no plan there": (["verify", "nowhere"], r"nowhere: no such folder.*toolpace plan"),
     "not a plan": (["verify", "."], r"plan\.json: no such file"),
     "whose file": (["machines", "--toml"], r"--toml needs the name"),
+    "whose poses": (["machines", "--poses"], r"--poses needs the name .* toolpace machines xyzac-trunnion --poses"),
+    "file and poses": (["machines", "paper-ab", "--toml", "--poses"], r"--toml and --poses: one at a time"),
 }
 
 

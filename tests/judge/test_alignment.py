@@ -68,3 +68,31 @@ def test_decides_as_the_oracle_does(part):
 def test_decides_as_the_oracle_does_on_thousands(part):
     for seed in range(1000 + part, 5000, 9) if part >= 0 else range(6000, 6100):
         agrees_with_the_oracle(seed)
+
+
+@pytest.mark.parametrize("count", [2, 8, 9, 10, 17, 64, 65, 66, 73, 129, 513])
+@pytest.mark.parametrize("column", [0, 5])
+def test_an_end_that_is_not_reached_is_seen_however_many_points_lie_before_it(count, column):
+    """All points but the last lie within the tolerance of each other; rows are seen in parts of 8, 64, ... ways."""
+    program = np.zeros((count, 6))
+    program[:, column] = np.linspace(0.0, 0.5, count)
+    motion = program.copy()
+    assert not aligned(motion, program).deviations
+    program[-1, column] = 3.0
+    # it ends at 0.5, 2.5 tolerances short; or it goes on by so much
+    for one, other in ((motion, program), (program, motion)):
+        ((_, far),) = aligned(one, other).deviations
+        assert far == pytest.approx(2.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("spike", [1, 7, 8, 9, 16, 64, 72, 511, 512])
+@pytest.mark.parametrize("count", [18, 80, 600])
+def test_a_single_point_that_is_off_is_seen_wherever_it_lies_among_near_ones(count, spike):
+    spike = min(spike, count - 2)
+    program = np.zeros((count, 6))
+    program[:, 0] = np.linspace(0.0, 0.5, count)
+    motion = program[:: max(count // 20, 1)].copy()
+    motion[-1] = program[-1]
+    program[spike, 1] = 3.0
+    for one, other in ((motion, program), (program, motion)):
+        assert max(far for _, far in aligned(one, other).deviations) == pytest.approx(3.0, rel=0.05)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -49,3 +51,20 @@ def test_chords_of_the_program(seed):
         tip = program.tip[k - 1] + share * (program.tip[k] - program.tip[k - 1])
         true = np.hstack((tip / TIP, MACHINE.axis_at(np.ascontiguousarray(rotary)) / AXIS))
         assert off(0.5 * (line[chords - 1] + line[chords]), true).max() <= CLOSE
+
+
+@pytest.mark.parametrize("column", [1, 4])
+@pytest.mark.parametrize("size", [0.05, 0.1, 0.3])
+def test_a_tenth_of_the_fourth_difference_is_granted_between_set_points(column, size):
+    """One set-point that is off by `size` tolerances: the differences around it are 1, 4, 6, 4 and 1 times that."""
+    n = 40
+    points = motions.set_points()
+    names = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")
+    still = replace(points, **{name: getattr(points, name)[:n] * (name == "t") for name in names})
+    poses = np.zeros((n, 6))
+    poses[:, 0], poses[20, column] = np.arange(n), size
+    row = motion_row(still, poses, MACHINE.limits, 1e-3)
+    assert row.allowance.max() == pytest.approx(0.1 * 6.0 * size)
+    # the set-points 18 to 22 have it in a difference of theirs
+    away = np.abs(row.first - 20) > 4
+    assert row.allowance[away].max() == pytest.approx(0.0, abs=1e-12)

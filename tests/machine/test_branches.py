@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -34,14 +32,15 @@ def test_turns_run_on(name: str) -> None:
     """Eight turns about a cone: no jump, the axis exact, or where travel forbids it an error that says so."""
     machine = Machine.load(name)
     path = toolpath(np.zeros(3), cone(0.3, np.linspace(0, 16 * np.pi, 4000)))
-    if name == "xyzbc-head":
+    if machine.kind == "head-head":
         with pytest.raises(ReachError, match=r"part.cls:\d+: the rotary joints run out of travel \(C -360 .. 360 deg"):
             machine.choose_rotary(path)
         return
     rotary = machine.choose_rotary(path)
     np.testing.assert_allclose(machine.axis_at(rotary), path.axis, atol=1e-12)
     assert np.abs(np.diff(rotary, axis=0)).max() < 0.02
-    if name != "paper-ab":
+    # Only where the first joint turns about the upright axis does it turn with the cone.
+    if name not in ("paper-ab", "xyzab-table"):
         assert abs(rotary[-1, 0] - rotary[0, 0]) == pytest.approx(16 * np.pi)
 
 
@@ -121,7 +120,7 @@ def test_given_rotary_positions_are_kept() -> None:
     path = toolpath(np.zeros(3), axis, rotary=np.stack([a, c], axis=1), rotary_joints=("A", "C"))
     np.testing.assert_array_equal(machine.choose_rotary(path), np.stack([c, a], axis=1))
     with pytest.raises(ReachError, match=r"part.cls:10: joint A would have to go to -57.296 deg, .* limit of -40 deg"):
-        toml = machine.to_toml().replace(f"travel = [{-math.radians(130)!r}", f"travel = [{-math.radians(40)!r}")
+        toml = machine.to_toml().replace("travel = [-130, 130]", "travel = [-40, 130]")
         Machine.from_toml(toml).choose_rotary(path)
 
 

@@ -37,7 +37,7 @@ def test_built_in_forward_is_the_matrix_product(name: str) -> None:
 def test_built_in_round_trip(name: str) -> None:
     machine = Machine.load(name)
     q = random_joints(machine, np.random.default_rng(2), 5000)
-    if name == "xyzbc-nutating":
+    if name.startswith("xyzbc-nutating"):
         # At the edge of reach, 90 degrees, the two solutions meet and a digit in the axis is half a digit in the joint.
         q = q[np.abs(np.abs(q[:, 3]) - np.pi) > 0.05]
     tip, axis = machine.forward(q)
@@ -141,7 +141,7 @@ def test_singular_linear_joints_are_an_error() -> None:
 
 
 def test_joints_zero_is_the_workpiece_origin() -> None:
-    for name in ("xyzac-trunnion", "xyzbc-trunnion", "xyzbc-head", "xyzbc-nutating"):
+    for name in set(Machine.names()) - {"paper-ab"}:
         tip, axis = Machine.load(name).forward(np.zeros((1, 5)))
         np.testing.assert_allclose(tip[0], 0.0, atol=1e-15)
         np.testing.assert_allclose(axis[0], [0, 0, 1], atol=1e-15)

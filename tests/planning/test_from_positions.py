@@ -8,6 +8,7 @@ import pytest
 from testbed.from_positions import used_by_positions
 from testbed.jets import harmonics, path_of, straight
 from testbed.random_plans import FAMILIES, WAYS, random_plan
+from toolpace.kernels.motion import usage
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.planning.planner import plan
@@ -22,8 +23,8 @@ def test_positions_and_usage_agree_on_any_mesh(seed, mesh):
     joints = int(random.integers(1, 6))
     limits = Limits(*(random.uniform(0.5, 2.0, joints) * base for base in (1.0, 4.0, 40.0)))
     trajectory = plan(path_of(harmonics(random, joints, 6)), limits, mesh=mesh, bound=False)
-    usage, found = trajectory.usage(), used_by_positions(trajectory)
-    told = np.array([max(getattr(usage, kind).values()) for kind in KINDS])
+    used, found = trajectory.usage(), used_by_positions(trajectory)
+    told = np.array([max(getattr(used, kind).values()) for kind in KINDS])
     # what is far from its limit is not looked at as closely
     assert (found[1:] <= told * np.where(told > 0.9, 1.0 + 1e-5, 1.01)).all()
     np.testing.assert_allclose(found[1:], told, rtol=5e-3)
@@ -50,3 +51,38 @@ def test_plans_are_the_same_for_a_seed_and_cover_all():
     s = np.linspace(first.path.runs[0].s0, first.path.runs[0].s1, 20)
     np.testing.assert_array_equal(first.path.runs[0].evaluate(s), again.path.runs[0].evaluate(s))
     assert {random_plan(seed).family for seed in range(0, 60, 3)} == set(FAMILIES)
+
+
+def test_a_coarse_mesh_keeps_its_limits_next_to_rest():
+    """There a cell is long: speeds have their top between the states looked at, and what is raised on a finer mesh
+    fits to the rest beside it."""
+    turning = np.stack([np.array([30.0, 0.02]), np.array([0.0, 1.57])])
+    limits = Limits([0.05, 3.0], [8.0, 400.0], [900.0, 9000.0])
+
+    def jets(s):
+        angle, order = turning[0, 0] * s, np.arange(4)
+        shift = order[:, None] * np.pi / 2.0
+        round_ = turning[0, 0] ** order[:, None]
+        return np.stack([round_ * np.cos(angle + shift), 0.3 * round_ * np.sin(angle + shift)], axis=-1)
+
+    for mesh in (8, 12, 20, 50):
+        trajectory = plan(path_of(jets), limits, mesh=mesh, bound=False)
+        assert used_by_positions(trajectory).max() <= 1.0001
+        law = trajectory.laws[0]
+        for end, side in ((law.nodes[0], 1.0), (law.nodes[-1], -1.0)):
+            inside, beyond = law.states_at(np.array([end + side * 1e-9, end - side * 1e-9])).T
+            assert inside[2] == pytest.approx(beyond[2], rel=1e-5)
+
+
+def test_tops_never_lower_what_is_seen():
+    """Of samples that curve upwards beside an end there is no top; samples at one place are ends of two sides."""
+    s = np.array([0.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0])
+    ratio = np.array([[1.0, 0.97, 0.96, 0.99, 1.0, 0.999, 0.95]]).T
+    seen = ratio.copy()
+    beside = usage.summits(s, seen, np.inf)
+    assert not beside.any() and (seen >= ratio).all()
+    # 1, 0.999, 0.95 lie on a parabola with its top between the first two
+    fitted = np.polynomial.Polynomial.fit(s[4:], ratio[4:, 0], 2)
+    assert seen[4, 0] == pytest.approx(fitted(fitted.deriv().roots()[0])) and seen[4, 0] > 1.0
+    np.testing.assert_array_equal(np.delete(seen, 4), np.delete(ratio, 4))
+    assert usage.summits(s, ratio.copy(), 1e-6).tolist() == [False] * 4 + [True, False]

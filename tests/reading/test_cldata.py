@@ -9,7 +9,10 @@ import pytest
 
 from toolpace.errors import ProgramError
 from toolpace.reading import read_text
-from toolpace.toolpath import ToolPath
+from toolpace.reading.cldata.reader import ClReader
+from toolpace.reading.findings import Findings
+from toolpace.reading.source import Source
+from toolpace.toolpath import Operation, ToolPath
 
 MM_MIN = 1e-3 / 60
 
@@ -78,7 +81,6 @@ def test_meaningless_statements_are_counted():
         "MULTAX": 1,
         "CYCLE": 1,
         "PAINT": 2,
-        "TOOL PATH": 1,
         "REMARK": 1,
         "END-OF-PATH": 1,
     }
@@ -152,21 +154,30 @@ START = "FEDRAT/100\nGOTO/0,0,0\n"
         ("FEDRAT/0", "above zero"),
         ("FEDRAT/-5,MMPM", "above zero"),
         ("FEDRAT/MMPM", "has no number"),
-        ("FEDRAT/5,INVERS", "'INVERS' in FEDRAT is not read"),
+        ("FEDRAT/5,LENGTH", "FEDRAT/LENGTH is not read: give one number"),
         ("FEDRAT/0.1,MMPR", "needs the spindle speed"),
         ("DELAY/-1", "not between 0 and a day"),
         ("DELAY/NONE", "takes one number"),
         ("DELAY/5,REV", "needs the spindle speed"),
         ("UNITS/FEET", "use UNITS/MM"),
-        ("GOFWD/C1", "GOFWD is not known here and might move something"),
-        ("TLLFT,GOFWD/C1", "no statement of the form"),
-        ("CYCLE/DRILL,5", "CYCLE is not known here"),
-        ("CUTCOM/LEFT", "CUTCOM is not known here"),
-        ("ROTATE/TABLE,90", "ROTATE is not known here"),
-        ("ORIGIN/1,0,0", "ORIGIN shifts the points"),
-        ("INSERT/G0", "INSERT is not known here"),
-        ("FROM/1,0,0", "FROM names the start"),
+        ("GOFWD/C1", "GOFWD is not read: its motion depends on the shape of the part"),
+        ("TLLFT,GOFWD/C1", "TLLFT,GOFWD is not read: its motion depends on the shape"),
+        ("P1 = POINT/0,0,0", "= is not read: its motion depends on the shape"),
+        ("BLORK/1,2", "BLORK is not read: it is not known here and might move something"),
+        ("CYCLE/DRILL,5", "CYCLE/DRILL is not read: what its numbers mean is set in the post-processor"),
+        ("CUTCOM/LEFT", "CUTCOM is not read: the control would shift the tool"),
+        ("ROTATE/TABLE,90", "ROTATE is not read: it moves or turns the points"),
+        ("ORIGIN/1,0,0", "ORIGIN is not read: it moves or turns the points"),
+        ("INSERT/G0", "INSERT is not read: it holds code of the control"),
+        ("FROM/1,0,0", "FROM is not read: it names the start"),
         ("CIRCLE/0,0,0,0,0,1", "it takes centre, direction and radius"),
+        ("GOTO/1,2,3,0,0,1,0,0,1", "GOTO with 9 numbers is not read"),
+        ("PPFUN/3", "PPFUN is not read"),
+        ("SET/MODE,INCR", "SET/INCR is not read: the points after it would be increments"),
+        ("COPY/1,SAME,2", "COPY is not read"),
+        ("TRACUT/1,0,0,5,0,1,0,0,0,0,1,0", "TRACUT is not read"),
+        ("CLEARP/0,0,1,50", "its motion is the machine's own"),
+        ("CNTRL/1,2,3", "no NURBS stands before it"),
         ("?", "no statement of the form"),
     ],
 )
@@ -189,7 +200,7 @@ def test_refuses_with_line_text_and_cure(statement, says):
         ("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,11,0", "mm off its circle"),
         ("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10", "not followed by the GOTO"),
         ("GOTO/10,0,0\nGOTO/0,0,$", "cut off"),
-        ("GOTO/10,0,0\nMSYS/0,0,0\nGOTO/1,0,0\nMSYS/1,0,0", "MSYS changes"),
+        ("GOTO/10,0,0\nMSYS/0,0,0\nGOTO/1,0,0\nMSYS/1,0,0", "MSYS is not read: it changes the coordinates"),
         ("GOTO/10,0,0", "no motion"),
         ("PAINT/PATH", "no motion"),
     ],
@@ -208,3 +219,135 @@ def test_feed_missing_names_the_line_and_the_cure():
 def test_a_goto_cut_in_the_middle_says_so():
     with pytest.raises(ProgramError, match="cut off"):
         read_text("FEDRAT/1\nGOTO/0,0,0\nGOTO/1,2", None, "apt")
+
+
+def test_all_that_is_refused_is_told_in_one_run():
+    body = START + "BLORK/1\nGOTO/1,0,0\nCYCLE/THRU,1\nGOTO/2,0,0\nCYCLE/OFF\nBLORK/2\nTRACUT/1,2,3\nGOTO/3,0,0"
+    findings = Findings()
+    with pytest.raises(ProgramError) as caught:
+        ClReader(Source.from_text(body + "\n", "part.apt"), findings=findings).run()
+    assert str(caught.value).startswith("part.apt: 3 kinds of words are not read: BLORK (first line 3, 2 times): ")
+    assert [(r.word, r.line, r.count) for r in findings.refusals] == [
+        ("BLORK", 3, 2),
+        ("CYCLE/THRU", 5, 1),
+        ("TRACUT", 9, 1),
+    ]
+    p = ClReader(Source.from_text(body + "\n"), skip_unknown=True).run()
+    assert p.tip[:, 0] * 1e3 == pytest.approx([0, 1, 2, 3])
+    assert "skipped BLORK (first line 3, 2 times)" in p.assumed
+    assert p.rapid.tolist() == [1, 0, 1, 0]
+
+
+def test_operations_tools_and_their_stops():
+    p = path(
+        "TOOL PATH/Rough_1,TOOL,Mill 10\nLOAD/TOOL,2,ADJUST,0\nFEDRAT/MMPM,100\nGOTO/0,0,0,0,1,0\nGOTO/1,0,0\n"
+        "END-OF-PATH\nTOOL PATH/Rough_2,TOOL,Mill 10\nGOTO/2,0,0\nEND-OF-PATH\n"
+        "TOOL PATH/Drill,TOOL,D8\nFROM/9,0,0\nRAPID\nGOTO/3,0,0\nGOTO/4,0,0"
+    )
+    assert p.operations == (Operation("Rough_1", "Mill 10"), Operation("Rough_2", "Mill 10"), Operation("Drill", "D8"))
+    assert p.operation.tolist() == [0, 0, 1, 2, 2, 2]
+    assert p.stop.tolist() == [1, 0, 1, 0, 0, 1]
+    assert p.rapid.tolist() == [1, 0, 0, 1, 1, 0]
+    assert p.axis[:, 1].tolist() == [1, 1, 0, 0, 0, 0]
+    assert "a TOOL PATH that names no tool axis begins with 0,0,1" in p.assumed
+
+
+@pytest.mark.parametrize("change", ["LOADTL/2", "TOOLNO/2,10.0\nLOADTL/2", "LOAD/TOOL,2,ADJUST,1", "TURRET/2"])
+def test_a_tool_change_begins_an_operation_and_is_a_stop(change):
+    p = path(f"LOADTL/1\nFEDRAT/100\nGOTO/0,0,0\nGOTO/1,0,0\n{change}\nGOTO/2,0,0\nLOADTL/2\nGOTO/3,0,0")
+    assert p.operations == (Operation("", "1"), Operation("", "2"))
+    assert p.operation.tolist() == [0, 0, 1, 1] and p.stop.tolist() == [1, 1, 1, 1]
+
+
+def test_operations_are_named_by_comments_of_catia_and_creo():
+    p = path(
+        "$$ OPERATION NAME : Tool Change.1\nLOADTL/1\n$$ OPERATION NAME : Pocket.1\nFEDRAT/9\nGOTO/0,0,0\n"
+        "GOTO/1,0,0\n$$-> FEATNO / 31\nGOTO/2,0,0"
+    )
+    assert p.operations == (Operation("Pocket.1", "1"), Operation("FEATNO 31", "1"))
+
+
+def test_creo_writes_data_in_comments_that_go_on():
+    p = path(
+        "$$-> MFGNO / PART\nPARTNO / PART\nUNITS / INCHES\n$$-> CUTTER / 10.0\n"
+        "$$-> CSYS / 1.0, 0.0, 0.0, 0.0, $\n   0.0, 1.0, 0.0, 0.0, $\n   0.0, 0.0, 1.0, 0.0\n"
+        "$$-> CUTCOM_GEOMETRY_TYPE / OUTPUT_ON_CENTER\nCUTCOM / LEFT\nFEDRAT / 10.0,  IPM\n"
+        "GOTO / 1.0, 0.0, 0.0\nREMARK -> CUTTER / 5\nGOTO / 2.0, $\n 0.0, 0.0\nCUTCOM / OFF\nFINI"
+    )
+    assert p.tip[:, 0] * 1e3 == pytest.approx([25.4, 50.8])
+    assert "CUTCOM offsets nothing: the points are of the tool's centre line" in p.assumed
+
+
+CATIA_FRAME = "$$*CATIA0\n$$ Part.1\n$$ 1. 0. 0. {}\n$$ 0. 1. 0. 0.\n$$ 0. 0. 1. 0.\n"
+
+
+@pytest.mark.parametrize(
+    "frames",
+    [
+        ("MSYS/1,2,3,1,0,0,0,1,0", "MSYS/1.0,2.00,3,1,0,0,-0.0,1,0"),
+        (CATIA_FRAME.format("0."), CATIA_FRAME.format("0.0")),
+        ("$$-> CSYS / 1,0,0,0,0,1,0,0,0,0,1,0", "REMARK -> CSYS / 1,0,0,0,0,1,0,0,0,0,1,0"),
+    ],
+)
+def test_the_same_system_again_says_nothing_and_another_is_refused(frames):
+    first, again = frames
+    body = "FEDRAT/9\n{}\nGOTO/0,0,0\n{}\nGOTO/1,0,0"
+    assert len(path(body.format(first, again))) == 2
+    other = again.replace("0.0", "5.5").replace(",0,0,0,1,0,0,", ",7,0,0,1,0,0,").replace("3,1,", "4,1,")
+    with pytest.raises(ProgramError, match="it changes the coordinates between points: write one program a system"):
+        path(body.format(first, other))
+
+
+def test_what_shifts_nothing_is_counted():
+    p = path("FEDRAT/9\nTRANS/0,0,0\nTRACUT/1,0,0,0,0,1,0,0,0,0,1,0\nORIGIN/0,0,0\nCOPY/NOMORE\nGOTO/0,0,0\nGOTO/1,0,0")
+    assert p.skipped == {"TRANS": 1, "TRACUT": 1, "ORIGIN": 1, "COPY": 1}
+
+
+def test_free_text_holds_anything_and_may_go_on():
+    p = path(
+        "PPRINT costs 5 $ a piece\nGOTO/0,0,0\nFEDRAT/9\nREMARK a = b, (c) ? $\n more of it\n"
+        "INSERT (M30) N10 M8 S500 $\nGOTO/1,0,0\nPARTNO X $$ Y"
+    )
+    assert p.tip[:, 0] * 1e3 == pytest.approx([0, 1])
+    assert p.skipped == {"PPRINT": 1, "REMARK": 1, "INSERT": 1, "PARTNO": 1}
+
+
+@pytest.mark.parametrize("code", ["G0 X1", "X5.", "M98 P1", "F100", "M198", "R1=5", "G4 P1", "M099"])
+def test_insert_that_may_move_is_refused(code):
+    with pytest.raises(ProgramError, match="INSERT is not read"):
+        path(f"FEDRAT/9\nGOTO/0,0,0\nINSERT/{code}\nGOTO/1,0,0")
+
+
+def test_sequence_numbers_in_columns_73_to_80_are_no_data():
+    lines = ["FEDRAT/9", "GOTO/0,0,0", "GOTO/1,2,$", "3", "GOTO/2,0,0"]
+    p = path("\n".join(f"{line:72}{number:08}" for number, line in enumerate(lines, start=10)))
+    assert p.tip * 1e3 == pytest.approx(np.array([[0, 0, 0], [1, 2, 3], [2, 0, 0]]))
+    assert "columns 73 to 80 are taken for sequence numbers" in p.assumed
+    wide = "GOTO/1.0000000000,2.0000000000,3.0000000000,0.0000000000,0.0000000000,1.00000000"
+    assert len(wide) == 80 and len(path(f"FEDRAT/9\nGOTO/0,0,0\n{wide}\n{wide[:-8]}")) == 2
+
+
+@pytest.mark.parametrize(
+    ("feed", "unit"), [("FEDRAT/IPM,10", 25.4), ("FEDRAT/MMPM,10", 1.0), ("CYCLE/OFF\nFEDRAT/10", 1.0)]
+)
+def test_without_units_lengths_are_in_the_unit_of_the_feeds(feed, unit):
+    p = path(f"GOTO/0,0,0\n{feed}\nGOTO/1,0,0")
+    assert p.tip[1, 0] * 1e3 == pytest.approx(unit)
+    assert any(sentence.startswith("without UNITS lengths are taken in") for sentence in p.assumed)
+
+
+def test_inverse_time_feeds():
+    p = path(
+        "UNITS/MM\nFEDRAT/100,MMPM,INVERS,AUTO\nGOTO/0,0,0\nGOTO/1,0,0\nFEDRAT/INVERS,OFF\nGOTO/2,0,0\n"
+        "FEDRAT/INVERS,30\nGOTO/3,0,0\nCIRCLE/3,1,0,0,0,-1,1,0,0,0,0\nGOTO/3,2,0"
+    )
+    assert p.feed[1:3] / MM_MIN == pytest.approx([100, 100]) and p.least_time[:3].tolist() == [0, 0, 0]
+    assert np.isinf(p.feed[3:]).all() and not p.rapid[3:].any()
+    assert p.least_time[3] == pytest.approx(2.0) and p.least_time[4:].sum() == pytest.approx(2.0)
+    assert np.ptp(p.least_time[4:]) < 1e-9
+
+
+def test_gohome_is_a_rapid():
+    p = path("FEDRAT/9\nGOTO/0,0,0\nGOTO/1,0,0\nGOHOME/5,0,9\nGOHOME")
+    assert p.tip[-1] * 1e3 == pytest.approx([5, 0, 9]) and p.rapid.tolist() == [1, 0, 1]
+    assert "GOHOME is taken for a rapid" in p.assumed

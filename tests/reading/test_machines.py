@@ -46,3 +46,11 @@ def test_switching_modes_moves_no_machine(name):
     body = f"G0 X1 Y2 Z3 {first}5 {second}10\nG43.4\nG49\nM428\nM429\nG1 Z4 F100\n"
     p = read_text(body, machine, "gcode")
     assert len(p) == 2 and np.linalg.norm(p.tip[1] - p.tip[0]) == pytest.approx(1e-3)
+
+
+def test_a_thousand_turns_in_one_block_are_read():
+    text = "G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X10 C360000 F100000\n"
+    toolpath = read_text(text, Machine.load("xyzac-trunnion"), "gcode")
+    assert toolpath.rotary is not None
+    turns = toolpath.rotary[-1, toolpath.rotary_joints.index("C")] / (2.0 * np.pi)
+    assert abs(turns) == pytest.approx(1000.0) and 1e5 < len(toolpath) < 1e6

@@ -119,24 +119,32 @@ def verify_command(directory: options.PlanFolder, /) -> int:
 
 
 @app.command(name="machines", help_epilogue="")
-def machines_command(name: options.OneMachine = None, /, *, toml: options.Toml = False) -> int:
+def machines_command(
+    name: options.OneMachine = None, /, *, toml: options.Toml = False, poses: options.Poses = False
+) -> int:
     """List the built-in machines with their class, travel and limits.
+
+    A machine file of one's own starts from one that is built in. Before the first
+    program runs, drive the real machine to a few of the poses and compare: a wrong
+    sign or order shows in the tool axis, a wrong point in the tip.
 
     For example:
 
         toolpace machines
         toolpace machines xyzac-trunnion --toml > my-mill.toml
+        toolpace machines my-mill.toml --poses
     """
-    from toolpace.cli import summary
-    from toolpace.errors import UsageError
+    from toolpace.cli import arguments, summary
     from toolpace.machine.machine import Machine
 
-    if toml:
-        if name is None:
-            raise UsageError("--toml needs the name of one machine: toolpace machines xyzac-trunnion --toml")
-        print(Machine.load(name).to_toml(), end="")
-        return 0
     console = new_console()
+    if toml or poses:
+        machine = Machine.load(arguments.one_machine(name, toml, poses))
+        if toml:
+            print(machine.to_toml(), end="")
+        else:
+            summary.show_poses(console, machine)
+        return 0
     for each in Machine.names() if name is None else (name,):
         summary.show_machine(console, Machine.load(each))
     return 0

@@ -47,6 +47,16 @@ def machine_named(name: str | None, tool_length: str | None = None) -> Machine:
     return machine if tool_length is None else machine.with_tool(units.parse_length(tool_length))
 
 
+def one_machine(name: str | None, toml: bool, poses: bool) -> str:
+    """The machine whose file (`toml`) or whose poses are to be printed: one machine, and one of both."""
+    if toml and poses:
+        raise UsageError("--toml and --poses: one at a time, so that what is printed by --toml is a machine file")
+    if name is None:
+        option = "--toml" if toml else "--poses"
+        raise UsageError(f"{option} needs the name of one machine: toolpace machines xyzac-trunnion {option}")
+    return name
+
+
 def tolerances(tip: str, axis: str) -> tuple[float, float]:
     """Both tolerances [m], [rad], above zero."""
     metres, radians = units.parse_length(tip), units.parse_angle(axis)

@@ -61,5 +61,14 @@ PlanFolder = Annotated[str, Parameter(help="The folder that `toolpace plan` wrot
 OneMachine = Annotated[
     str | None, Parameter(help="One machine, or a machine file to look at; all built-in ones without.")
 ]
-Toml = Annotated[bool, Switch, Parameter(help="Print the machine file.")]
+Toml = Annotated[
+    bool, Switch, Parameter(help="Print the machine file, as a person would write it, each line explained.")
+]
+Poses = Annotated[
+    bool,
+    Switch,
+    Parameter(
+        help="Print poses to compare with the real machine: joints, and tip and tool axis as the part sees them."
+    ),
+]
 Results = Annotated[str, Parameter(name=["--out", "-o"], help="Folder for the results.")]

@@ -192,11 +192,7 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
 
 def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
-    from toolpace.machine.table import title
-
-    name, _, rest = title(machine.file, machine.kind).partition(": ")
-    name, rest, note = printable(name), printable(rest), printable(machine.file.note)
-    console.print(Text.assemble((name, "bold"), f"  {note + '; ' if note else ''}{rest}"), soft_wrap=True)
+    _head(console, machine)
     table = Table(box=SIMPLE, pad_edge=False)
     keys = ("joint", "travel", "velocity", "acceleration", "jerk")
     for key in keys:
@@ -204,6 +200,23 @@ def show_machine(console: Console, machine: Machine) -> None:
     for row in machine.summary():
         table.add_row(*(Text(printable(row[key])) for key in keys))
     console.print(table)
+
+
+def show_poses(console: Console, machine: Machine) -> None:
+    """The chain, and poses to compare with the real machine; lines are not broken, so that columns stay aligned."""
+    from toolpace.machine.poses import pose_table
+
+    _head(console, machine)
+    console.print(Text(f"Tip and tool axis in the frame of the part:\n{pose_table(machine.geometry)}"), soft_wrap=True)
+
+
+def _head(console: Console, machine: Machine) -> None:
+    """Name, note and chain."""
+    from toolpace.machine.table import title
+
+    name, _, rest = title(machine.file, machine.kind).partition(": ")
+    name, rest, note = printable(name), printable(rest), printable(machine.file.note)
+    console.print(Text.assemble((name, "bold"), f"  {note + '; ' if note else ''}{rest}"), soft_wrap=True)
 
 
 def show_files(console: Console, folder: Path, names: list[str]) -> None:

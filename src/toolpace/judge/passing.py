@@ -69,10 +69,12 @@ class Passing:
         found, at = np.zeros(len(stops)), np.zeros(len(stops))
         known = 0.0  # the set-point up to which standing still has been counted
         for k, stop in enumerate(stops):
+            # What may be hidden whole shows as a stop for an instant does.
+            shows = float(dwell[stop]) >= HIDDEN * dt
             need = max(float(dwell[stop]) / dt - HIDDEN, 1.0)
-            begin, most = self.longest(self.line[stop], waits if dwell[stop] > 0.0 else rests, known, need - 1e-6)
+            begin, most = self.longest(self.line[stop], waits if shows else rests, known, need - 1e-6)
             found[k], at[k] = most * dt, self.points.t[min(int(begin), len(self.points) - 1)]
-            if dwell[stop] > 0.0:
+            if shows:
                 known = max(known, begin + min(most, need))
         return self._judged(stops, found, at, dt)
 

@@ -1,4 +1,4 @@
-"""The text of a machine file (TOML) to checked figures in SI units, and back.
+"""The text of a machine file (TOML) to checked figures in SI units; machine/text.py writes it.
 
 Every figure is checked where it is read, so that an error can name file, joint and key.
 """
@@ -78,7 +78,7 @@ def read_machine(text: str, source: str) -> MachineFile:
         raise MachineError(f"{source}: not a machine file: tables or arrays lie too deep in each other") from None
     except ValueError as error:
         raise MachineError(f"{source}: not a TOML file: {str(error).partition(';')[0][:200]}") from None
-    _check_keys(raw, ("name", "note", "units", "chain", "joints"), ("name", "chain", "joints"), "", source)
+    _check_keys(raw, ("name", "note", "columns", "units", "chain", "joints"), ("name", "chain", "joints"), "", source)
     units = _convert(raw.get("units", {}), Units, "[units]", source)
     chain = _convert(raw["chain"], ChainFile, "[chain]", source)
     if not isinstance(raw["joints"], dict):
@@ -104,6 +104,11 @@ def read_machine(text: str, source: str) -> MachineFile:
         place = f"{source}: joint {name}"
         check_joint(joint, place, units.length if joint.kind == "linear" else units.angle, scale)
         check_place(_scaled(joint.point, length), "point", place)
+        if joint.kind == "rotary" and "point" not in raw["joints"][name]:
+            raise MachineError(
+                f"{place}: point is missing; a rotary joint needs a point on its axis, in the frame of the bed with "
+                "every joint at zero, like point = [0, 0, 0]"
+            )
         joints[name] = msgspec.structs.replace(
             joint,
             point=_scaled(joint.point, length),
@@ -112,23 +117,17 @@ def read_machine(text: str, source: str) -> MachineFile:
             jerk=joint.jerk * scale,
             travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
         )
-    return MachineFile(raw["name"], chain, joints, raw.get("note", ""))
+    return MachineFile(raw["name"], chain, _in_columns(raw.get("columns"), joints, source), raw.get("note", ""))
 
 
-def write_machine(machine: MachineFile) -> str:
-    """The text of a machine file, in metres and radians, digits exact."""
-    lines = [f"name = {_quoted(machine.name)}"]
-    if machine.note:
-        lines.append(f"note = {_quoted(machine.note)}")
-    lines += ["", "[units]", 'length = "m"', 'angle = "rad"', "", "[chain]"]
-    lines += [f"{key} = {_value(value)}" for key, value in msgspec.structs.asdict(machine.chain).items()]
-    for name, joint in machine.joints.items():
-        lines += ["", f"[joints.{name if name.isidentifier() and name.isascii() else _quoted(name)}]"]
-        for key, value in msgspec.structs.asdict(joint).items():
-            if value is None or (key == "wrap" and not value):
-                continue
-            lines.append(f"{key} = {_value(value)}")
-    return "\n".join(lines) + "\n"
+def _in_columns(columns: object, joints: dict[str, JointFile], source: str) -> dict[str, JointFile]:
+    """The joints in the order in which positions are listed; without `columns` that of their tables."""
+    if columns is None:
+        return joints
+    if not isinstance(columns, list) or sorted(map(str, columns)) != sorted(joints):
+        known = ", ".join(f'"{name}"' for name in joints)
+        raise MachineError(f"{source}: columns must name each joint once, in the order to list them: [{known}]")
+    return {str(name): joints[str(name)] for name in columns}
 
 
 def _finite(text: str) -> float:
@@ -173,19 +172,3 @@ def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
 
 def _scaled(vector: Vector, factor: float) -> Vector:
     return (vector[0] * factor, vector[1] * factor, vector[2] * factor)
-
-
-def _quoted(text: str) -> str:
-    """A TOML string, with what cannot be printed written as its number."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'
-
-
-def _value(value: bool | str | float | tuple[str, ...] | tuple[float, ...]) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return _quoted(value)
-    if isinstance(value, tuple):
-        return "[" + ", ".join(_value(item) for item in value) + "]"
-    return repr(float(value))

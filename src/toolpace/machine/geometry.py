@@ -11,9 +11,8 @@ from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import MachineError, did_you_mean
 from toolpace.machine.figures import check_chain
 from toolpace.machine.file import MachineFile
-
-PARALLEL = 1e-6
-"""Sine below which two directions count as parallel."""
+from toolpace.machine.leaning import leaning, turned
+from toolpace.machine.mistakes import PARALLEL, check_rotary, lie_in_a_plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +51,20 @@ class Geometry:
         return self.place[:2]
 
     @property
+    def rotary_joints(self) -> tuple[str, str]:
+        """Names of the rotary joints, nearest the workpiece first."""
+        first, second = self.rotary
+        return self.joints[first], self.joints[second]
+
+    @property
     def linear(self) -> Ints:
         """(3,) columns of the linear joints."""
         return self.place[2:]
+
+    @property
+    def leanings(self) -> tuple[str, str]:
+        """What 30 degrees of each rotary joint do to the tool axis, in words; nearest the workpiece first."""
+        return leaning(self.rotary_joints, self.frame, 0), leaning(self.rotary_joints, self.frame, 1)
 
 
 def chain_geometry(file: MachineFile, source: str) -> Geometry:
@@ -75,22 +85,18 @@ def chain_geometry(file: MachineFile, source: str) -> Geometry:
     first, second = rotary[0][0], rotary[1][0]
     u1, u2 = (sign * directions[name] for name, sign in rotary)
     a0 = _unit(chain.tool_axis, "tool_axis", source)
-    if np.linalg.norm(np.cross(u1, u2)) < PARALLEL:
-        raise MachineError(
-            f"{source}: rotary joints {first} and {second} are parallel; the tool could tilt one way only"
-        )
-    if np.linalg.norm(np.cross(u2, a0)) < PARALLEL:
-        raise MachineError(f"{source}: rotary joint {second} turns about the tool axis and cannot tilt it")
+    orientation = _workpiece_orientation(file, source)
+    check_rotary(file, (first, second), np.array([u1, u2, a0]) @ orientation, source)
     p1, p2 = np.array(joints[first].point), np.array(joints[second].point)
     tip0 = np.array(chain.spindle_nose) - chain.tool_length * a0
     rows = [u1, u2, a0, np.array(chain.workpiece_origin) - p1, p2 - p1, tip0 - p2]
     rows += [signs[name] * directions[name] for name in linear]
-    orientation = _workpiece_orientation(file, source)
     frame = np.ascontiguousarray(np.array(rows) @ orientation)
     position = {name: i for i, (name, _) in enumerate(order)}
     group = np.array([sum(position[name] > position[turn] for turn, _ in rotary) for name in linear], dtype=np.int64)
     place = np.array([names.index(name) for name in (first, second, *linear)], dtype=np.int64)
-    _check_space(frame, group, linear, source)
+    if not _spans_space(frame, group):
+        raise lie_in_a_plane(file, linear, directions, source)
     on_table = sum(sign < 0 for _, sign in rotary)
     values = joints.values()
     return Geometry(
@@ -143,21 +149,14 @@ def _workpiece_orientation(file: MachineFile, source: str) -> Floats:
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def _check_space(frame: Floats, group: Ints, names: list[str], source: str) -> None:
-    """Refuse linear joints that lie in one plane whatever the rotary joints do."""
+def _spans_space(frame: Floats, group: Ints) -> bool:
+    """Whether the linear joints move in all directions at some angles of the rotary joints."""
     for t1 in np.arange(0.1, 6.2, 0.7):
         for t2 in np.arange(0.1, 6.2, 0.7):
             columns = [
-                _turned(frame[0], t1 if g > 0 else 0.0, _turned(frame[1], t2 if g > 1 else 0.0, direction))
+                turned(frame[0], t1 if g > 0 else 0.0, turned(frame[1], t2 if g > 1 else 0.0, direction))
                 for g, direction in zip(group, frame[6:])
             ]
             if abs(float(np.linalg.det(np.array(columns)))) > PARALLEL:
-                return
-    raise MachineError(
-        f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; they must span space"
-    )
-
-
-def _turned(u: Floats, angle: float, v: Floats) -> Floats:
-    turned: Floats = math.cos(angle) * v + math.sin(angle) * np.cross(u, v) + (1.0 - math.cos(angle)) * (u @ v) * u
-    return turned
+                return True
+    return False

@@ -12,12 +12,13 @@ from toolpace.equality import ByValue
 from toolpace.errors import MachineError, UsageError, did_you_mean
 from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
-from toolpace.machine.file import LONGEST, MachineFile, read_machine, write_machine
+from toolpace.machine.file import LONGEST, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
 from toolpace.machine.limits import Limits
 from toolpace.machine.refusals import check_travel
 from toolpace.machine.table import rows, title
+from toolpace.machine.text import machine_text
 from toolpace.toolpath import ToolPath
 
 __all__ = ["Limits", "Machine"]
@@ -116,8 +117,12 @@ class Machine(ByValue):
         return cls(read_machine(text, source), source)
 
     def to_toml(self) -> str:
-        """The text of a machine file that loads to exactly this machine."""
-        return write_machine(self.file)
+        """The text of a machine file that loads to exactly this machine, each line explained.
+
+        It is in those units in which its figures are shortest, mm and deg before others.
+        """
+        leanings = dict(zip(self.geometry.rotary_joints, self.geometry.leanings))
+        return machine_text(self.file, leanings)
 
     def mounted(
         self,

@@ -10,18 +10,19 @@ from toolpace.arrays import Floats, Ints
 from toolpace.errors import ReachError
 from toolpace.machine.geometry import Geometry
 
+TURN = 2.0 * math.pi
 SLACK = 1e-9
 """How far a position may pass the end of travel, rounding aside [m or rad]."""
 
 
 def check_travel(geometry: Geometry, q: Floats, block: Ints, source: str = "") -> None:
     """Raise ReachError where joint positions (n, m) leave the travel, naming the worst joint and line."""
-    below = geometry.travel[:, 0] - SLACK - q
-    above = q - geometry.travel[:, 1] - SLACK
-    excess = np.maximum(below, above)
     if not np.isfinite(q).all():
         point = int(np.argmax(~np.isfinite(q).all(axis=1)))
         raise ReachError(f"{place(source, block[point])}joint positions are not finite")
+    below = geometry.travel[:, 0] - SLACK - q
+    above = q - geometry.travel[:, 1] - SLACK
+    excess = np.maximum(below, above)
     if (excess <= 0.0).all():
         return
     out = excess > 0.0
@@ -34,7 +35,20 @@ def check_travel(geometry: Geometry, q: Floats, block: Ints, source: str = "") -
     raise ReachError(
         f"{place(source, block[point])}joint {geometry.joints[joint]} would have to go to "
         f"{q[point, joint] * scale:.3f} {unit}, {'above' if high else 'below'} its limit of "
-        f"{limit * scale:g} {unit}{_others(lines)}; {_cure(geometry, joint)}"
+        f"{limit * scale:g} {unit}{_others(lines)}{_mirrored(geometry, joint, q[:, joint])}; {_cure(geometry, joint)}"
+    )
+
+
+def _mirrored(geometry: Geometry, joint: int, positions: Floats) -> str:
+    """What to look at where a rotary joint would keep its travel at all positions (n,) if it turned the other way."""
+    low, high = geometry.travel[joint]
+    if not geometry.is_rotary[joint] or (positions < -high - SLACK).any() or (positions > -low + SLACK).any():
+        return ""
+    name = geometry.joints[joint]
+    return (
+        f"; is the sign of [joints.{name}] direction right? As it is "
+        f"{geometry.leanings[geometry.rotary_joints.index(name)]}, and its travel is {math.degrees(low):g} .. "
+        f"{math.degrees(high):g} deg"
     )
 
 
@@ -82,8 +96,26 @@ def tilt_out_of_travel(geometry: Geometry, solutions: Floats, block: int, source
     )
     return ReachError(
         f"{place(source, block)}the tool axis needs {' or '.join(ways)} deg, outside the travel of machine "
-        f"{geometry.name} ({travel}); mount the part otherwise or take another machine"
+        f"{geometry.name} ({travel}){_turned_round(geometry, solutions)}; mount the part otherwise or take another "
+        "machine"
     )
+
+
+def _turned_round(geometry: Geometry, solutions: Floats) -> str:
+    """What to look at where solutions (k, 2) would lie within travel if one rotary joint turned the other way round."""
+    travel = geometry.travel[geometry.rotary]
+    for joint in range(2):
+        turned = np.where(np.arange(2) == joint, -solutions, solutions)
+        # The lowest position at or above the lower end; an endless joint has every position.
+        low = np.where(np.isfinite(travel[:, 0]), travel[:, 0], 0.0)
+        lowest = low + np.mod(turned - low + SLACK, TURN) - SLACK
+        if (lowest <= travel[:, 1] + SLACK).all(axis=1).any():
+            name = geometry.rotary_joints[joint]
+            return (
+                f"; is the sign of [joints.{name}] direction right? With the other one {name} would reach it; as it is "
+                f"{geometry.leanings[joint]}"
+            )
+    return ""
 
 
 def rotary_jump(

@@ -52,6 +52,8 @@ class Look:
         self.run, self.limits, self.nodes = run, limits, nodes
         self.unlike = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n,) cells in which the path does more than its derivatives at the nodes say, as far as looked at."""
+        self.hints = np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes)
+        """(k,) places between nodes where the path's derivatives may bend: no probe would hit a top there."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
         """By the first cell of a chunk: three derivatives (3, n k, m) of the path, and caps (n k,) on ds/dt."""
 
@@ -66,7 +68,22 @@ class Look:
                 self._kept[first] = path
             return self._of(which, law, *path)
 
-        return joined((workers or Workers()).each(of_chunk, range(0, last, CHUNK)))
+        return self._with_hints(law, joined((workers or Workers()).each(of_chunk, range(0, last, CHUNK))))
+
+    def _with_hints(self, law: SplineLaw, peaks: Peaks) -> Peaks:
+        """The peaks, or what is used at hints where that is more."""
+        if not len(self.hints):
+            return peaks
+        state = law.states_at(self.hints)
+        state[0] = self.hints
+        of_kinds = by_kind(limit_ratios(self.run, self.limits, state, np.ones(len(self.hints))), len(self.limits))
+        used, place = peaks.used.copy(), peaks.place.copy()
+        cell = np.searchsorted(self.nodes, self.hints) - 1
+        share = (self.hints - self.nodes[cell]) / np.diff(self.nodes)[cell]
+        for k in np.flatnonzero((of_kinds > used[cell]).any(axis=1)):
+            higher = of_kinds[k] > used[cell[k]]
+            used[cell[k], higher], place[cell[k], higher] = of_kinds[k, higher], share[k]
+        return Peaks(used, place)
 
     def peaks_in(self, law: SplineLaw, cells: Ints, workers: Workers | None = None) -> Peaks:
         """The peaks in some cells, the path being asked at every probe."""
@@ -177,8 +194,11 @@ def joined(parts: list[Peaks]) -> Peaks:
 
 def peaks_of(run: AxisRun, limits: Limits, law: LinearLaw, cells: Ints) -> Floats:
     """(n, 3) largest usage in the given cells of a law of linear z, by speed, acceleration and jerk."""
-    m = len(limits)
     state, right = law.states_within(cells)
-    of_cell = usage.peaks(law.inside, limit_ratios(run, limits, state, right))
-    kinds = np.split(of_cell, [1 + m, 1 + 2 * m], axis=1)
+    return by_kind(usage.peaks(law.inside, limit_ratios(run, limits, state, right)), len(limits))
+
+
+def by_kind(ratios: Floats, joints: int) -> Floats:
+    """(n, 3) largest of speed, acceleration and jerk of (n, 1 + 3 joints) values over limits."""
+    kinds = np.split(ratios, [1 + joints, 1 + 2 * joints], axis=1)
     return np.stack([kind.max(axis=1) for kind in kinds], axis=1)

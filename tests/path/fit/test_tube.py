@@ -102,6 +102,17 @@ def test_a_right_angle_between_long_blocks_is_rounded_within_tolerance():
     assert len(path.runs) == 1 and len(path.runs[0].breaks) < 120
 
 
+@pytest.mark.parametrize("n", [60, 600])
+@pytest.mark.parametrize("chords", [0.95, 1.0, 1.05])
+def test_a_polygon_whose_chords_leave_the_circle_by_the_tolerance(n, chords):
+    """Each vertex is nearly bad for the first spline; halving a cell must not creep from one to the next."""
+    radius = 35 * TIP
+    turn = 4.0 * np.sqrt(chords * TIP / 2.0 / radius) * np.arange(n)
+    tip = (radius + 2e-8 * np.arange(n))[:, None] * np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
+    toolpath = toolpath_through(np.concatenate([[[0, 0, 5e-3]], np.round(tip, 6)]), up(n + 1))
+    assert_in_tube(Path.fit(toolpath, TIP, AXIS), toolpath)
+
+
 def test_a_reversal():
     toolpath = toolpath_through([[0, 0, 0], [0.05, 0, 0], [0.01, 0, 0]], up(3))
     path = Path.fit(toolpath, TIP, AXIS)

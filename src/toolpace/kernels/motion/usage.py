@@ -16,6 +16,9 @@ HIGH, NEAR_LIMIT = 0.9, 0.98
 CLOSER_LOOKS, FIVE = 12, 5
 """Places on either side of such a peak at which it is looked for again, and probes that tell the path there: beside a
 narrow bend the terms of jerk are hundreds of limits each, and all but one of them are taken away by the others."""
+STRAIGHT = 1e-3
+"""How far the inverse of a cap may be from a straight line over three probes, as a share of it, for a parabola to tell
+it between them: a cap that jumps there is known at probes only."""
 
 
 @jit()
@@ -36,7 +39,7 @@ def ratios(q: Floats, state: Floats, cap: Floats, velocity: Floats, acceleration
 
 @jit(inline=True)
 def summit(x0: float, x1: float, x2: float, y0: float, y1: float, y2: float) -> tuple[float, float]:
-    """Height and place of the top of the parabola through three points, the middle one being the highest."""
+    """Height and place of the top of the parabola through three points; the middle one where it has none."""
     h0, h1 = x1 - x0, x2 - x1
     rise0, rise1 = (y1 - y0) / h0, (y2 - y1) / h1
     bend = (rise1 - rise0) / (h0 + h1)
@@ -78,17 +81,28 @@ def summits(s: Floats, ratio: Floats, most: float) -> Bools:
     n, columns = ratio.shape
     out = np.zeros(max(n - 1, 0), dtype=np.bool_)
     for col in range(columns):
-        before = ratio[0, col] if n > 0 else 0.0
-        for i in range(1, n - 1):
-            value, after = ratio[i, col], ratio[i + 1, col]
-            apart = s[i - 1] < s[i] < s[i + 1]
-            if value > HIGH and value >= before and value >= after and apart:
-                top, _ = summit(s[i - 1], s[i], s[i + 1], before, value, after)
-                if top > value + most:
-                    out[i - 1] = out[i] = True
-                else:
-                    ratio[i, col] = top
-            before = value
+        value = ratio[:, col].copy()
+        for i in range(n):
+            if not value[i] > HIGH:
+                continue
+            # Where two samples are at one place, each is the end of its side.
+            is_first, is_last = i == 0 or s[i - 1] == s[i], i == n - 1 or s[i] == s[i + 1]
+            low, high = (i, i + 2) if is_first else (i - 2, i) if is_last else (i - 1, i + 1)
+            if low < 0 or high >= n or not s[low] < s[low + 1] < s[high]:
+                continue
+            if (not is_first and value[i - 1] > value[i]) or (not is_last and value[i + 1] > value[i]):
+                continue
+            top, at = summit(s[low], s[low + 1], s[high], value[low], value[low + 1], value[high])
+            begin, end = s[i] if is_first else s[i - 1], s[i] if is_last else s[i + 1]
+            if not (begin <= at <= end and top > value[i]):
+                continue
+            if top > value[i] + most:
+                if not is_first:
+                    out[i - 1] = True
+                if not is_last:
+                    out[i] = True
+            else:
+                ratio[i, col] = top
     return out
 
 
@@ -117,7 +131,8 @@ def spline_peaks(
             speed[p], speed2[p], speed3[p] = v, v * v, v * v * v
             rise[p], both[p], bend[p] = a, 3.0 * v * a, j
             value[p] = v / cap[low + p]
-        highest(value, inside, SPEED, peak[i], place[i])
+        if highest(value, inside, SPEED, peak[i], place[i]):
+            closer_to_cap(value, z, floor, length, inside, cap, low, peak[i], place[i])
         for axis in range(m):
             for p in range(k):
                 value[p] = abs(q[0, low + p, axis] * speed[p]) / velocity[axis]
@@ -156,6 +171,28 @@ def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Float
     return most > NEAR_LIMIT
 
 
+@jit(inline=True)
+def about_top(inside: Floats, value: Floats, p: int) -> tuple[float, float]:
+    """Ends of the part of a cell in which values near the limit go higher about probe p; the same where none does.
+
+    Beside a node, where a limit is held, the highest may lie between the outermost two probes.
+    """
+    begin, end = 0.0, 0.0
+    last = len(inside) - 1
+    if value[p] > NEAR_LIMIT:
+        if p == 0:
+            _, at = summit(inside[0], inside[1], inside[2], value[0], value[1], value[2])
+            if value[1] <= value[0] and inside[0] < at < inside[1]:
+                begin, end = inside[0], inside[1]
+        elif p == last:
+            _, at = summit(inside[p - 2], inside[p - 1], inside[p], value[p - 2], value[p - 1], value[p])
+            if value[p - 1] <= value[p] and inside[p - 1] < at < inside[p]:
+                begin, end = inside[p - 1], inside[p]
+        elif value[p] >= value[p - 1] and value[p] >= value[p + 1]:
+            begin, end = inside[p - 1], inside[p + 1]
+    return begin, end
+
+
 @jit()
 def closer(
     value: Floats, cell: Floats, floor: float, length: float, inside: Floats, q: Floats, low: int, axis: int,
@@ -166,12 +203,13 @@ def closer(
     Parameters: cell (4,) polynomial of z, never below `floor`; q (3, n k, m) derivatives of the path, those of this
     cell from `low` on. The path is interpolated between its probes, z is not: it is z that changes quickly.
     """
-    for p in range(1, len(inside) - 1):
-        if not (value[p] > NEAR_LIMIT and value[p] >= value[p - 1] and value[p] >= value[p + 1]):
+    for p in range(len(inside)):
+        begin, end = about_top(inside, value, p)
+        if begin == end:
             continue
         first = min(max(p - 2, 0), len(inside) - FIVE)
         for i in range(1, 2 * CLOSER_LOOKS):
-            x = inside[p - 1] + (inside[p + 1] - inside[p - 1]) * i / (2 * CLOSER_LOOKS)
+            x = begin + (end - begin) * i / (2 * CLOSER_LOOKS)
             q1, q2, q3 = 0.0, 0.0, 0.0
             for near in range(first, first + FIVE):
                 weight = 1.0
@@ -189,3 +227,32 @@ def closer(
                 found = abs(q3 * v * v * v + 3.0 * q2 * v * a + q1 * j) / limit
             if found > peak[kind]:
                 peak[kind], place[kind] = found, x
+
+
+@jit()
+def closer_to_cap(
+    value: Floats, cell: Floats, floor: float, length: float, inside: Floats, cap: Floats, low: int, peak: Floats,
+    place: Floats,
+) -> None:  # fmt: skip
+    """Raise the peak (3,) of speed at places about each top of its values (k,) that is near the cap.
+
+    Parameters as for `closer`; cap (n k,) on ds/dt, that of this cell from `low` on.
+    """
+    for p in range(len(inside)):
+        begin, end = about_top(inside, value, p)
+        if begin == end:
+            continue
+        middle = min(max(p, 1), len(inside) - 2)
+        x0, x1, x2 = inside[middle - 1], inside[middle], inside[middle + 1]
+        o = low + middle
+        slow0, slow1, slow2 = 1.0 / cap[o - 1], 1.0 / cap[o], 1.0 / cap[o + 1]
+        rise = (slow2 - slow0) / (x2 - x0)
+        off = slow1 - slow0 - rise * (x1 - x0)
+        if not abs(off) <= STRAIGHT * slow1:
+            continue
+        for i in range(1, 2 * CLOSER_LOOKS):
+            x = begin + (end - begin) * i / (2 * CLOSER_LOOKS)
+            slow = slow0 + rise * (x - x0) + off * (x - x0) * (x2 - x) / ((x1 - x0) * (x2 - x1))
+            found = inside_cell(cell, floor, x * length)[0] * slow
+            if found > peak[SPEED]:
+                peak[SPEED], place[SPEED] = found, x

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Bools, Floats
 from toolpace.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.knots import refined_at
@@ -26,6 +26,11 @@ SMOOTHING = 0.01
 """Weight of the roughness in the first spline: it smooths what is shorter than a few tolerances."""
 ROUNDS = 60
 """Rounds of halving after which there is no spline: each halves cells, so no cell can still be too long."""
+PATIENCE = 8
+"""Rounds after which cells beside those that are bad are halved with them: on a polygon each is nearly bad, and one
+that is halved makes the next one bad, so that halving creeps along the path by one cell a round."""
+NEARLY = 0.9
+"""What is nearly bad, as a share of what is bad: a factor for each round from then on."""
 
 
 def inside_spline(
@@ -41,20 +46,30 @@ def inside_spline(
     spline = near_polyline(line, breaks)
     data = sample(line, breaks, axis_tolerance, machine)
     where: Floats | None = None
-    for _ in range(ROUNDS):
+    for k in range(ROUNDS):
         smooth_samples(spline, data, weight, where, workers)
-        bad = data.s[~(deviation(spline, data) <= INSIDE)]
-        if len(bad) == 0:
+        at, off = data.s, deviation(spline, data)
+        if np.all(off <= INSIDE):
             # a spline with as many coefficients as samples obeys at the samples and swings between them
             at, off = look(spline, data.s)
-            bad = at[~(off <= INSIDE)]
-        if len(bad) == 0:
+        if np.all(off <= INSIDE):
             return spline, data
+        bad = at[spreading(spline.breaks, at, off, INSIDE * NEARLY ** max(k - PATIENCE, 0))]
         finer = refined_at(line.s, spline.breaks, bad)
         where = finer[~np.isin(finer, spline.breaks)]
         spline = spline.over(finer)
         data = sample(line, finer, axis_tolerance, machine, known=data)
     raise PathError("the program asks for a corner that no curve within the tolerance can follow")
+
+
+def spreading(breaks: Floats, at: Floats, off: Floats, nearly: float) -> Bools:
+    """Which places are bad, or in a row of cells, all of them above `nearly`, that holds a bad one."""
+    bad = ~(off <= INSIDE)
+    cell = np.clip(np.searchsorted(breaks, at, side="right") - 1, 0, len(breaks) - 2)
+    quiet = np.ones(len(breaks) - 1, dtype=bool)
+    quiet[cell[~(off <= nearly)]] = False
+    row = np.cumsum(quiet)
+    return bad | (~quiet[cell] & np.isin(row[cell], row[cell[bad]]))
 
 
 def near_polyline(line: Polyline, breaks: Floats) -> Spline:

@@ -29,8 +29,11 @@ EVEN_SHARE = 0.25
 """Nodes that lie evenly along the run, as a share of the others: a fifth of all, for what the guess does not see."""
 ONE_PLACE = 1e-4
 """Share of a cell up to which breaks are one place: cells that short spoil the spline, and nothing happens in them."""
-
-
+NARROWEST = 1e-6
+"""The same of breaks, and of places where more happens than even nodes would tell: of a cell that is shorter, z'' times
+its square is no more than the rounding of z."""
+MOST_UNLIKE = 8.0
+"""Most ratio of the lengths of two cells side by side."""
 SHORTEST = 1e5
 """Shortest cell of a first mesh, as a multiple of the rounding of s: a spline over shorter ones is noise."""
 
@@ -60,14 +63,20 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     measure = np.concatenate([[0.0], np.cumsum(count)])
     wanted = cells if cells is not None else max(fewest, int(np.ceil(measure[-1])))
     nodes = spread_nodes(run, rough, measure, wanted, ends, step)
-    nodes = apart(with_breaks(nodes, rough.detail, 0.0))
-    knots = run.breaks if cells is not None else np.union1d(run.breaks, run.hints)
-    return with_breaks(nodes, knots), rough
+    nodes = apart(with_breaks(nodes, rough.detail, NARROWEST))
+    if cells is None:
+        nodes = with_breaks(nodes, run.hints)
+    return graded(with_breaks(nodes, run.breaks, NARROWEST)), rough
+
+
+def shortest_cell(nodes: Floats) -> float:
+    """Length of the shortest cell between nodes like these that numbers tell well."""
+    return SHORTEST * float(np.spacing(np.abs(nodes).max()))
 
 
 def apart(nodes: Floats) -> Floats:
     """The nodes without those that lie closer to the one before, or to the end, than numbers tell well."""
-    least = SHORTEST * float(np.spacing(np.abs(nodes).max()))
+    least = shortest_cell(nodes)
     inner = nodes[1:-1]
     # cells of a grid of that length: of each the first node
     inner = inner[np.diff(np.floor((inner - nodes[0]) / least), prepend=0.0) > 0.0]
@@ -124,15 +133,27 @@ def with_breaks(nodes: Floats, breaks: Floats, one_place: float = ONE_PLACE) -> 
     """
     cell = np.diff(nodes)
     least = one_place * cell[np.clip(np.searchsorted(nodes, breaks) - 1, 0, len(cell) - 1)]
-    inside = (breaks > nodes[1] + least) & (breaks < nodes[-2] - least)
+    least = np.maximum(least, shortest_cell(nodes))
+    inside = (breaks > nodes[0] + least) & (breaks < nodes[-1] - least)
     breaks = breaks[inside & (np.diff(breaks, prepend=-np.inf) > least)]
     if len(breaks) == 0:
         return nodes
-    inner = nodes[2:-2]
+    inner = nodes[1:-1]
     k = np.clip(np.searchsorted(breaks, inner), 1, len(breaks)) - 1
     near = np.minimum(np.abs(inner - breaks[k]), np.abs(inner - breaks[np.minimum(k + 1, len(breaks) - 1)]))
-    keep = near > 0.34 * np.minimum(np.diff(nodes)[1:-2], np.diff(nodes)[2:-1])
-    return np.unique(np.concatenate([nodes[:2], inner[keep], breaks, nodes[-2:]]))
+    keep = near > 0.34 * np.minimum(cell[:-1], cell[1:])
+    return np.unique(np.concatenate([nodes[:1], inner[keep], breaks, nodes[-1:]]))
+
+
+def graded(nodes: Floats) -> Floats:
+    """The nodes with cells halved that are much longer than their neighbours: there a spline swings."""
+    while True:
+        cell = np.diff(nodes)
+        beside = np.minimum(np.append(cell[1:], np.inf), np.insert(cell[:-1], 0, np.inf))
+        long = cell > MOST_UNLIKE * beside
+        if not long.any():
+            return nodes
+        nodes = cut_cells(nodes, np.where(long, 2, 1))
 
 
 def cut_cells(nodes: Floats, parts: Ints) -> Floats:

@@ -15,6 +15,7 @@ from toolpace.planning.mesh.nodes import cut_cells
 from toolpace.planning.optimal.dips import on_finer_mesh
 from toolpace.planning.optimal.problem import OnMesh, Problem, discretise, with_rows_between
 from toolpace.planning.optimal.rows_between import RowsBetween
+from toolpace.planning.optimal.solve import pinned
 from toolpace.planning.peaks import Look, Peaks
 
 LEAST_REACH = 40
@@ -130,4 +131,5 @@ class MeshedRun(OnMesh):
         finer.lowered = np.repeat(self.lowered, np.append(parts, 1), axis=0)
         finer.between = self.between.among(finer.nodes)
         c, least = on_finer_mesh(law, finer.nodes)
-        return finer, np.maximum(c, least)
+        # What is raised next to a rest must still fit to it: the core keeps by how much it does not.
+        return finer, pinned(finer, np.maximum(c, least))

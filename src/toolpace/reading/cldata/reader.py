@@ -1,244 +1,173 @@
-"""Reads cutter-location data: APT and NX CLSF."""
+"""Reads cutter-location data: APT and the CLSF of NX."""
 
 from __future__ import annotations
 
-import math
-from collections import Counter
+import re
+from collections.abc import Callable
 
-import numpy as np
-
-from toolpace.reading.arcs import Arc, ArcError, ArcTable, arc_about
+from toolpace.reading.cldata.curves import ClCurves
 from toolpace.reading.cldata.feed import ClFeed
-from toolpace.reading.cldata.words import CANCELLABLE, CANCELLED_BY, ENDS, PASSED, STOPS, Statement, numbers, statements
-from toolpace.reading.control.unroll import slerp
-from toolpace.reading.points import assemble, unit_axes
+from toolpace.reading.cldata.frame import SYSTEMS, ClFrame
+from toolpace.reading.cldata.meanings import (
+    CANCELLABLE,
+    ENDS,
+    FRAMES,
+    PASSED,
+    PASSED_BUT_SAID,
+    STOPS,
+    TOOLS,
+    cure,
+)
+from toolpace.reading.cldata.motion import ClMotion
+from toolpace.reading.cldata.nurbs import PARTS
+from toolpace.reading.cldata.operations import ClOperations
+from toolpace.reading.cldata.track import Track
+from toolpace.reading.cldata.words import DATA, NOTE, Statement, statements, without_cards
+from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
-from toolpace.units import INCH, MILLIMETRE
 
-UNITS = {"MM": MILLIMETRE, "INCHES": INCH, "INCH": INCH, "IN": INCH, "CM": 1e-2, "M": 1.0}
-LONGEST_DELAY = 86400.0
-"""A day [s]: a longer delay is a slip of units."""
-MOST_TURNS = 1000
-"""Most times that an arc is gone round: more is a slip, and would fill memory with points."""
+_HARMLESS = re.compile(r"(?:\([^()]*+\)|[NST][0-9]++|M(?!9[789])[0-9]{1,2}(?![0-9])|;.*|[\s/%$])*+")
+"""Code of the control that moves nothing: comments, numbers of blocks, spindle and tools, M but calls."""
+_END_OF_CIRCLE = frozenset(("GOTO", "GODLTA"))
 
 
 class ClReader:
-    """One reading of one program; `run` does it. Points are tips in the workpiece frame: no machine is needed."""
+    """One reading of one program; `run` does it. Points are tips in the workpiece frame: no machine is needed.
 
-    def __init__(self, source: Source, *, default_feed: float | None = None) -> None:
-        self.source = source
-        self.unit = MILLIMETRE
-        self.feed = ClFeed(source, default_feed)
-        self.rapid = False
-        self.tip: tuple[float, float, float] | None = None
-        self.axis = (0.0, 0.0, 1.0)
-        self.circle: tuple[Statement, list[float], int] | None = None
-        self.frame: list[str] | None = None
-        self.rows: list[tuple[float, ...]] = []
-        self.stops: set[int] = set()
-        self.dwells: dict[int, float] = {}
-        self.arcs: dict[int, Arc] = {}
-        self.skipped: Counter[str] = Counter()
-        self.count = 0
-        self.actions = {
-            "GOTO": self._goto,
-            "FROM": self._goto,
-            "GODLTA": self._godlta,
-            "CIRCLE": self._circle,
-            "TLAXIS": self._tool_axis,
+    What is refused is noted in `findings`, and the reading goes on, so that one run names all of it; with
+    `skip_unknown` it is left out, and said.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        *,
+        default_feed: float | None = None,
+        skip_unknown: bool = False,
+        findings: Findings | None = None,
+    ) -> None:
+        self.source, self.skip_unknown = source, skip_unknown
+        self.findings = Findings() if findings is None else findings
+        self.track = Track(source)
+        self.frame = ClFrame(source, self.findings)
+        self.feed = ClFeed(source, default_feed, self.findings)
+        self.motion = ClMotion(source, self.track, self.feed, self.frame, self.findings)
+        self.curves = ClCurves(source, self.motion, self.findings)
+        self.operations = ClOperations(self.motion)
+        self.moves: dict[str, Callable[[Statement], None]] = {
+            "GOTO": self.motion.goto,
+            "GODLTA": self.motion.increment,
+            "FROM": self.motion.start,
+            "GOHOME": self.motion.home,
+            "CIRCLE": self.curves.circle,
+            "GOFWD": self.curves.drive,
+            "TLON,GOFWD": self.curves.drive,
+            "NURBS": self.curves.nurbs,
+            "FNURBS": self.curves.nurbs,
+            "CYCLE": self._cycle,
+            "TOOL PATH": self.operations.tool_path,
+        }
+        self.states: dict[str, Callable[[Statement], None]] = {
+            **dict.fromkeys(PASSED, self._passed),
+            **dict.fromkeys(STOPS, self._stop),
+            **dict.fromkeys(SYSTEMS, self._system),
+            **dict.fromkeys(CANCELLABLE | FRAMES, self.frame.shift),
+            **dict.fromkeys(PARTS, self.curves.part),
+            "CUTCOM": self.frame.cutcom,
+            "INDIRV": self.curves.direction,
+            "MOVNRB": self.curves.points_of_spline,
+            "TLAXIS": self.motion.tool_axis,
             "RAPID": self._rapid,
             "FEDRAT": self._fedrat,
             "DELAY": self._delay,
-            "UNITS": self._units,
-            "MSYS": self._msys,
-            "ORIGIN": self._origin,
+            "UNITS": self.frame.units,
+            "UNIT": self.frame.units,
+            "INSERT": self._insert,
+            f"{DATA}CUTCOM_GEOMETRY_TYPE": self.frame.geometry,
+            f"{DATA}FEATNO": self.operations.feature,
         }
 
     def run(self) -> ToolPath:
-        """Execute every statement, then lay the points of arcs."""
-        for statement in statements(self.source):
-            self.count += 1
-            action = self.actions.get(statement.major)
-            if action is not None:
-                action(statement)
-            elif statement.major in ENDS:
+        """Execute every statement, then lay out the points of curves."""
+        lines, cards = without_cards(self.source.lines)
+        if cards:
+            self.findings.assumed("columns 73 to 80 are taken for sequence numbers")
+        count = 0
+        for statement in statements(self.source, lines):
+            major = statement.major
+            if major == NOTE:
+                self._note(statement)
+                continue
+            count += 1
+            if major not in PARTS:
+                self.curves.end()
+            if major in ENDS:
                 break
-            elif statement.major in STOPS:
-                self.feed.spindle(statement)
-                if self.rows:
-                    self.stops.add(len(self.rows) - 1)
-            elif statement.major in PASSED or self._cancels(statement):
-                self.skipped[statement.major] += 1
-            else:
-                self.source.fail(
-                    f"statement {statement.major[:20]} is not known here and might move something: "
-                    "remove it, or let the CAM system write GOTO points",
-                    statement.line,
-                )
-        if self.circle is not None:
-            self.source.fail(
-                "CIRCLE is not followed by the GOTO to its end: the program is cut off", self.circle[0].line
-            )
-        return self._toolpath()
+            self._execute(statement)
+        self.curves.end()
+        self._refuse_open_circle()
+        self.findings.raise_if_refused(self.source, self.skip_unknown)
+        return self.track.toolpath(count, self.findings)
 
-    @staticmethod
-    def _cancels(statement: Statement) -> bool:
-        return statement.major in CANCELLABLE and statement.minors[:1] != [] and statement.minors[0] in CANCELLED_BY
+    def _execute(self, statement: Statement) -> None:
+        major = statement.major
+        move = self.moves.get(major)
+        if move is not None:
+            if major not in _END_OF_CIRCLE:
+                self._refuse_open_circle()
+            move(statement)
+        elif major in self.states:
+            self.states[major](statement)
+        elif not major.startswith(DATA):
+            self.findings.refused(major[:20], statement.line, cure(major))
 
-    def _goto(self, statement: Statement) -> None:
-        values = numbers(self.source, statement)
-        if len(values) == 6:
-            self.axis = (values[3], values[4], values[5])
-        elif len(values) != 3:
-            self.source.fail(
-                f"{statement.major} has {len(values)} numbers: it takes x, y, z, or x, y, z, i, j, k",
-                statement.line,
-            )
-        unit = self.unit
-        self._move((values[0] * unit, values[1] * unit, values[2] * unit), statement)
+    def _refuse_open_circle(self) -> None:
+        if self.motion.circle is not None:
+            line = self.motion.circle.line
+            self.source.fail("CIRCLE is not followed by the GOTO to its end: the program is cut off", line)
 
-    def _godlta(self, statement: Statement) -> None:
-        values = [value * self.unit for value in numbers(self.source, statement)]
-        if self.tip is None:
-            self.source.fail("GODLTA before any position: begin with GOTO or FROM", statement.line)
-        if len(values) == 1:
-            i, j, k = unit_axes(self.source, np.array([self.axis]), np.array([statement.line]))[0].tolist()
-            values = [values[0] * i, values[0] * j, values[0] * k]
-        if len(values) != 3:
-            self.source.fail(
-                f"GODLTA has {len(values)} numbers: it takes dx, dy, dz, or one along the axis",
-                statement.line,
-            )
-        x, y, z = self.tip
-        self._move((x + values[0], y + values[1], z + values[2]), statement)
-
-    def _move(self, tip: tuple[float, float, float], statement: Statement) -> None:
-        line = statement.line
-        if self.circle is not None:
-            self.arcs[len(self.rows)] = self._arc(tip)
-        if statement.major == "FROM" and self.rows:
-            self.source.fail("FROM names the start, but points stand before it: write GOTO", line)
-        feed = math.inf if self.rapid or self.tip is None else self.feed.speed(line)
-        self.rapid = False
-        if max(map(abs, tip)) > 1e3:
-            self.source.fail("this point is more than a kilometre away: check the numbers and UNITS", line)
-        self.tip = tip
-        self.rows.append((*tip, *self.axis, feed, line))
-
-    def _circle(self, statement: Statement) -> None:
-        words, turns = statement.minors, 1
-        if "TIMES" in words:
-            at = words.index("TIMES")
-            count = numbers(self.source, statement, words[at + 1 :])
-            if len(count) != 1 or count[0] != int(count[0]) or not 1 <= count[0] <= MOST_TURNS:
-                self.source.fail(f"TIMES takes one whole number from 1 to {MOST_TURNS}", statement.line)
-            words, turns = words[:at], int(count[0])
-        values = numbers(self.source, statement, words)
-        if len(values) < 7:
-            self.source.fail(f"CIRCLE has {len(values)} numbers: it takes centre, direction and radius", statement.line)
-        if self.tip is None:
-            self.source.fail("CIRCLE before any position: begin with GOTO or FROM", statement.line)
-        self.circle = (statement, values, turns)
-
-    def _arc(self, end: tuple[float, float, float]) -> Arc:
-        """Arc from the last point to `end` about the pending CIRCLE.
-
-        Siemens' description of the CLSF record (CLSF Manager, CIRCLE) gives its direction for clockwise motion:
-        clockwise for one who looks at the tip of the vector, so against the right-hand rule. TIMES,n asks for n
-        turns of a helix.
-        """
-        assert self.circle is not None and self.tip is not None
-        (statement, values, turns), self.circle = self.circle, None
-        centre = [value * self.unit for value in values[:3]]
-        length = math.hypot(*values[3:6])
-        if abs(length - 1) > 0.02:
-            self.source.fail(f"the direction of CIRCLE has length {length:.4g}, not 1: correct it", statement.line)
-        try:
-            arc = arc_about(self.tip, end, centre, [-value / length for value in values[3:6]], turns)
-        except ArcError as error:
-            self.source.fail(str(error), statement.line)
-        radius = abs(values[6]) * self.unit
-        if abs(arc.r0 - radius) > max(5e-5, 5e-3 * radius):
-            self.source.fail(
-                f"CIRCLE says radius {radius * 1e3:.6g} mm, but it starts {arc.r0 * 1e3:.6g} mm from its axis: "
-                "check the centre and the radius",
-                statement.line,
-            )
-        return arc
-
-    def _tool_axis(self, statement: Statement) -> None:
-        values = numbers(self.source, statement)
-        if len(values) != 3:
-            self.source.fail(f"TLAXIS has {len(values)} numbers: it takes i, j, k", statement.line)
-        self.axis = (values[0], values[1], values[2])
+    def _cycle(self, statement: Statement) -> None:
+        self.motion.drilling.cycle(statement, self.frame.unit)
 
     def _rapid(self, statement: Statement) -> None:
-        self.rapid = True
+        self.motion.rapid = True
 
     def _fedrat(self, statement: Statement) -> None:
-        self.feed.set(statement, self.unit)
+        self.feed.set(statement, self.frame.unit)
 
     def _delay(self, statement: Statement) -> None:
-        seconds = self.feed.delay(statement)
-        if not 0 <= seconds <= LONGEST_DELAY:
-            self.source.fail("DELAY is not between 0 and a day: its number is seconds", statement.line)
-        if self.rows:
-            last = len(self.rows) - 1
-            self.stops.add(last)
-            self.dwells[last] = self.dwells.get(last, 0.0) + seconds
+        self.track.stop(self.feed.delay(statement))
 
-    def _units(self, statement: Statement) -> None:
-        name = statement.minors[0] if statement.minors else ""
-        if name not in UNITS:
-            self.source.fail(f"UNITS/{name[:20]} is not known: use UNITS/MM or UNITS/INCHES", statement.line)
-        self.unit = UNITS[name]
+    def _system(self, statement: Statement) -> None:
+        self.frame.system(statement, self.track.points > 0)
 
-    def _msys(self, statement: Statement) -> None:
-        # Points are written in this system; a change in the middle would shift them against each other.
-        if self.rows and self.frame is not None and statement.minors != self.frame:
-            self.source.fail("MSYS changes the coordinates between points: write one program a system", statement.line)
-        self.frame = statement.minors
-        self.skipped["MSYS"] += 1
+    def _note(self, statement: Statement) -> None:
+        self.frame.note(statement, self.track.points > 0)
+        self.operations.note(statement)
 
-    def _origin(self, statement: Statement) -> None:
-        if any(numbers(self.source, statement)):
-            self.source.fail(
-                "ORIGIN shifts the points: write them in the workpiece frame, with ORIGIN/0,0,0",
-                statement.line,
-            )
-        self.skipped["ORIGIN"] += 1
+    def _stop(self, statement: Statement) -> None:
+        self.feed.spindle(statement)
+        self.track.stop()
+        if statement.major in TOOLS:
+            self.operations.load(statement)
 
-    def _toolpath(self) -> ToolPath:
-        """Points of the rows; on arcs so many that chords keep within half a micrometre."""
-        table = np.array(self.rows, dtype=float).reshape(len(self.rows), 8)
-        line = table[:, 7].astype(np.int64)
-        axis = unit_axes(self.source, table[:, 3:6], line)
-        pieces = np.ones(len(table), dtype=np.int64)
-        which = np.full(len(table), -1)
-        for number, (row, arc) in enumerate(self.arcs.items()):
-            pieces[row], which[row] = arc.pieces(), number
-        move = np.repeat(np.arange(len(table)), pieces)
-        piece = np.arange(len(move)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-        t = (piece + 1) / pieces[move]
-        tip, axes = table[move, :3], axis[move]
-        inside = t < 1
-        tip[inside] = ArcTable(list(self.arcs.values())).evaluate(which[move[inside]], t[inside])
-        axes[inside] = slerp(axis[move[inside] - 1], axis[move[inside]], t[inside])
-        stop, dwell = np.zeros(len(move), dtype=bool), np.zeros(len(move))
-        last = np.cumsum(pieces) - 1
-        stop[last[sorted(self.stops)]] = True
-        for row, seconds in self.dwells.items():
-            dwell[last[row]] = seconds
-        return assemble(
-            self.source,
-            tip=tip,
-            axis=axes,
-            feed=table[move, 6],
-            least_time=np.zeros(len(move)),
-            block=line[move],
-            stop=stop,
-            dwell=dwell,
-            blocks=self.count,
-            skipped=dict(self.skipped),
-        )
+    def _insert(self, statement: Statement) -> None:
+        """Code of the control within the program: a stop where none of its words moves anything."""
+        if _HARMLESS.fullmatch(statement.text.upper()):
+            self.findings.assumed("INSERT of code without G words and axis words moves nothing")
+            self.findings.ignored("INSERT")
+            self.track.stop()
+        else:
+            self.findings.refused("INSERT", statement.line, cure("INSERT"))
+
+    def _passed(self, statement: Statement) -> None:
+        major = statement.major
+        if major in ("MODE", "SET") and "INCR" in statement.minors:
+            self.findings.refused(f"{major}/INCR", statement.line, cure(major))
+            return
+        if major == "END-OF-PATH":
+            self.motion.drilling.end()
+        if major in PASSED_BUT_SAID and statement.minors != ["OFF"]:
+            self.findings.assumed(PASSED_BUT_SAID[major])
+        self.findings.ignored(major)

@@ -1,67 +1,34 @@
-"""Splits cutter-location data (APT, CLSF) into statements, and says which of them move nothing."""
+"""Splits cutter-location data (APT, CLSF) into statements."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from toolpace.reading.source import Source
 
 _NUMBER = r"[-+]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[ED][-+]?[0-9]++)?"
 NUMBER = re.compile(_NUMBER)
-_MAJOR = re.compile(r"(?:[A-Z0-9_]+\)\s*)?([A-Z][A-Z0-9_-]*(?: PATH)?)\s*(?:/\s*(.*))?", re.DOTALL)
-_SEPARATOR = re.compile(r"\s*,\s*|\s+")
-
-STOPS = frozenset(("STOP", "OPSTOP", "SPINDL", "COOLNT", "LOADTL", "LOAD", "TURRET", "TOOLNO", "CLAMP"))
-"""Statements for which a controller comes to rest."""
-ENDS = frozenset(("FINI",))
-PASSED = frozenset(
-    (
-        "AUTOPS",
-        "CLDIST",
-        "CLPRNT",
-        "CLSF",
-        "CUTTER",
-        "DISPLY",
-        "END",
-        "END-OF-PATH",
-        "HEAD",
-        "INTOL",
-        "LEADER",
-        "LETTER",
-        "LINTOL",
-        "LPRINT",
-        "MACHIN",
-        "MULTAX",
-        "NOPOST",
-        "OPTION",
-        "OUTTOL",
-        "PAINT",
-        "PARTNO",
-        "PPFUN",
-        "PPRINT",
-        "PREFUN",
-        "PRINT",
-        "REMARK",
-        "SELECT",
-        "SEQNO",
-        "SET",
-        "TITLE",
-        "TLDATA",
-        "TMARK",
-        "TOLER",
-        "TOOL PATH",
-        "TPRINT",
-        "UNIT",
-    )
+_NAME = r"[A-Z][A-Z0-9_-]*+"
+_MAJOR = re.compile(
+    rf"(?:[A-Z0-9_]++\)\s*+)?({_NAME}(?:\s*+,\s*+{_NAME})*+(?:(?<=TOOL) PATH)?)\s*+(?:/\s*+(.*))?", re.DOTALL
 )
-"""Statements without meaning for motion: counted."""
-FREE_TEXT = frozenset(("PARTNO", "PPRINT", "REMARK", "TITLE", "LETTER", "TPRINT", "PPFUN"))
-"""Statements whose text follows without a slash."""
-CANCELLED_BY = frozenset(("OFF", "CANCEL", "NOMORE"))
-"""Minor words that make a statement of motion end something that never began here, such as CYCLE/OFF."""
-CANCELLABLE = frozenset(("CYCLE", "CUTCOM", "TRACUT", "COPY", "TRANS", "ROTATE", "THICK"))
+_DEFINITION = re.compile(r"[A-Z][A-Z0-9_]*+(?:\s*+\(.*?\))?\s*+=", re.DOTALL)
+_SEPARATOR = re.compile(r"\s*,\s*|\s+")
+_NOTE = re.compile(r"\s*+\$\$(.*)")
+_COMMENTED = re.compile(r"(?:REMARK\s*+)?->\s*+([A-Z][A-Z0-9_]*+)\s*+/(.*)", re.DOTALL | re.IGNORECASE)
+_FREE = re.compile(r"(PARTNO|PPRINT|REMARK|TITLE|LETTER|TPRINT|PPFUN|INSERT)(.*)", re.DOTALL | re.IGNORECASE)
+"""Statements whose text follows without a slash, to the end of the line."""
+_ALONE = frozenset(("RAPID", "STOP", "OPSTOP", "FINI", "GOHOME", "NURBS", "END-OF-PATH", "AUTOPS", "MULTAX", "END"))
+"""Statements that may stand without a slash, and that a line of text does not begin with."""
+_CARD = re.compile(r".{72} *[A-Z]{0,4}([0-9]{2,8}) *")
+FEWEST_CARDS = 4
+"""Lines by which sequence numbers in columns 73 to 80 are told."""
+NOTE = "$$"
+"""The major word of a comment, whose text some systems hold data in."""
+DATA = "->"
+"""What the major word of data in a comment of Creo begins with: `$$-> CSYS / ...` is ->CSYS."""
 
 
 class Statement(NamedTuple):
@@ -70,15 +37,30 @@ class Statement(NamedTuple):
     line: int
     major: str
     minors: list[str]
+    text: str = ""
+    """What follows the major word, as it is written."""
 
 
-def statements(source: Source) -> Iterator[Statement]:
-    """Statements of a program: `$` goes on in the next line, what follows it is ignored; `$$` begins a comment."""
-    pending, first = "", 0
-    for line, text in enumerate(source.lines, start=1):
-        text = text.upper()
+def statements(source: Source, lines: Sequence[str]) -> Iterator[Statement]:
+    """Statements of the lines of a program, comments (`NOTE`) too.
+
+    `$` goes on in the next line, what follows it is ignored; `$$` begins a comment, but `$$->` data. Free text is
+    not looked through for `$`; where it holds one, a next line that is no statement belongs to it.
+    """
+    pending, first, loose = "", 0, False
+    for line, text in enumerate(lines, start=1):
+        if loose and "/" not in text and text.strip().upper() not in _ALONE:
+            loose = "$" in text
+            continue
+        loose = False
+        if not pending and (alone := _alone(line, text)) is not None:
+            loose = alone.major != NOTE and "$" in text
+            yield alone
+            continue
         if "$" in text:
-            text = text.partition("$$")[0].rstrip()
+            data = _NOTE.match(text) if not pending else None
+            text = data[1] if data else text.partition("$$")[0]
+            text = text.rstrip()
             if "$" in text:
                 first = first or line
                 pending += text.partition("$")[0] + " "
@@ -95,6 +77,25 @@ def statements(source: Source) -> Iterator[Statement]:
         source.fail("the program is cut off: '$' says this statement goes on, but the file ends", first)
 
 
+def without_cards(lines: Sequence[str]) -> tuple[Sequence[str], bool]:
+    """The lines up to column 72, and true, where all have rising sequence numbers in columns 73 to 80."""
+    found: list[int] = []
+    for line in lines:
+        if line.strip():
+            match = _CARD.fullmatch(line) if 72 < len(line) <= 80 else None
+            if match is None or (found and int(match[1]) <= found[-1]):
+                return lines, False
+            found.append(int(match[1]))
+    if len(found) < FEWEST_CARDS:
+        return lines, False
+    return [line[:72] for line in lines], True
+
+
+def figure(word: str) -> float:
+    """A word that is a number; Fortran's D is an exponent too."""
+    return float(word.replace("D", "E"))
+
+
 def numbers(source: Source, statement: Statement, minors: list[str] | None = None) -> list[float]:
     """The words of a statement as numbers; ProgramError where one is none."""
     words = statement.minors if minors is None else minors
@@ -109,7 +110,7 @@ def numbers(source: Source, statement: Statement, minors: list[str] | None = Non
                     f"a number of {statement.major} {what}: write numbers like -12.5, between commas",
                     statement.line,
                 )
-            values.append(float(word.replace("D", "E")))
+            values.append(figure(word))
     for value in values:
         if not -1e9 < value < 1e9:
             source.fail(
@@ -119,16 +120,32 @@ def numbers(source: Source, statement: Statement, minors: list[str] | None = Non
     return values
 
 
+def _alone(line: int, text: str) -> Statement | None:
+    """A comment or a statement of free text: what a line is alone, whatever it holds; None for others."""
+    note = _NOTE.match(text) if "$$" in text else None
+    if note is not None:
+        body = note[1].strip()
+        return None if _COMMENTED.match(body) else Statement(line, NOTE, [], body)
+    free = _FREE.match(text.strip()) if text.lstrip()[:1] in "PRTLIprtli" else None
+    if free is None or _COMMENTED.match(text.strip()):
+        return None
+    return Statement(line, free[1].upper(), [], free[2].strip())
+
+
 def _statement(source: Source, text: str, line: int) -> Statement:
-    if text.startswith("GOTO/"):
-        return Statement(line, "GOTO", _split(text[5:]))
-    for word in FREE_TEXT:
-        if text.startswith(word):
-            return Statement(line, word, [text[len(word) :]])
-    match = _MAJOR.fullmatch(text)
+    capitals = text.upper()
+    if capitals.startswith("GOTO/"):
+        return Statement(line, "GOTO", _split(capitals[5:]))
+    data = _COMMENTED.match(text)
+    if data is not None:
+        return Statement(line, DATA + data[1].upper(), _split(data[2].upper()), data[2])
+    match = _MAJOR.fullmatch(capitals)
     if match is None:
+        if _DEFINITION.match(capitals):
+            return Statement(line, "=", [], text)
         source.fail("this is no statement of the form WORD or WORD/...: correct or remove it", line)
-    return Statement(line, match[1], _split(match[2] or ""))
+    major = match[1] if "," not in match[1] else "".join(match[1].split())
+    return Statement(line, major, _split(match[2] or ""), text.partition("/")[2].strip())
 
 
 def _split(text: str) -> list[str]:

@@ -26,7 +26,7 @@ AXIS_GAP = 0.9e-4
 """Most angle between the tool axis and the great circle [rad]; a tenth below the promised 1e-4."""
 FIRST_TURN = np.deg2rad(5.0)
 """Most rotation of a piece before measuring [rad], so that three places inside see the whole of it."""
-MOST_PIECES_OF_BLOCK = 100_000
+MOST_PIECES_OF_BLOCK = 1_000_000
 MOST_PIECES = 4_000_000
 """Most points of one block, and of a program: what asks for more would fill memory before it is planned."""
 CHUNK = 100_000

@@ -1,0 +1,185 @@
+"""The text of a machine file as a person would write it: short figures, the order of the chain, each line explained."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal
+
+from toolpace.errors import printable
+from toolpace.machine.file import ANGLES, LENGTHS, JointFile, MachineFile
+
+LENGTH_ORDER, ANGLE_ORDER = ("mm", "in", "m"), ("deg", "rad")
+"""Units to write in: of those in which the figures are equally short, the first."""
+COLUMN, WIDEST = 30, 48
+"""At which column comments begin, unless a line before it is longer, and to which they move for the sake of those."""
+PLAIN = (1e-6, 1e12)
+"""Between which figures are written without an exponent."""
+TURN_PER_MINUTE = {"deg": 1.0 / 6.0, "rad": 30.0 / math.pi}
+"""Of a rotary joint's velocity, by its unit."""
+
+Line = tuple[str, str]
+"""What is written, and what explains it."""
+
+
+def machine_text(file: MachineFile, leanings: Mapping[str, str]) -> str:
+    """The text that loads to exactly `file`; `leanings` says what each rotary joint does to the tool axis.
+
+    Units are those in which all figures are exact and shortest; metres and radians always are exact.
+    """
+    length, angle = units_of(file)
+    order = [*file.chain.workpiece, *file.chain.tool]
+    lines: list[Line] = [(f"name = {quoted(file.name)}", "what the machine is called")]
+    if file.note:
+        lines.append((f"note = {quoted(file.note)}", "what it is, in a line"))
+    if order != list(file.joints):
+        lines.append((f"columns = {listed(file.joints)}", "order in which positions are listed"))
+    lines += [("", ""), ("[units]", "of this file only; seconds throughout")]
+    lines.append((f'length = "{length}"', "mm, in or m"))
+    lines.append((f'angle = "{angle}"', "deg or rad"))
+    lines += [("", ""), ("[chain]", "points and directions: in the frame of the bed, every joint at zero")]
+    lines += _chain(file, LENGTHS[length])
+    for name in order:
+        lines += [("", ""), *_joint(file, name, length, angle, leanings.get(name, ""))]
+    return "".join(_laid_out(lines))
+
+
+def units_of(file: MachineFile) -> tuple[str, str]:
+    """The units of length and angle in which the figures of a machine are exact and shortest."""
+    chain, joints = file.chain, list(file.joints.values())
+    points = [*chain.spindle_nose, *chain.workpiece_origin, chain.tool_length]
+    lengths = points + [figure for joint in joints for figure in joint.point]
+    lengths += [figure for joint in joints if joint.kind == "linear" for figure in _motion(joint)]
+    angles = [figure for joint in joints if joint.kind == "rotary" for figure in _motion(joint)]
+    return _shortest(lengths, LENGTH_ORDER, LENGTHS), _shortest(angles, ANGLE_ORDER, ANGLES)
+
+
+def _motion(joint: JointFile) -> tuple[float, ...]:
+    return (*(joint.travel or ()), joint.velocity, joint.acceleration, joint.jerk)
+
+
+def _shortest(figures: list[float], order: tuple[str, ...], scales: dict[str, float]) -> str:
+    """The unit in which all figures are exact, with the least digits on the whole."""
+    digits: dict[str, int] = {}
+    for unit in order:
+        texts = [_exact(figure, scales[unit]) for figure in figures]
+        if None not in texts:
+            digits[unit] = sum(_digits(text) for text in texts if text)
+    return min(digits, key=lambda unit: digits[unit])
+
+
+def _digits(text: str) -> int:
+    figure = Decimal(text)
+    return len(figure.normalize().as_tuple().digits) if figure.is_finite() else 0
+
+
+def _exact(value: float, scale: float) -> str | None:
+    """The shortest decimal that times `scale` is just this value, or None where none is."""
+    if value == 0.0:
+        return "0"
+    if math.isinf(value) or scale == 1.0:
+        return _plain(repr(float(value)))
+    about = float(value) / scale
+    for digits in range(1, 16):
+        text = f"{about:.{digits}g}"
+        if float(text) * scale == value:
+            return _plain(text)
+    for near in (about, math.nextafter(about, math.inf), math.nextafter(about, -math.inf)):
+        if near * scale == value:
+            return _plain(repr(near))
+    return None
+
+
+def _plain(text: str) -> str:
+    """A number without a needless exponent, point or zero."""
+    figure = Decimal(text)
+    if not figure.is_finite() or not PLAIN[0] <= abs(figure) < PLAIN[1]:
+        return repr(float(text))
+    return f"{figure:f}".rstrip("0").rstrip(".") if "." in f"{figure:f}" else f"{figure:f}"
+
+
+def _figure(value: float, scale: float = 1.0) -> str:
+    """A figure in units in which all of the machine are exact."""
+    text = _exact(value, scale)
+    assert text is not None
+    return text
+
+
+def _figures(values: tuple[float, ...], scale: float = 1.0) -> str:
+    return "[" + ", ".join(_figure(value, scale) for value in values) + "]"
+
+
+def _chain(file: MachineFile, scale: float) -> Iterator[Line]:
+    chain = file.chain
+    yield f"workpiece = {listed(chain.workpiece)}", "joints that carry the workpiece, from the bed to it"
+    yield f"workpiece_origin = {_figures(chain.workpiece_origin, scale)}", "zero of the program"
+    if chain.workpiece_x != (1.0, 0.0, 0.0):
+        yield f"workpiece_x = {_figures(chain.workpiece_x)}", "direction of the program's X"
+    if chain.workpiece_z != (0.0, 0.0, 1.0):
+        yield f"workpiece_z = {_figures(chain.workpiece_z)}", "direction of the program's Z"
+    yield f"tool = {listed(chain.tool)}", "joints that carry the tool, from the bed to it"
+    yield f"spindle_nose = {_figures(chain.spindle_nose, scale)}", "where the tool is held"
+    if chain.tool_axis != (0.0, 0.0, 1.0):
+        yield f"tool_axis = {_figures(chain.tool_axis)}", "from the tip to the spindle"
+    yield f"tool_length = {_figure(chain.tool_length, scale)}", "from the nose to the tip"
+
+
+def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) -> Iterator[Line]:
+    joint, rotary = file.joints[name], file.joints[name].kind == "rotary"
+    unit, scale = (angle, ANGLES[angle]) if rotary else (length, LENGTHS[length])
+    side = "workpiece" if name in file.chain.workpiece else "tool"
+    key = name if name.isidentifier() and name.isascii() else quoted(name)
+    yield f"[joints.{key}]", _carried(file, name)
+    yield f'kind = "{joint.kind}"', f"{'turns' if rotary else 'moves'} the {side}"
+    if rotary:
+        yield f"direction = {_figures(joint.direction)}", f"its axis; seen from the workpiece {leaning}"
+    else:
+        yield f"direction = {_figures(joint.direction)}", f"where positive {name} moves the {side}"
+    if rotary or joint.point != (0.0, 0.0, 0.0):
+        yield f"point = {_figures(joint.point, LENGTHS[length])}", "a point on its axis"
+    if joint.travel is None:
+        yield "wrap = true", "turns without end"
+    else:
+        yield f"travel = {_figures(joint.travel, scale)}", f"{unit}, lowest and highest position"
+    yield f"velocity = {_figure(joint.velocity, scale)}", f"{unit}/s{_a_minute(joint.velocity / scale, unit)}"
+    yield f"acceleration = {_figure(joint.acceleration, scale)}", f"{unit}/s^2"
+    yield f"jerk = {_figure(joint.jerk, scale)}", f"{unit}/s^3"
+
+
+def _carried(file: MachineFile, name: str) -> str:
+    """What a joint sits on, and what it carries."""
+    for order, end in ((file.chain.workpiece, "workpiece"), (file.chain.tool, "tool")):
+        if name in order:
+            at = order.index(name)
+            below = "the bed" if at == 0 else order[at - 1]
+            above = f"the {end}" if at + 1 == len(order) else order[at + 1]
+            return f"sits on {below} and carries {above}"
+    return ""
+
+
+def _a_minute(velocity: float, unit: str) -> str:
+    """The same velocity as it stands in a maker's data sheet."""
+    if not math.isfinite(velocity):
+        return ""
+    if unit in TURN_PER_MINUTE:
+        return f", {velocity * TURN_PER_MINUTE[unit]:.4g} rpm"
+    return f", {60.0 * velocity:.4g} in/min" if unit == "in" else f", {60.0 * velocity * LENGTHS[unit]:.4g} m/min"
+
+
+def _laid_out(lines: list[Line]) -> Iterator[str]:
+    """The lines with their comments one below the other."""
+    widest = max((len(text) for text, _ in lines if len(text) < WIDEST), default=0)
+    column = max(COLUMN, widest + 2)
+    for text, comment in lines:
+        yield (f"{text:<{column - 2}}  # {printable(comment)}" if comment else text) + "\n"
+
+
+def quoted(text: str) -> str:
+    """A TOML string, with what cannot be printed written as its number."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'
+
+
+def listed(names: Iterable[str]) -> str:
+    """A TOML array of strings."""
+    return "[" + ", ".join(quoted(name) for name in names) + "]"

@@ -1,0 +1,113 @@
+"""The guard by itself: what it looks for between the nodes, and what it hands back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbed.jets import path_of, straight
+from tests.support.mesh_problems import small
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.endstate import AT_REST
+from toolpace.planning.guarantee import GUARANTEE
+from toolpace.planning.mesh.nodes import first_mesh
+from toolpace.planning.optimal.ease import closer, slowing, within_guarantee
+from toolpace.planning.optimal.guard import guarded
+from toolpace.planning.optimal.meshed_run import MeshedRun
+from toolpace.planning.optimal.solve import LIMITS, Stalled, start_from
+from toolpace.planning.optimal.windows import solve_run
+from toolpace.planning.peaks import Look, Peaks
+from toolpace.workers import UNTOLD, Workers
+
+WORKERS = Workers()
+LOOSE = Limits([1.0], [1e6], [1e12])
+"""A line that is run at full speed from end to end: no law that is slower somewhere uses more of these."""
+
+
+def meshed_and_solved(run, limits, cells):
+    """A run on a mesh, and its law with the limits held at the nodes."""
+    nodes, rough = first_mesh(run, limits, (0.0, 0.0), cells)
+    meshed = MeshedRun.after_guess(run, limits, nodes, (AT_REST, AT_REST), rough)
+    c = solve_run(meshed, start_from(meshed, rough.s, rough.z, 0.4), 1.0, WORKERS, UNTOLD)
+    return meshed, SplineLaw(meshed.nodes, c, meshed.rest)
+
+
+def with_a_dip(law, cell, left=0.02):
+    """The law with z fallen, within a cell, to a third of what is left of it at both its nodes."""
+    c = law.c.copy()
+    c[cell + 1 : cell + 3] *= left
+    return SplineLaw(law.nodes, c, law.rest)
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+def test_a_cell_in_which_z_falls_far_is_solved_again(fixed):
+    """It passes no limit: nothing but the look at dips sees that the motion crawls there."""
+    meshed, law = meshed_and_solved(path_of(straight([1.0])).runs[0], LOOSE, 60)
+    law = guarded(meshed, law, True, WORKERS)
+    assert not law.dips().any() and len(law.nodes) == len(meshed.nodes)
+    crawling = with_a_dip(law, 30)
+    assert crawling.dips()[30] and meshed.look.peaks(crawling).used.max() <= GUARANTEE
+    assert crawling.duration > 1.05 * law.duration
+    found = guarded(meshed, crawling, fixed, WORKERS)
+    assert not found.dips().any() and found.duration < 1.001 * law.duration
+    assert Look(meshed.run, LOOSE, found.nodes).peaks(found).used.max() <= GUARANTEE
+
+
+def test_a_law_that_dips_is_never_handed_back():
+    """Within every limit as it is, and too slow, or of no duration at all: z falls to nothing between two nodes."""
+    meshed, law = meshed_and_solved(path_of(straight([1.0])).runs[0], LOOSE, 60)
+    law = guarded(meshed, law, True, WORKERS)
+    for left in (0.02, -0.08):
+        crawling = with_a_dip(law, 30, left)
+        assert crawling.dips().any()
+        found = within_guarantee(meshed, crawling, meshed.look.peaks(crawling).used, WORKERS)
+        assert not found.dips().any() and np.isfinite(found.duration)
+        assert Look(meshed.run, LOOSE, found.nodes).peaks(found).used.max() <= GUARANTEE
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("faster", [1.0001, 1.01, 1.5])
+def test_what_passes_the_guarantee_is_slowed_down_to_it(seed, faster):
+    """The law that holds its limits at the nodes, run faster: as a whole, or at one place."""
+    run, limits, _, _ = small(900 + seed, cells=60, breaks=False)
+    meshed, law = meshed_and_solved(run, limits, 60)
+    held = guarded(meshed, law, True, WORKERS)
+    place = np.full(len(held.c), 1.0)
+    place[30:33] = faster
+    for c in (held.c * faster, held.c * place):
+        fast = SplineLaw(held.nodes, c, held.rest)
+        peak = Look(run, limits, held.nodes).peaks(fast).used
+        found = within_guarantee(meshed, fast, peak, WORKERS)
+        assert Look(run, limits, found.nodes).peaks(found).used.max() <= GUARANTEE
+        assert found.duration <= fast.duration * np.sqrt(slowing(peak)) * (1.0 + 1e-3)
+
+
+def test_where_nothing_can_be_slowed_down_the_worst_place_is_named():
+    """A usage that is no number, or infinite, in one cell: by its place and the limit."""
+    meshed, law = meshed_and_solved(path_of(straight([1.0])).runs[0], LOOSE, 60)
+    for kind, name in enumerate(LIMITS):
+        for bad in (np.nan, np.inf):
+            peak = np.full((len(law.nodes) - 1, 3), 0.5)
+            peak[23, kind] = bad
+            with pytest.raises(Stalled) as caught:
+                within_guarantee(meshed, law, peak, WORKERS)
+            assert (caught.value.place, caught.value.limit) == (law.nodes[23], name)
+
+
+@pytest.mark.parametrize("kind", range(3))
+def test_the_cells_that_ask_for_most_slowing_are_looked_at_closely(monkeypatch, kind):
+    """By speed, acceleration and jerk alike: what hides between probes there is what all is slowed down for."""
+    meshed, law = meshed_and_solved(path_of(straight([1.0])).runs[0], LOOSE, 60)
+    peak = np.random.default_rng(kind).uniform(0.5, 0.9, (len(law.nodes) - 1, 3))
+    peak[41, kind] = 1.2
+    looked = []
+
+    def peaks_in(fine, cells, workers):
+        looked.append((cells, len(fine.inside)))
+        return Peaks(np.full((len(cells), 3), 1.3), np.zeros((len(cells), 3)))
+
+    monkeypatch.setattr(meshed.look, "peaks_in", peaks_in)
+    assert closer(meshed.look, law, peak, WORKERS) == pytest.approx(1.3**2)
+    ((cells, probes),) = looked
+    assert cells[0] == 41 and len(cells) == 20 and probes == 1000

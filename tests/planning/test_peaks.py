@@ -1,0 +1,48 @@
+"""The look between the nodes: feeds told by five places of a cell, and what is looked at again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbed.jets import harmonics, path_of
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.peaks import BENT, Look, caps_between
+
+INSIDE = np.linspace(0.0, 1.0, 17)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_caps_between_are_those_of_a_polynomial_of_the_fourth_degree(seed):
+    """The square of the inverse of the cap; how far it is from the third degree is its fourth difference."""
+    of_cell = np.random.default_rng(seed).uniform(-0.2, 0.2, (7, 5))
+    of_cell[:, 4] = 2.0
+    of_cell[0, 0] = 0.0
+
+    def cap(x):
+        return np.stack([1.0 / np.sqrt(np.polyval(each, x)) for each in of_cell])
+
+    told, bend = caps_between(cap(np.linspace(0.0, 1.0, 5)).T, INSIDE)
+    np.testing.assert_allclose(told, cap(INSIDE), rtol=1e-9)
+    least = (1.0 / cap(np.linspace(0.0, 1.0, 5)) ** 2).min(axis=1)
+    np.testing.assert_allclose(bend, np.abs(of_cell[:, 0]) * 24.0 / 4.0**4 / least, atol=1e-12)
+    assert bend[0] <= BENT < bend[1:].max()
+
+
+def test_a_feed_of_a_smooth_cap_is_used_as_it_is():
+    """Told by five places of each cell or asked at every probe: the usage of the feed is the same."""
+
+    def speed_cap(s):
+        return 1.0 / np.sqrt(2.0 + np.sin(7.0 * s))
+
+    run = path_of(harmonics(np.random.default_rng(3), 2), speed_cap=speed_cap).runs[0]
+    limits = Limits([1e3] * 2, [1e6] * 2, [1e9] * 2)
+    nodes = np.linspace(0.01, 0.99, 99)
+    law = SplineLaw(nodes, np.full(101, 0.5), (0.0, 0.0))
+    asked = Look(run, limits, nodes).peaks_in(law, np.arange(98))
+    run.smooth_cap = True
+    told = Look(run, limits, nodes).peaks(law)
+    np.testing.assert_allclose(told.used[:, 0], asked.used[:, 0], rtol=1e-6)
+    middle = (nodes[:-1] + nodes[1:]) / 2.0
+    np.testing.assert_allclose(told.used[:, 0], np.sqrt(0.5) / speed_cap(middle), rtol=0.05)

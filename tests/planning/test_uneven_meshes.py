@@ -1,0 +1,39 @@
+"""Meshes with breaks next to each other: what is narrow is neither lost nor spoils the rest."""
+
+import numpy as np
+import pytest
+
+from testbed.from_positions import used_by_positions
+from testbed.random_plans import random_plan
+from toolpace.planning.mesh.nodes import MOST_UNLIKE, graded
+from toolpace.planning.planner import plan
+
+
+@pytest.mark.parametrize(
+    ("seed", "why"),
+    [
+        (1000871, "a break in the first cell of a motion was dropped: 1400 times the acceleration"),
+        (1000804, "a bend beside the end of a long cell next to rest fell between two looks: 1.003"),
+        (1001824, "a bend of the third derivative at a hint of the path, inside a cell of a fixed mesh: 1.01"),
+    ],
+)
+def test_what_is_narrow_is_seen(seed, why):
+    made = random_plan(seed)
+    trajectory = plan(made.path, made.limits, **made.options)
+    assert used_by_positions(trajectory).max() < 1.0001, why
+    assert trajectory.usage().worst < 1.0001
+
+
+def test_blends_far_shorter_than_the_cells_do_not_keep_the_spline_from_moving():
+    """The solver gave up, and all was slowed down to 17 000 s."""
+    made = random_plan(1001230)
+    assert plan(made.path, made.limits, **made.options).duration < 20.2
+
+
+def test_cells_side_by_side_are_alike():
+    random = np.random.default_rng(5)
+    for _ in range(200):
+        nodes = np.unique(np.concatenate([random.uniform(size=20), 0.5 + 10.0 ** random.uniform(-9, -1, 12)]))
+        cell = np.diff(graded(nodes))
+        assert np.isin(nodes, graded(nodes)).all()
+        assert max((cell[1:] / cell[:-1]).max(), (cell[:-1] / cell[1:]).max()) <= MOST_UNLIKE
