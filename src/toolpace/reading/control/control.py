@@ -247,6 +247,13 @@ class Control:
         length = math.dist(words[:3], before[:3]) if length is None else length
         return self.feed.rate(number, self.line, length, math.dist(words[3:], before[3:]))
 
+    def shorten(self, words: list[float]) -> None:
+        """End the last motion, which was straight, at words (3 + rotary) that lie on its way."""
+        place = self.placement.place(words)
+        last = self.moves.rows[-1]
+        self.moves.rows[-1] = (*place, *last[len(place) :])
+        self.words = words
+
     def begin_here(self) -> None:
         """Take the place where the machine is, as far as it is known, for the start of the path."""
         if not len(self.moves):

@@ -46,7 +46,7 @@ class Drilling:
     out_speed: float = 0.0
     """Of the way out at feed [m/s]; 0: the feed in force."""
     stops: bool = False
-    """Whether the spindle stops or reverses at the bottom: so does the motion."""
+    """Whether the spindle stops or reverses at the bottom: so does the motion, and chips are broken at feed."""
 
 
 def depths(cycle: Drilling) -> list[float]:
@@ -95,8 +95,12 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
             break
         if cycle.peck_dwell:
             control.dwell(cycle.peck_dwell)
+        if cycle.stops:
+            control.stop()
         if cycle.chip_break and not (cycle.full_after and (k + 1) % (cycle.full_after + 1) == 0):
-            to(cycle.top + down * max(depth - cycle.chip_break, 0.0), True)
+            to(cycle.top + down * max(depth - cycle.chip_break, 0.0), not cycle.stops)
+            if cycle.stops:
+                control.stop()
         else:
             to(cycle.top, True)
             if cycle.top_dwell:

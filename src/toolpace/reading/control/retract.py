@@ -1,4 +1,4 @@
-"""The way back along the tool: by a length, or to the end of travel."""
+"""The way back along the tool, by a length or to the end of travel; and turns about a point of the tool."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ import numpy as np
 
 from toolpace.reading.control.control import Control
 
+SAG = 0.45e-6
+"""Most distance of the tip from the chords of a turn [m]; as of arcs."""
+MOST_CHORDS = 10_000
 STILL = 1e-9
 """Share of a way that is rounding."""
 
@@ -53,3 +56,29 @@ def room(control: Control, joints: list[float], way: np.ndarray) -> float:
             control.line,
         )
     return max(float(nearest), 0.0)
+
+
+def turn_about(control: Control, wanted: list[float], distance: float, *, rapid: bool) -> None:
+    """Turn the rotary joints to words (rotary) [rad] while the point of the tool that is `distance` [m] above its tip
+    keeps its place on the part."""
+    poses, placement = control.poses, control.placement
+    if poses.machine is None or not distance:
+        control.straight([*control.words[:3], *wanted], 0, rapid=rapid)
+        return
+    present = control.words[3:]
+    shift = placement.shift or (0.0,) * len(wanted)
+    place = placement.place(control.words)
+    tip = place[:3] if placement.tip_mode else poses.to_tip(place, placement.longer)[:3]
+    pivot = np.array(tip) + distance * np.array(poses.axis(place[3:]))
+    turned = math.dist(wanted, present)
+    chords = math.ceil(turned / math.sqrt(8.0 * SAG / (abs(distance) + SAG))) or 1
+    if chords > MOST_CHORDS:
+        control.source.fail(
+            f"a turn about a point {distance * 1e3:g} mm above the tip: check the distance", control.line
+        )
+    for k in range(1, chords + 1):
+        rotary = [a + (b - a) * k / chords for a, b in zip(present, wanted)]
+        joints = [a + b for a, b in zip(rotary, shift)]
+        at = [*(pivot - distance * np.array(poses.axis(joints))).tolist(), *joints]
+        at = at if placement.tip_mode else poses.to_joints(at, placement.longer)
+        control.straight(placement.words(at), 0, rapid=rapid)

@@ -1,0 +1,1 @@
+"""Heidenhain Klartext: statements compiled once, executed on the virtual control."""

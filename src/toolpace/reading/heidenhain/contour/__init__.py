@@ -1,0 +1,1 @@
+"""Elements of contours: lines, arcs, polar ones, corners."""

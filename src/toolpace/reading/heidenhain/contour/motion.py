@@ -1,0 +1,222 @@
+"""Straight blocks: L, LN, and what turns with them. Compiled once, executed often."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Protocol
+
+from toolpace.reading.control import affine
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.control.orientation import near
+from toolpace.reading.heidenhain.frames import Frames, spatial
+from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
+from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
+from toolpace.reading.heidenhain.klartext.words import PathWords
+from toolpace.reading.heidenhain.state import State
+from toolpace.units import DEGREE, MINUTE
+
+Step = Callable[[], None]
+Axis = tuple[int, bool, Value, float]
+"""Column of the words, whether incremental, value, and its unit [m or rad]."""
+PROGRAM_CONTOUR = "give --compensation program where the contour is the tool's centre, or write R0"
+TURNING = {
+    "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
+    "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
+}
+"""What is said of `feed_when_turning`."""
+OTHER_FEEDS = {
+    "FZ": "write F or FU, a length a turn, in place of a length a tooth",
+    "FT": "write F in place of the time of a block",
+    "FMAXT": "write FMAX in place of the time of a rapid",
+}
+
+
+class CornerLayer(Protocol):
+    """What a motion asks of `corners`."""
+
+    def lay(self, target: list[float]) -> None:
+        """Lay the corner before the straight way to the target begins."""
+
+    def refuse(self) -> None:
+        """Note that the corner at hand is not read."""
+
+
+class Motion:
+    """Straight motion, feed and compensation."""
+
+    def __init__(self, control: Control, state: State, frames: Frames, follow_contour: bool) -> None:
+        self.control, self.state, self.frames = control, state, frames
+        self.follow_contour = follow_contour
+        self.corners: CornerLayer | None = None
+        """What lays a corner before the line behind it."""
+
+    # Words
+
+    def resolved(self, words: PathWords) -> list[Axis]:
+        """Axis words with their columns and units; of one letter that stands twice, an error."""
+        found: list[Axis] = []
+        for letter, incremental, value in words.axes:
+            slot = self.control.slot(letter)
+            if any(axis[0] == slot for axis in found):
+                raise BlockError(f"{letter} stands twice in one block: remove one")
+            found.append((slot, incremental, value, self.state.unit if slot < 3 else DEGREE))
+        return found
+
+    def target(self, axes: list[Axis]) -> tuple[list[float], int]:
+        """Words (3 + rotary) at the end of a block, and the bits of X, Y, Z that it names."""
+        words, named = list(self.control.words), 0
+        for slot, incremental, value, unit in axes:
+            figure = value if isinstance(value, float) else value()
+            if not -LARGEST <= figure <= LARGEST:
+                raise BlockError(f"a coordinate of {figure:.6g} is beyond any machine: check its figures")
+            figure *= unit
+            words[slot] = words[slot] + figure if incremental else figure
+            if slot < 3:
+                named |= 1 << slot
+            elif self.state.shortest and not incremental:
+                words[slot] = self.shorter(slot, words[slot])
+        return words, named
+
+    def shorter(self, slot: int, angle: float) -> float:
+        """The rotary word plus the whole turns that make the shortest way within travel [rad]."""
+        control = self.control
+        machine, shift = control.poses.machine, control.placement.shift
+        assert machine is not None
+        low, high = machine.travel[control.poses.rotary[slot - 3]]
+        added = shift[slot - 3] if shift else 0.0
+        found = near(angle + added, control.words[slot] + added, float(low), float(high))
+        return angle if found is None else found - added
+
+    # Feed and compensation
+
+    def set_feed(self, words: PathWords) -> bool:
+        """Take the F of a block; returns whether it is a rapid."""
+        word = words.feed_word
+        if not word or word == "FMAX":
+            return word == "FMAX"
+        if word in OTHER_FEEDS:
+            self.control.findings.refused(word, self.control.line, OTHER_FEEDS[word])
+            return False
+        if word == "FAUTO":
+            if self.state.tool_feed is None:
+                raise BlockError("FAUTO takes the F of TOOL CALL, which has none: write one there, or F here")
+            self.feed(self.state.tool_feed)
+        elif words.feed is not None:
+            self.feed(evaluate(words.feed), per_revolution=word == "FU" or self.state.per_revolution)
+        return False
+
+    def feed(self, number: float, per_revolution: bool = False) -> None:
+        """Put F in force."""
+        self.control.feed.set_mode(PER_REVOLUTION if per_revolution else PER_MINUTE)
+        self.control.feed.set(number, self.state.feed_unit, self.control.line)
+
+    def speed_of(self, number: float) -> tuple[float, float]:
+        """F as a speed [m/s] and a rotation in place [rad/s]. Raises BlockError."""
+        if not 0.0 < number <= 1e9:
+            raise BlockError(f"feed F{number:g} must be above zero (and at most 1e9): correct F")
+        return number * self.state.feed_unit / MINUTE, number * DEGREE / MINUTE
+
+    def compensation(self, side: str) -> bool:
+        """Take R0, RL, RR; returns whether the block can be read."""
+        if side in ("", "R0") or self.follow_contour:
+            if side not in ("", "R0"):
+                self.control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
+            return True
+        self.control.findings.refused(side, self.control.line, PROGRAM_CONTOUR)
+        return True
+
+    # Blocks
+
+    def line(self, words: PathWords) -> Step:
+        """L with its axis words, feed and compensation."""
+        axes, side, plain = self.resolved(words), words.side, words.feed_word in ("", "FMAX")
+        self.only(words, "L", ())
+        rapid = words.feed_word == "FMAX"
+        turns = any(axis[0] > 2 for axis in axes)
+
+        def run() -> None:
+            if side and side != "R0":
+                self.compensation(side)
+            fast = rapid if plain else self.set_feed(words)
+            if not axes:
+                return
+            target, named = self.target(axes)
+            if turns and (self.state.spatial or self.frames.plane is not None):
+                self.turning(target, named, fast)
+            elif turns and named and not fast and not self.state.tip_mode:
+                self.control.findings.assumed(TURNING[self.control.rules.feed.turning])
+                self.straight(target, named, fast)
+            else:
+                self.straight(target, named, fast)
+
+        return run
+
+    def straight(self, target: list[float], named: int, rapid: bool) -> None:
+        """Move straight, and remember from where."""
+        control, state = self.control, self.state
+        if state.corner is not None:
+            if rapid or self.corners is None:
+                self.refuse_corner()
+            else:
+                self.corners.lay(target)
+        before = control.words
+        control.straight(target, named, rapid=rapid)
+        state.came_from, state.came_by = before, None
+
+    def refuse_corner(self) -> None:
+        """A corner that waits for a straight line, before a motion that is none."""
+        if self.state.corner is not None and self.corners is not None:
+            self.corners.refuse()
+
+    def turning(self, target: list[float], named: int, rapid: bool) -> None:
+        """A block that turns, in a tilted plane or by spatial angles."""
+        control, state = self.control, self.state
+        if state.spatial and state.tip_mode:
+            letters = {name.upper(): k for k, name in enumerate(control.poses.rotary_names)}
+            a, b, c = (target[3 + letters[x]] if x in letters else 0.0 for x in "ABC")
+            axis = control.direction_on_part(affine.direct(spatial(a, b, c), (0.0, 0.0, 1.0)))
+            self.straight([*target[:3], *control.rotary_for(axis)], named, rapid)
+        elif state.tip_mode or named:
+            self.straight(target, named, rapid)
+        else:
+            # without M128 the linear axes stand still while rotary axes turn, also in a tilted plane
+            control.turn_joints(target[3:], rapid=rapid)
+            state.came_from = []
+
+    def normal_line(self, words: PathWords) -> Step:
+        """LN: the tip goes straight, the tool to the direction TX TY TZ."""
+        axes = self.resolved(words)
+        self.only(words, "LN", ("NX", "NY", "NZ", "TX", "TY", "TZ"))
+        given = [words.others.get(name) for name in ("TX", "TY", "TZ")]
+        normals = any(name in words.others for name in ("NX", "NY", "NZ"))
+
+        def run() -> None:
+            control, line = self.control, self.control.line
+            self.compensation(words.side)
+            rapid = self.set_feed(words)
+            target, named = self.target(axes)
+            tool = [0.0 if value is None else evaluate(value) for value in given]
+            if any(value is not None for value in given):
+                if not self.state.tip_mode:
+                    control.findings.refused("TX TY TZ without M128", line, "write M128 or FUNCTION TCPM before")
+                    return
+                length = math.hypot(*tool)
+                if not 1e-6 < length < 1e6:
+                    raise BlockError("TX TY TZ is no direction: give the one from the tip to the spindle")
+                target[3:] = control.rotary_for(control.direction_on_part([value / length for value in tool]))
+            elif normals and self.state.tip_mode:
+                control.findings.refused("NX NY NZ without TX TY TZ", line, "write the tool's direction TX TY TZ too")
+                return
+            self.straight(target, named, rapid)
+
+        return run
+
+    def only(self, words: PathWords, name: str, allowed: tuple[str, ...]) -> None:
+        """Refuse a block with words that its kind does not have."""
+        for other, value in words.others.items():
+            if other == "S" and isinstance(value, float):
+                continue
+            if other not in allowed:
+                raise BlockError(f"{other} is no word of {name}: check its spelling, or remove it")

@@ -1,0 +1,101 @@
+"""Polar blocks: LP, CP, CTP."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.reading.arcs import arc_about
+from toolpace.reading.heidenhain.contour.circles import Circles
+from toolpace.reading.heidenhain.contour.motion import Axis, Step
+from toolpace.reading.heidenhain.klartext.expressions import evaluate
+from toolpace.reading.heidenhain.klartext.parameters import BlockError
+from toolpace.reading.heidenhain.klartext.words import PathWords
+from toolpace.reading.heidenhain.state import OF_AXIS
+from toolpace.units import DEGREE
+
+MOST_TURNS = 15.0
+"""Of one helix: 5400 degrees are the most that the control takes."""
+POLAR = ("PR", "IPR", "PA", "IPA")
+
+
+class Polar:
+    """Points by radius and angle about the pole."""
+
+    def __init__(self, circles: Circles) -> None:
+        self.circles = circles
+        self.control, self.state, self.motion = circles.control, circles.state, circles.motion
+
+    def polar_line(self, words: PathWords) -> Step:
+        """LP: straight to a polar point."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "LP", POLAR)
+
+        def run() -> None:
+            self.circles.need_pole()
+            rapid = self.circles.begin(words)
+            target, named = self.polar(words, axes)
+            self.motion.straight(target, named, rapid)
+
+        return run
+
+    def polar_arc(self, words: PathWords) -> Step:
+        """CP: about the pole to an angle; with IPA over several turns, and with Z a helix."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "CP", ("PA", "IPA"))
+        by = words.others.get("IPA")
+
+        def run() -> None:
+            self.circles.need_pole()
+            rapid = self.circles.begin(words)
+            target, named = self.polar(words, axes)
+            turned = 0.0 if by is None else self.circles.limited(evaluate(by)) * DEGREE
+            sense = words.sense or (int(math.copysign(1, turned)) if turned else 0)
+            if not sense:
+                raise BlockError("CP needs its sense: write DR+ or DR-")
+            if turned * sense < 0.0:
+                raise BlockError("IPA and DR of CP have different signs: correct one")
+            if abs(turned) > MOST_TURNS * 2.0 * math.pi + 1e-9:
+                raise BlockError("IPA is more than 5400 degrees: divide the helix")
+            axis = self.state.tool_axis
+            normal = [float(sense) if k == axis else 0.0 for k in range(3)]
+            made = arc_about(self.control.words, target, self.state.pole, normal)
+            if turned:
+                made = made._replace(sweep=abs(turned))
+            self.circles.arc(made, target, named, rapid)
+
+        return run
+
+    def polar_tangent(self, words: PathWords) -> Step:
+        """CTP: tangent arc to a polar point."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "CTP", POLAR)
+
+        def run() -> None:
+            self.circles.need_pole()
+            rapid = self.circles.begin(words)
+            target, named = self.polar(words, axes)
+            self.circles.along_tangent(target, named, rapid)
+
+        return run
+
+    def polar(self, words: PathWords, axes: list[Axis]) -> tuple[list[float], int]:
+        """Words (3 + rotary) of a polar point: what is not given stays as it is here."""
+        target, named = self.motion.target(axes)
+        state, others = self.state, words.others
+        first, second = OF_AXIS[state.tool_axis]
+        if named & (1 << first | 1 << second):
+            raise BlockError("a polar block takes the coordinate along the tool axis beside PR and PA only")
+        du = self.control.words[first] - state.pole[first]
+        dv = self.control.words[second] - state.pole[second]
+        radius, angle = math.hypot(du, dv), math.atan2(dv, du)
+        if "PR" in others:
+            radius = self.circles.limited(evaluate(others["PR"])) * state.unit
+        elif "IPR" in others:
+            radius += self.circles.limited(evaluate(others["IPR"])) * state.unit
+        if "PA" in others:
+            angle = self.circles.limited(evaluate(others["PA"])) * DEGREE
+        elif "IPA" in others:
+            angle += self.circles.limited(evaluate(others["IPA"])) * DEGREE
+        target[first] = state.pole[first] + radius * math.cos(angle)
+        target[second] = state.pole[second] + radius * math.sin(angle)
+        return target, named | 1 << first | 1 << second

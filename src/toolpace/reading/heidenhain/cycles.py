@@ -1,0 +1,217 @@
+"""CYCL DEF: cycles that act where they are defined, and those that are kept for their calls."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.heidenhain.contour.motion import Step
+from toolpace.reading.heidenhain.frames import Frames
+from toolpace.reading.heidenhain.holes.drilling import Holes, Items
+from toolpace.reading.heidenhain.holes.patterns import Patterns
+from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.reading.heidenhain.tilting import Tilting
+from toolpace.units import DEGREE
+
+_HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
+_ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:(F\s*MAX|F\s*AUTO|PREDEF)|(" + VALUE + "))")
+_AXIS = re.compile(r"(CC|I?)([A-CU-Z])\s*(" + VALUE + ")")
+_FIGURE = re.compile(r"[^-+0-9,Q]*?\.?\s*(" + VALUE + r")\s*")
+OLD_PECKING = {1: 200, 2: 201, 3: 202, 4: 211, 5: 206}
+"""Lines of cycle 1 to the parameters of cycle 200 that mean the same."""
+ORIENTATION = 13
+LINES = ("7", "8", "9", "10", "11", "19", "26", "32")
+"""Cycles that are written in lines 7.0, 7.1, ... and act at once."""
+CURE = "export this operation as motions (L and C blocks), or drill with cycles 200 to 207 and 240"
+
+
+class Cycles:
+    """Compiles CYCL DEF."""
+
+    def __init__(
+        self,
+        control: Control,
+        frames: Frames,
+        tilting: Tilting,
+        holes: Holes,
+        patterns: Patterns,
+        parameters: Parameters,
+        controller: Controller,
+    ) -> None:
+        self.control, self.frames, self.tilting, self.holes = control, frames, tilting, holes
+        self.patterns, self.parameters = patterns, parameters
+        self.axial = controller.option("cycle_19_angles", "spatial") == "axes"
+        self.state = tilting.machine.state
+        self.lines: dict[str, Callable[[str], Step]] = {
+            "7": self.shift,
+            "8": self.mirror,
+            "9": self.dwell,
+            "10": self.rotate,
+            "11": self.scale,
+            "19": self.tilt,
+            "26": self.scale_axes,
+            "32": self.tolerance,
+        }
+
+    def compile(self, text: str) -> Step:
+        """What stands behind CYCL DEF. Raises BlockError."""
+        head = _HEAD.match(text)
+        if head is None:
+            raise BlockError("CYCL DEF needs the number of its cycle: write one")
+        number, line, rest = head[1], int(head[2] or 0), text[head.end() :]
+        findings = self.control.findings
+        if number in self.lines:
+            # the title of cycle 19 resets nothing: its angles do
+            return self.lines[number](rest) if line else (lambda: None)
+        if number == "1":
+            return self.old_pecking(line, rest)
+        if int(number) == ORIENTATION:
+            return lambda: findings.ignored("CYCL DEF 13")
+        items = self.items(rest)
+        if int(number) in self.holes.makers:
+            return lambda: self.holes.define(int(number), self.evaluated(items))
+        if number in ("220", "221"):
+            pattern = self.patterns.circle if number == "220" else self.patterns.grid
+            return lambda: pattern(self.evaluated(items))
+        if number == "247":
+            return lambda: self.preset(self.evaluated(items))
+        return lambda: self.refused(number)
+
+    def refused(self, number: str) -> None:
+        """A cycle that is not read; nor are its calls."""
+        self.control.findings.refused(f"CYCL DEF {number}", self.control.line, CURE)
+        self.holes.define(-1, {})
+
+    def items(self, text: str) -> dict[int, Value | str]:
+        """Q parameters of a cycle. Raises BlockError where something else stands behind its title."""
+        found: dict[int, Value | str] = {}
+        first = _ITEM.search(text)
+        rest = _ITEM.sub("", text[first.start() :]).strip() if first else ""
+        if rest:
+            raise BlockError(f"'{rest[:20]}' is not read in CYCL DEF: does a ~ stand in front of it by mistake?")
+        for number, word, value in _ITEM.findall(text):
+            found[int(number)] = "".join(word.split()) if word else signed(value, self.parameters)
+        return found
+
+    def evaluated(self, items: dict[int, Value | str]) -> Items:
+        """Their figures as they are now; the control keeps them in the parameters of their names."""
+        found: Items = {}
+        for number, value in items.items():
+            found[number] = value if isinstance(value, str) else evaluate(value)
+            figure = found[number]
+            if isinstance(figure, float):
+                self.parameters.set(f"Q{number}", figure)
+        return found
+
+    def preset(self, items: Items) -> None:
+        """247: a preset of the table; shifts and turns of the program end with it."""
+        number = items.get(339)
+        if not isinstance(number, float):
+            raise BlockError("CYCL DEF 247 lacks Q339, the number of the preset: write it")
+        self.frames.new_preset()
+        self.control.set_offset(f"{number:g}")
+
+    def old_pecking(self, line: int, text: str) -> Step:
+        """1: a line for each figure."""
+        if line == 0:
+            return lambda: self.holes.define(1, {})
+        key, value = OLD_PECKING.get(line), self.figure(text, "PECKING", "DEPTH -20")
+        if key is None:
+            raise BlockError(f"CYCL DEF 1 has no line 1.{line}: correct it")
+        return lambda: self.holes.items.update({key: evaluate(value)})
+
+    # Cycles in lines
+
+    def figure(self, text: str, name: str, example: str) -> Value:
+        """The only figure of a line. Raises BlockError."""
+        found = _FIGURE.fullmatch(text)
+        if found is None:
+            raise BlockError(f"{name} has one figure: write it like {example}")
+        return signed(found[1], self.parameters)
+
+    def axes(self, text: str) -> list[tuple[str, str, Value]]:
+        """Mark (CC, I or none), letter and value of each axis. Raises BlockError where something else is there."""
+        if rest := _AXIS.sub("", text).strip():
+            raise BlockError(f"'{rest[:20]}' is not read here: write axes with their values")
+        return [(mark, letter, signed(value, self.parameters)) for mark, letter, value in _AXIS.findall(text)]
+
+    def by_letter(self, axes: list[tuple[str, str, Value]]) -> dict[str, tuple[float, bool]]:
+        """Values in metres and radians as they are now, and whether they add."""
+        unit = self.state.unit
+        return {
+            letter: (evaluate(value) * (unit if letter in "XYZ" else DEGREE), mark == "I")
+            for mark, letter, value in axes
+        }
+
+    def shift(self, text: str) -> Step:
+        """7: datum shift."""
+        if "#" in text:
+            cure = "write the shift of each axis in place of the number in the datum table"
+            return lambda: self.control.findings.refused("CYCL DEF 7 #", self.control.line, cure)
+        axes = self.axes(text)
+        return lambda: self.frames.shift(self.by_letter(axes))
+
+    def mirror(self, text: str) -> Step:
+        """8: mirror; without an axis not at all."""
+        letters = "".join(text.replace(",", " ").split())
+        if letters.strip("ABCUVWXYZ"):
+            raise BlockError(f"'{letters[:20]}' is not read in a mirror: write the letters of its axes")
+        if letters.strip("XYZ"):
+            cure = "mirror X, Y and Z only, or write the motions mirrored"
+            return lambda: self.control.findings.refused("CYCL DEF 8 of a rotary axis", self.control.line, cure)
+        return lambda: self.frames.mirror(letters)
+
+    def dwell(self, text: str) -> Step:
+        """9: seconds."""
+        value = self.figure(text, "CYCL DEF 9.1", "DWELL 2")
+        return lambda: self.control.dwell(evaluate(value))
+
+    def rotate(self, text: str) -> Step:
+        """10: turn in the plane."""
+        value, adds = self.figure(text, "CYCL DEF 10.1", "ROT+30"), "IROT" in text
+        return lambda: self.frames.rotate(self.state.tool_axis, evaluate(value) * DEGREE, adds)
+
+    def scale(self, text: str) -> Step:
+        """11: one factor for all axes."""
+        value = self.figure(text, "CYCL DEF 11.1", "SCL 0.99")
+        return lambda: self.frames.scale([self.factor(evaluate(value))] * 3)
+
+    def scale_axes(self, text: str) -> Step:
+        """26: a factor for each axis, about a centre."""
+        axes = self.axes(text)
+
+        def run() -> None:
+            by, centre = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0]
+            for mark, letter, value in axes:
+                slot = "XYZ".find(letter)
+                if slot < 0:
+                    raise BlockError("CYCL DEF 26 scales X, Y and Z only: remove the other axis")
+                if mark == "CC":
+                    centre[slot] = evaluate(value) * self.state.unit
+                else:
+                    by[slot] = self.factor(evaluate(value))
+            self.frames.scale(by, centre)
+
+        return run
+
+    def factor(self, value: float) -> float:
+        """A factor of scale. Raises BlockError."""
+        if not 1e-6 <= value <= 99.999999:
+            raise BlockError(f"a scale of {value:g} is not between 0.000001 and 99.999999: correct it")
+        return value
+
+    def tilt(self, text: str) -> Step:
+        """19: tilted plane."""
+        if "ABST" in text or "DIST" in text or "SETUP" in text or re.search(r"F\s*[0-9]", text):
+            cure = "write PLANE SPATIAL .. TURN, or position A, B, C by Q120 to Q122 in a block of its own"
+            return lambda: self.control.findings.refused("CYCL DEF 19 with a feed", self.control.line, cure)
+        axes = self.axes(text)
+        return lambda: self.tilting.cycle_19({x: evaluate(value) for _, x, value in axes}, axial=self.axial)
+
+    def tolerance(self, _: str) -> Step:
+        """32: told, not obeyed."""
+        return lambda: self.control.tolerance("CYCL DEF 32")

@@ -1,0 +1,110 @@
+"""The order of blocks: labels, calls, repetitions, jumps, other programs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from toolpace.reading.findings import Findings
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.program import Program, beside
+from toolpace.reading.heidenhain.state import State
+
+MOST_CALLS = 100
+"""Calls within each other; the control takes fewer."""
+
+
+@dataclass
+class Call:
+    """A call that is under way."""
+
+    program: Program
+    """That calls."""
+    back: int
+    """Block with which it goes on."""
+    line: int
+    """Of the call, in the main program."""
+    other: bool = False
+    """Whether it called another program."""
+    repeats: dict[int, int] = field(default_factory=dict)
+    """How often blocks `CALL LBL .. REP` still jump back, by block, in the part that was called."""
+    local: dict[str, float] = field(default_factory=dict)
+    units: tuple[float, float] = (0.0, 0.0)
+    """Local parameters and units of the program that calls."""
+
+
+class Flow:
+    """Which block is next."""
+
+    def __init__(
+        self, program: Program, findings: Findings, state: State, parameters: Parameters, block_delete: bool
+    ) -> None:
+        self.program, self.findings, self.main = program, findings, program
+        self.state, self.parameters, self.block_delete = state, parameters, block_delete
+        self.at = 0
+        """Index of the next block."""
+        self.calls: list[Call] = []
+        self.repeats: dict[int, int] = {}
+        self.programs: dict[str, Program] = {program.source.name: program}
+
+    def line(self, line: int) -> int:
+        """The line of the main program at which a block of this line is executed."""
+        return next((call.line for call in self.calls if call.other), line)
+
+    def to(self, label: str) -> None:
+        """Go on behind a label. Raises BlockError."""
+        index = self.program.labels.get(label)
+        if index is None:
+            raise BlockError(f"there is no LBL {label} in this program: correct the name of the label")
+        self.at = index
+
+    def call(self, label: str, line: int) -> None:
+        """Run from a label to LBL 0, and come back."""
+        made = Call(self.program, self.at, self.line(line))
+        self.to(label)
+        self._push(made)
+
+    def repeat(self, label: str, times: int) -> None:
+        """Go back to a label `times` more times, then go on."""
+        repeats = self.calls[-1].repeats if self.calls else self.repeats
+        block = self.at - 1
+        left = repeats.get(block, times)
+        if left > 0:
+            self.to(label)
+            repeats[block] = left - 1
+        else:
+            repeats.pop(block, None)
+
+    def call_program(self, name: str, line: int) -> None:
+        """Run another file, and come back. Raises BlockError, ProgramError."""
+        found = self.programs.get(name)
+        if found is None:
+            source = beside(self.program.source, name)
+            if source is None:
+                cure = "put the file into the folder of this program, or write its blocks in place of the call"
+                self.findings.refused(f"CALL PGM {name}", self.line(line), cure)
+                return
+            found = self.programs[name] = Program(source, self.findings, self.block_delete)
+        units = self.state.unit, self.state.feed_unit
+        self._push(Call(self.program, self.at, self.line(line), True, {}, self.parameters.local, units))
+        self.program, self.at, self.parameters.local = found, 0, {}
+
+    def _push(self, call: Call) -> None:
+        if len(self.calls) >= MOST_CALLS:
+            raise BlockError(f"more than {MOST_CALLS} calls within each other: does a subprogram call itself?")
+        self.calls.append(call)
+
+    def end_label(self) -> None:
+        """LBL 0: back from a subprogram; nothing where it was met in line."""
+        if self.calls and not self.calls[-1].other:
+            self.at = self.calls.pop().back
+
+    def end_program(self) -> None:
+        """END PGM, or the end of the file: back to the program that called, or the end. Raises BlockError."""
+        if not self.calls:
+            self.state.ended = True
+            return
+        call = self.calls.pop()
+        if not call.other:
+            raise BlockError("a subprogram that was called reaches the end of the program: end it with LBL 0")
+        self.program, self.at, self.parameters.local = call.program, call.back, call.local
+        self.state.unit, self.state.feed_unit = call.units

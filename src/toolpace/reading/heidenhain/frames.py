@@ -1,0 +1,159 @@
+"""What a program shifts, mirrors, turns, scales and tilts, put together to one frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from toolpace.reading.control import affine
+from toolpace.reading.control.affine import Matrix
+from toolpace.reading.control.control import Control
+
+IN_TILTED = "what is shifted, mirrored, turned or scaled in a tilted plane adds to what was before the plane"
+
+IN_ORDER = "shift, mirror, rotation and scales each act in the frame of those that were programmed before"
+
+
+class Level:
+    """Transformations in the order in which they were first programmed: each acts in the frame of those before."""
+
+    def __init__(self) -> None:
+        self.steps: dict[str, Matrix] = {}
+        self.shifts = [0.0, 0.0, 0.0]
+        self.angle = 0.0
+
+    def put(self, kind: str, matrix: Matrix) -> None:
+        """Replace the transformation of a kind; one that does nothing gives up its place in the order."""
+        if matrix == affine.IDENTITY:
+            self.steps.pop(kind, None)
+        else:
+            self.steps[kind] = matrix
+
+    def matrix(self) -> Matrix:
+        """All of them."""
+        made = affine.IDENTITY
+        for step in self.steps.values():
+            made = affine.product(made, step)
+        return made
+
+
+class Frames:
+    """The frame of a program: a level before the tilted plane, the plane, and a level in it."""
+
+    def __init__(self, control: Control) -> None:
+        self.control = control
+        self.before, self.within = Level(), Level()
+        self.plane: Matrix | None = None
+        self.rotary = [0.0] * len(control.turn)
+
+    @property
+    def level(self) -> Level:
+        """Where a transformation that is programmed now belongs."""
+        if self.plane is None:
+            return self.before
+        self.control.findings.assumed(IN_TILTED)
+        return self.within
+
+    def matrix(self) -> Matrix:
+        """The whole frame."""
+        plane = affine.IDENTITY if self.plane is None else self.plane
+        return affine.product(affine.product(self.before.matrix(), plane), self.within.matrix())
+
+    def apply(self) -> None:
+        """Hand it to the control."""
+        if len(self.before.steps) > 1 or len(self.within.steps) > 1:
+            self.control.findings.assumed(IN_ORDER)
+        matrix = self.matrix()
+        matrix = affine.IDENTITY if matrix == affine.IDENTITY else matrix
+        self.control.set_frame(matrix, tilted=self.plane is not None)
+
+    def shift(self, by: Mapping[str, tuple[float, bool]]) -> None:
+        """Shift axes by letter: value [m, rad], and whether it adds to the shift before."""
+        level = self.level if any(letter in "XYZ" for letter in by) else self.before
+        for letter, (value, adds) in by.items():
+            slot = self.control.slot(letter)
+            if slot < 3:
+                level.shifts[slot] = value + (level.shifts[slot] if adds else 0.0)
+            else:
+                self.rotary[slot - 3] = value + (self.rotary[slot - 3] if adds else 0.0)
+        level.put("shift", affine.shift(level.shifts))
+        self.apply()
+        self.control.set_rotary_shift(tuple(self.rotary))
+
+    def reset_shift(self) -> None:
+        """No shift of any axis."""
+        for level in (self.before, self.within):
+            level.shifts = [0.0, 0.0, 0.0]
+            level.put("shift", affine.IDENTITY)
+        self.rotary = [0.0] * len(self.rotary)
+        self.apply()
+        self.control.set_rotary_shift(tuple(self.rotary))
+
+    def mirror(self, letters: str) -> None:
+        """Mirror the axes of these letters, and no others."""
+        self.level.put("mirror", affine.scaling([-1.0 if letter in letters else 1.0 for letter in "XYZ"]))
+        self.apply()
+
+    def rotate(self, axis: int, angle: float, adds: bool) -> None:
+        """Turn about an axis 0, 1 or 2 [rad]."""
+        level = self.level
+        level.angle = angle + (level.angle if adds else 0.0)
+        level.put("rotation", affine.rotation(axis, level.angle))
+        self.apply()
+
+    def scale(self, by: list[float], centre: list[float] | None = None) -> None:
+        """Scale along the axes (3,), about a centre (3,) [m] or the datum."""
+        made = affine.scaling(by)
+        if centre is not None:
+            back = affine.shift([-value for value in centre])
+            made = affine.product(affine.product(affine.shift(centre), made), back)
+        self.level.put("scale" if centre is None else "scale of axes", made)
+        self.apply()
+
+    def tilt(self, plane: Matrix | None) -> None:
+        """Tilt to a plane, a rotation in the frame of the datum; None: not at all."""
+        if plane is None and self.within.steps:
+            self.control.findings.assumed("what was shifted in the tilted plane ends with it")
+        self.within = Level() if plane is None else self.within
+        self.plane = plane
+        self.apply()
+
+    def new_preset(self) -> None:
+        """Drop what was programmed about the preset before; the tilted plane stays."""
+        if self.before.steps or self.within.steps or any(self.rotary):
+            self.before, self.within = Level(), Level()
+            self.rotary = [0.0] * len(self.rotary)
+            self.apply()
+            self.control.set_rotary_shift(tuple(self.rotary))
+
+
+def spatial(a: float, b: float, c: float) -> Matrix:
+    """Spatial angles [rad] about the fixed axes X, then Y, then Z."""
+    return affine.turns((2, c), (1, b), (0, a))
+
+
+def euler(precession: float, nutation: float, rotation: float) -> Matrix:
+    """Euler angles [rad] about z, the new x, the new z."""
+    return affine.turns((2, precession), (0, nutation), (2, rotation))
+
+
+def of_axes(x: list[float], z: list[float]) -> Matrix | None:
+    """The plane of a direction x (3,) and a normal z (3,), which are made upright to each other; None where they
+    are parallel or zero."""
+    length = math.hypot(*z)
+    if length < 1e-9:
+        return None
+    z = [value / length for value in z]
+    along = sum(a * b for a, b in zip(x, z))
+    x = [a - along * b for a, b in zip(x, z)]
+    length = math.hypot(*x)
+    if length < 1e-9:
+        return None
+    x = [value / length for value in x]
+    y = cross(z, x)
+    return affine.linear(list(zip(x, y, z)))
+
+
+def cross(a: list[float], b: list[float]) -> list[float]:
+    """Vector product (3,)."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -1,0 +1,101 @@
+"""FUNCTION TCPM and its like, TRANS, PRESET: the newer forms of M functions and cycles."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.contour.motion import Step
+from toolpace.reading.heidenhain.cycles import Cycles
+from toolpace.reading.heidenhain.frames import Frames
+from toolpace.reading.heidenhain.klartext.expressions import evaluate
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.reading.heidenhain.machine import MachineFunctions
+
+_DWELL = re.compile(r"DWELL\s+(TIME|REV)\s*(" + VALUE + ")")
+_PRESET = re.compile(r"SELECT\s*#?\s*(" + VALUE + r")(?:\s+KEEP TRANS)?(?:\s+WP)?")
+HARMLESS = ("MODE MILL", "S-PULSE", "COUNT", "FEED DWELL RESET", "RESET FEED", "RESET S-PULSE", "PROG PATH IS CONTOUR")
+
+
+class ModeFunctions:
+    """Compiles them."""
+
+    def __init__(
+        self, control: Control, machine: MachineFunctions, frames: Frames, cycles: Cycles, parameters: Parameters
+    ) -> None:
+        self.control, self.machine, self.frames = control, machine, frames
+        self.cycles, self.parameters = cycles, parameters
+
+    def function(self, text: str) -> Step:
+        """FUNCTION. Raises BlockError."""
+        text = " ".join(text.split())
+        if text.startswith("TCPM"):
+            return self.tip_mode(text)
+        if text == "RESET TCPM":
+            return lambda: self.machine.tip_mode(False)
+        if found := _DWELL.fullmatch(text):
+            value, turns = signed(found[2], self.parameters), found[1] == "REV"
+            return lambda: self.dwell(evaluate(value), turns)
+        if text.startswith(HARMLESS):
+            name = "FUNCTION " + text
+            return lambda: self.control.findings.ignored(name)
+        return self.refused(f"FUNCTION {text[:20]}", "leave it out if it moves nothing, or export for milling")
+
+    def dwell(self, value: float, turns: bool) -> None:
+        """Wait for seconds or turns of the spindle."""
+        if turns:
+            if self.control.feed.spindle <= 0.0:
+                raise BlockError("a dwell in turns needs the spindle speed: write S in TOOL CALL")
+            value /= self.control.feed.spindle
+        self.control.dwell(value)
+
+    def tip_mode(self, text: str) -> Step:
+        """FUNCTION TCPM with what it chooses."""
+        if "REFPNT" in text and "REFPNT TIP-TIP" not in text:
+            return self.refused(
+                "FUNCTION TCPM REFPNT other than TIP-TIP", "write REFPNT TIP-TIP, with X Y Z of the tip"
+            )
+        spatial = "AXIS SPAT" in text
+
+        def run() -> None:
+            if "F CONT" in text:
+                self.control.findings.assumed("FUNCTION TCPM F CONT: F is the speed of the tip on the part")
+            if "PATHCTRL VECTOR" in text:
+                self.control.findings.assumed("PATHCTRL VECTOR: rotary axes turn in proportion, as with PATHCTRL AXIS")
+            self.machine.state.spatial = spatial
+            self.machine.tip_mode(True)
+
+        return run
+
+    def trans(self, text: str) -> Step:
+        """TRANS DATUM, MIRROR, ROTATION, SCALE."""
+        text = " ".join(text.split())
+        kind, _, rest = text.partition(" ")
+        cycles = self.cycles
+        forms: dict[str, Callable[[str], Step]] = {
+            "MIRROR": lambda rest: cycles.mirror(rest.removeprefix("AXIS")),
+            "ROTATION": cycles.rotate,
+            "SCALE": cycles.scale,
+        }
+        if kind == "DATUM" and rest == "RESET":
+            return self.frames.reset_shift
+        if kind == "DATUM" and rest.startswith("AXIS"):
+            return cycles.shift(rest.removeprefix("AXIS"))
+        if kind in forms:
+            made = forms[kind]
+            return made({"MIRROR": "", "ROTATION": "ROT+0", "SCALE": "SCL 1"}[kind] if rest == "RESET" else rest)
+        return self.refused(f"TRANS {text[:20]}", "write TRANS DATUM AXIS with the shift of each axis")
+
+    def preset(self, text: str) -> Step:
+        """PRESET SELECT: as cycle 247."""
+        found = _PRESET.fullmatch(text)
+        if found is None:
+            return self.refused(f"PRESET {text[:20]}", "write PRESET SELECT #1, or CYCL DEF 247 with Q339")
+        value = signed(found[1], self.parameters)
+        return lambda: self.cycles.preset({339: evaluate(value)})
+
+    def refused(self, word: str, cure: str) -> Step:
+        """A step that notes a refused word."""
+        return lambda: self.control.findings.refused(word, self.control.line, cure)

@@ -1,0 +1,1 @@
+"""Cycles of holes and their patterns."""

@@ -1,0 +1,104 @@
+"""LBL, CALL and FN: where the program goes on, and the functions of Q parameters with numbers."""
+
+from __future__ import annotations
+
+import re
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.contour.motion import Step
+from toolpace.reading.heidenhain.flow import Flow
+from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.program import label_of
+
+_LABEL = re.compile(r"(?:\"([^\"]*)\"|([0-9]+))")
+_NAME = r"(?:LBL\s*)?(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+))"
+_CALL = re.compile(_NAME + r"(?:\s*REP\s*([0-9]+|Q[LR]?[0-9]+)(?:\s*/\s*[0-9]+)?)?")
+_FUNCTION = re.compile(r"([0-9]+)\s*:\s*(.*)")
+_RESULT = re.compile(r"(Q[LR]?[0-9]+)\s*=\s*(.+)")
+_IF = re.compile(r"IF\s*(.+?)\s*(EQU|NE|GT|LT)\s*(.+?)\s*GOTO\s*(LBL.*)")
+MESSAGES = (15, 16, 19, 20, 29, 37, 38)
+"""FN that print, send, and wait for the machine: no motion."""
+
+
+class Jumps:
+    """Compiles what changes the order of blocks."""
+
+    def __init__(self, flow: Flow, parameters: Parameters, control: Control) -> None:
+        self.flow, self.parameters, self.control = flow, parameters, control
+
+    def label(self, text: str) -> Step:
+        """LBL: 0 ends a subprogram. Raises BlockError."""
+        found = _LABEL.fullmatch(text)
+        if found is None:
+            raise BlockError("LBL needs a number or a name in quotation marks: write one")
+        return self.flow.end_label if label_of(found) == "0" else (lambda: None)
+
+    def target(self, found: re.Match[str]) -> str:
+        """The label that is meant, as it stands now."""
+        if found[1] is not None:
+            return found[1]
+        if found[2]:
+            return self.parameters.text(found[2])
+        return f"{self.parameters.get(found[3]):g}" if found[3] else found[4].lstrip("0") or "0"
+
+    def call(self, text: str) -> Step:
+        """CALL LBL, CALL PGM. Raises BlockError."""
+        if text.startswith("PGM"):
+            name = text[3:].strip()
+            if not name:
+                raise BlockError("CALL PGM needs the name of a program: write it")
+            return lambda: self.flow.call_program(name, self.control.line)
+        found = _CALL.fullmatch(text) if text.startswith("LBL") else None
+        if found is None:
+            cure = "write CALL LBL with a label, or CALL PGM with the name of a file"
+            return lambda: self.control.findings.refused(f"CALL {text[:20]}", self.control.line, cure)
+        times = found[5]
+        if times is None:
+            return lambda: self.flow.call(self.target(found), self.control.line)
+        count = formula(times, self.parameters)
+
+        def run() -> None:
+            value = evaluate(count)
+            if value != int(value) or not 0 <= value <= 1e9:
+                raise BlockError(f"REP {value:g} must be a whole number from 0 on: correct it")
+            self.flow.repeat(self.target(found), int(value))
+
+        return run
+
+    def function(self, text: str) -> Step:
+        """FN. Raises BlockError."""
+        found = _FUNCTION.fullmatch(text)
+        if found is None:
+            raise BlockError("FN needs its number and a colon: write FN 0: Q1 = +5")
+        number, rest = int(found[1]), found[2].strip()
+        if number <= 8 or number == 13:
+            result = _RESULT.fullmatch(rest)
+            if result is None:
+                raise BlockError(f"FN {number} gives a Q parameter: write FN {number}: Q1 = ..")
+            name, value = result[1], formula(result[2], self.parameters)
+            return lambda: self.parameters.set(name, evaluate(value))
+        if number <= 12:
+            return self.jump(number, rest)
+        if number in MESSAGES:
+            return lambda: self.control.findings.ignored(f"FN {number}")
+        cure = "write the value that it gives as Q1 = .., or leave it out where nothing comes back"
+        return lambda: self.control.findings.refused(f"FN {number}", self.control.line, cure)
+
+    def jump(self, number: int, text: str) -> Step:
+        """FN 9 to 12: IF a EQU b GOTO LBL."""
+        found = _IF.fullmatch(text)
+        name = re.fullmatch(_NAME, found[4].strip()) if found else None
+        if found is None or name is None:
+            raise BlockError(f"FN {number} is written IF +Q1 EQU +Q2 GOTO LBL 5: correct it")
+        left, right = formula(found[1], self.parameters), formula(found[3], self.parameters)
+        test = found[2]
+
+        def run() -> None:
+            a, b = evaluate(left), evaluate(right)
+            if (test == "EQU" and a == b) or (test == "NE" and a != b) or (test == "GT" and a > b) or (
+                test == "LT" and a < b
+            ):  # fmt: skip
+                self.flow.to(self.target(name))
+
+        return run

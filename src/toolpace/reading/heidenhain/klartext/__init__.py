@@ -1,0 +1,1 @@
+"""The text of Klartext programs: blocks, words, Q parameters, formulas."""

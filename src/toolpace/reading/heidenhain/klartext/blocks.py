@@ -1,0 +1,63 @@
+"""Lines of a Klartext program to its blocks: without numbers, comments and marks of continuation."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from toolpace.reading.findings import Findings
+from toolpace.reading.source import Source
+
+_NUMBER = re.compile(r"[0-9]+(?=[\s/;*]|$)")
+_ITEM = re.compile(r"Q[0-9]{3,4}\s*=\s*(?:[-+]?(?:[0-9.,]+|Q[LR]?[0-9]+)|F\s*MAX|F\s*AUTO|PREDEF)")
+_OPERATION = re.compile(r"(?:TOOL NAME|OPERATION)\b[\s:=]*(\S.*)")
+
+
+class Block(NamedTuple):
+    """A block, which may have been written in several lines."""
+
+    line: int
+    """Of its beginning, from 1."""
+    text: str
+    """In capitals, with single lines joined by a blank."""
+
+
+def blocks_of(source: Source, findings: Findings, block_delete: bool) -> list[Block]:
+    """The blocks of a program in order, empty ones left out; headings and comments that name a tool begin with `*`."""
+    found: list[tuple[int, list[str]]] = []
+    goes_on = False
+    for line, raw in enumerate(source.lines, start=1):
+        text = raw.strip()
+        number = _NUMBER.match(text)
+        if number:
+            text = text[number.end() :].lstrip()
+        text, comment = without_comment(text.upper())
+        if text.startswith("/"):
+            text = text[1:].lstrip()
+            if block_delete:
+                findings.ignored("/")
+                text = ""
+        marked = text.endswith("~")
+        text = text.rstrip("~ \t")
+        joined = not number and (goes_on or (bool(found) and _continues(found[-1][1][0], text)))
+        if text and joined and found:
+            found[-1][1].append(text)
+        elif text:
+            found.append((line, [text]))
+        elif operation := _OPERATION.match(comment):
+            found.append((line, ["* " + operation[1]]))
+        goes_on = marked or (goes_on and not text and not number)
+    return [Block(line, " ".join(texts)) for line, texts in found]
+
+
+def _continues(first: str, text: str) -> bool:
+    """Whether a line without number is part of the cycle above: some posts leave the mark `~` out."""
+    return first.startswith("CYCL DEF") and _ITEM.fullmatch(text) is not None
+
+
+def without_comment(text: str) -> tuple[str, str]:
+    """What stands before the semicolon, and behind it; one within quotation marks is text."""
+    at = text.find(";")
+    while at >= 0 and text.count('"', 0, at) % 2:
+        at = text.find(";", at + 1)
+    return (text.strip(), "") if at < 0 else (text[:at].strip(), text[at + 1 :].strip())

@@ -1,0 +1,55 @@
+"""Q parameters of a program as they stand at a point of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+LARGEST = 1e9
+"""Beyond which a value is a slip: no machine travels so far."""
+
+
+class BlockError(Exception):
+    """A block that cannot be executed; the message says why and what to write."""
+
+
+class UnsetError(Exception):
+    """A parameter is read that has no value; the message is its name."""
+
+
+class Parameters:
+    """Values of Q (of all programs), QR (kept), QL (of one program) and texts QS."""
+
+    def __init__(self, given: Mapping[str, float]) -> None:
+        self.shared: dict[str, float] = {name.upper(): value for name, value in given.items()}
+        self.local: dict[str, float] = {}
+        self.texts: dict[str, str] = {}
+
+    def get(self, name: str) -> float:
+        """Value of Q5, QL5 or QR5. Raises UnsetError."""
+        values = self.local if name.startswith("QL") else self.shared
+        try:
+            return values[name]
+        except KeyError:
+            raise UnsetError(name) from None
+
+    def set(self, name: str, value: float) -> None:
+        """Give it a value. Raises BlockError where that is none."""
+        if not math.isfinite(value):
+            raise BlockError(f"{name} would become {value:g}: check the figures of the formula")
+        (self.local if name.startswith("QL") else self.shared)[name] = value
+
+    def text(self, name: str) -> str:
+        """Text of QS5. Raises UnsetError."""
+        try:
+            return self.texts[name]
+        except KeyError:
+            raise UnsetError(name) from None
+
+
+def number(text: str) -> float:
+    """A number of a program, with point or comma. Raises BlockError."""
+    value = float(text.replace(",", "."))
+    if not abs(value) <= LARGEST:
+        raise BlockError(f"{text[:20]} is beyond any machine (at most 1e9): check its digits")
+    return value

@@ -1,0 +1,213 @@
+"""M functions: what the controller's file says of each, done at the beginning or at the end of its block."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.control.retract import retract
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.reading.heidenhain.frames import Frames
+from toolpace.reading.heidenhain.holes.drilling import Holes
+from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
+from toolpace.reading.heidenhain.klartext.parameters import BlockError
+from toolpace.reading.heidenhain.klartext.words import Function, PathWords, code_of
+from toolpace.reading.heidenhain.state import State
+from toolpace.units import DEGREE
+
+UNKNOWN = "leave it out if it moves nothing, or name it under `ignored` in the controller's file"
+FULL_TURN = 360.0 * DEGREE
+
+
+class Functions(NamedTuple):
+    """The M functions of a block."""
+
+    before: list[Step]
+    after: list[Step]
+    place: str
+    """In which coordinates the block is: "machine", "untilted", or "" for the program's."""
+
+
+class MachineFunctions:
+    """Compiles M functions by their meanings."""
+
+    def __init__(
+        self, control: Control, state: State, motion: Motion, frames: Frames, holes: Holes, controller: Controller
+    ) -> None:
+        self.control, self.state, self.motion, self.frames = control, state, motion, frames
+        self.holes, self.controller = holes, controller
+        self.builder = controller.option("builder_functions", "ignored")
+        self.at_start: dict[str, Callable[[Function], Step]] = {
+            "tip mode on": lambda _: lambda: self.tip_mode(True),
+            "shortest rotary on": lambda _: lambda: self.shortest(True),
+            "feed per revolution": lambda _: lambda: self.feed_mode(True),
+            "reduce rotary": self.reduced,
+            "retract": self.retracted,
+            "noted": self.noted,
+        }
+        self.at_end: dict[str, Callable[[Function], Step]] = {
+            "tip mode off": lambda _: lambda: self.tip_mode(False),
+            "shortest rotary off": lambda _: lambda: self.shortest(False),
+            "feed per minute": lambda _: lambda: self.feed_mode(False),
+            "stop": lambda _: control.stop,
+            "end": lambda _: self.end,
+            "cycle call": lambda _: self.call,
+            "cycle call everywhere": lambda _: self.call_everywhere,
+        }
+
+    def compile(self, words: PathWords) -> Functions:
+        """Steps of the M functions of a block. Raises BlockError."""
+        made = Functions([], [], "")
+        for function in words.functions:
+            if not isinstance(function.code, float):
+                made.before.append(self.refused("M with a Q parameter", "write the number of the M function"))
+                continue
+            word = f"M{code_of(function)}"
+            meaning = self.controller.meanings.get(word, "")
+            if meaning in ("machine coordinates", "untilted coordinates"):
+                made = made._replace(place=meaning.split()[0])
+                if meaning.startswith("machine") and word != "M91":
+                    made.before.append(self.noted(function))
+            elif meaning in self.at_start:
+                made.before.append(self.at_start[meaning](function))
+            elif meaning in self.at_end:
+                made.after.append(self.at_end[meaning](function))
+            else:
+                made.before.append(self.other(word))
+        return made
+
+    def other(self, word: str) -> Step:
+        """A function without a meaning for motion, or one that is refused."""
+        findings = self.control.findings
+        if word in self.controller.ignored:
+            return lambda: findings.ignored(word)
+        if word in self.controller.refused:
+            return self.refused(word, self.controller.refused[word])
+        code = int(word[1:])
+        if self.builder == "ignored" and not (code <= 30 or 89 <= code <= 149):
+            said = f"{word} is a function of the machine's builder, taken to move nothing"
+
+            def run() -> None:
+                findings.ignored(word)
+                findings.assumed(said)
+
+            return run
+        return self.refused(word, UNKNOWN)
+
+    def refused(self, word: str, cure: str) -> Step:
+        """A step that notes a refused word."""
+        return lambda: self.control.findings.refused(word, self.control.line, cure)
+
+    def noted(self, function: Function) -> Step:
+        """A function that is taken in a certain way, which the controller's file tells under `options`."""
+        word = f"M{code_of(function)}"
+        said = self.controller.option(f"{word}_means", "taken to move nothing")
+        return lambda: self.control.findings.assumed(f"{word}: {said}")
+
+    def tip_mode(self, on: bool) -> None:
+        """M128 and M129; also FUNCTION TCPM and its reset."""
+        self.state.tip_mode = on
+        if not on:
+            self.state.spatial = False
+        elif any(abs(value) > 1e-9 for value in self.control.words[3:]):
+            where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
+            self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
+        self.control.set_tip_mode(on)
+
+    def shortest(self, on: bool) -> None:
+        """M126 and M127."""
+        self.state.shortest = on
+
+    def feed_mode(self, per_revolution: bool) -> None:
+        """M136 and M137."""
+        self.state.per_revolution = per_revolution
+        self.control.feed.set_mode(PER_REVOLUTION if per_revolution else PER_MINUTE)
+
+    def end(self) -> None:
+        """M2, M30."""
+        self.state.ended = True
+
+    def call(self) -> None:
+        """M99: the cycle here; where each block called it, for the last time."""
+        self.holes.call()
+        self.state.calls_everywhere = False
+
+    def call_everywhere(self) -> None:
+        """M89: the cycle here, and behind each positioning block."""
+        self.holes.call()
+        self.state.calls_everywhere = True
+
+    def reduced(self, function: Function) -> Step:
+        """M94: rotary words below a full turn; those named, or all."""
+        control = self.control
+        letters = list(function.words) or [name.upper() for name in control.poses.rotary_names]
+
+        def run() -> None:
+            wanted = {letter: control.words[control.slot(letter)] % FULL_TURN for letter in letters}
+            control.set_position(wanted)
+            self.frames.rotary = list(control.turn)
+
+        return run
+
+    def retracted(self, function: Function) -> Step:
+        """M140: back along the tool by MB, or to the end of travel."""
+        words = function.words
+        if "MAX" not in words and words.get("MB") is None:
+            raise BlockError("M140 needs its way: write MB 50 or MB MAX")
+
+        def run() -> None:
+            by = words.get("MB")
+            distance = None if by is None else evaluate(by) * self.state.unit
+            if distance is not None and not 0.0 <= distance <= 100.0:
+                raise BlockError("MB of M140 must be the length of the way back, above zero: correct it")
+            feed = words.get("F")
+            self.back(distance, feed)
+            self.state.came_from = []
+
+        return run
+
+    def back(self, distance: float | None, feed: Value | None) -> None:
+        """Retract at a feed of its own, or at rapid."""
+        if feed is None:
+            retract(self.control, distance, rapid=True)
+            return
+        with self.control.feed.held(*self.motion.speed_of(evaluate(feed))):
+            retract(self.control, distance, rapid=False)
+
+    def in_machine(self, words: PathWords) -> Step:
+        """L with M91: machine coordinates, without offsets, frames and tool length."""
+        axes = self.motion.resolved(words)
+        letters = [letter for letter, _, _ in words.axes]
+
+        def run() -> None:
+            rapid = self.motion.set_feed(words)
+            if any(axis[1] for axis in axes):
+                self.control.findings.refused("incremental words with M91", self.control.line, "write absolute ones")
+                return
+            target, _ = self.motion.target([(slot, False, value, unit) for slot, _, value, unit in axes])
+            by_letter = {letter: target[axis[0]] for letter, axis in zip(letters, axes)}
+            self.control.straight_in_machine(by_letter, rapid=rapid)
+            self.state.came_from = []
+
+        return run
+
+    def untilted(self, step: Step) -> Step:
+        """L with M130: as if there were no tilted plane."""
+        frames = self.frames
+
+        def run() -> None:
+            plane, within = frames.plane, frames.within
+            if plane is None:
+                step()
+                return
+            frames.plane, frames.within = None, type(within)()
+            frames.apply()
+            step()
+            frames.plane, frames.within = plane, within
+            frames.apply()
+            self.state.came_from = []
+
+        return run

@@ -1,0 +1,103 @@
+"""Reads Heidenhain Klartext as the control would: block by block, in the order of execution."""
+
+from __future__ import annotations
+
+from toolpace.reading.arcs import ArcError
+from toolpace.reading.control.control import Control, Rules
+from toolpace.reading.control.feed import FeedRules
+from toolpace.reading.control.kinematics import Kinematics
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.findings import Findings
+from toolpace.reading.heidenhain.flow import Flow
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError
+from toolpace.reading.heidenhain.klartext.program import Program
+from toolpace.reading.heidenhain.state import State
+from toolpace.reading.heidenhain.statements import Statements
+from toolpace.reading.options import PROGRAM, ReadOptions
+from toolpace.reading.source import Source
+from toolpace.toolpath import ToolPath
+
+UNSET = "it has no value here: set it in the program, or as a variable on the set-up sheet"
+
+
+class HeidenhainReader:
+    """One reading of one program; `run` does it."""
+
+    def __init__(
+        self,
+        source: Source,
+        machine: Kinematics | None,
+        controller: Controller,
+        options: ReadOptions,
+        findings: Findings,
+    ) -> None:
+        self.source, self.options, self.findings = source, options, findings
+        rules = Rules(
+            feed=FeedRules(turning=controller.option("feed_when_turning", "vector"), kept=False),
+            fixed_where_switched=controller.option("part_frame_where_switched", False),
+        )
+        self.control = Control(
+            source,
+            machine,
+            options.setup,
+            findings=findings,
+            rules=rules,
+            default_feed=options.default_feed,
+            controller=controller.name,
+            most_blocks=options.most_blocks,
+        )
+        self.state = State(shortest=controller.option("shortest_rotary", False))
+        parameters = Parameters(options.setup.variables)
+        program = Program(source, findings, options.block_delete)
+        self.flow = Flow(program, findings, self.state, parameters, options.block_delete)
+        follow = options.compensation == PROGRAM
+        self.statements = Statements(self.control, self.state, parameters, self.flow, controller, follow)
+
+    def run(self) -> ToolPath:
+        """Execute every block, then lay the points. Raises ProgramError."""
+        self._first_preset()
+        flow, state = self.flow, self.state
+        while not state.ended:
+            program, at = flow.program, flow.at
+            if at < len(program.blocks):
+                flow.at = at + 1
+                self._execute(program, at)
+            elif flow.calls:
+                self._execute_end(program)
+            else:
+                self._refuse_cut_off()
+                break
+        self.findings.raise_if_refused(self.source, self.options.skip_unknown)
+        return self.control.toolpath()
+
+    def _execute(self, program: Program, at: int) -> None:
+        block = program.blocks[at]
+        line = block.line if program is self.flow.main else self.flow.line(block.line)
+        self.control.begin_block(line)
+        try:
+            program.step(at, self.statements.compile)()
+        except (BlockError, ArcError) as error:
+            program.source.fail(str(error), block.line)
+        except UnsetError as error:
+            self.findings.refused(str(error), line, UNSET)
+
+    def _execute_end(self, program: Program) -> None:
+        try:
+            self.flow.end_program()
+        except BlockError as error:
+            program.source.fail(str(error), len(program.source.lines))
+
+    def _first_preset(self) -> None:
+        """The preset that is active before the program names one: the only one of the set-up sheet."""
+        offsets = list(self.options.setup.offsets)
+        if len(offsets) == 1:
+            self.control.set_offset(offsets[0])
+            self.findings.assumed(f"offset {offsets[0]} is active before the program names one")
+
+    def _refuse_cut_off(self) -> None:
+        if not self.source.last_line_ended:
+            self.source.fail(
+                "the program looks cut off: neither END PGM, M2 nor M30 ends it, and its last line has no end; "
+                "export it again, or end the line if it is complete",
+                len(self.source.lines),
+            )

@@ -1,0 +1,68 @@
+"""What a Klartext program has in force beside what the control knows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from toolpace.reading.arcs import Arc
+from toolpace.units import MILLIMETRE
+
+INCH = 25.4 * MILLIMETRE
+PLANES = ("YZ", "ZX", "XY")
+"""Planes by the tool axis X, Y, Z: the angle is 0 along their first axis."""
+OF_AXIS = ((1, 2), (2, 0), (0, 1))
+"""First and second axis of the plane across each axis."""
+ARC_PLANE = (2, 1, 0)
+"""Its number in `reading.arcs`."""
+
+
+class Corner(NamedTuple):
+    """A corner that waits for the line behind it."""
+
+    name: str
+    """RND or CHF."""
+    size: float
+    """[m]"""
+    feed: tuple[float, float] | None
+    """Its own speed [m/s] and rotation [rad/s]."""
+    moves: int
+    """How many motions there were before it."""
+    line: int
+
+
+@dataclass
+class State:
+    """Modes, as they stand at a block."""
+
+    unit: float = MILLIMETRE
+    """Of lengths [m]."""
+    feed_unit: float = MILLIMETRE
+    """Of F [m]."""
+    tool_axis: int = 2
+    """X, Y or Z: arcs, drilling and turns are across it."""
+    shortest: bool = False
+    """Whether rotary axes go the shorter way (M126)."""
+    per_revolution: bool = False
+    """Whether F is a length a turn (M136)."""
+    spatial: bool = False
+    """Whether A, B, C are spatial angles (FUNCTION TCPM AXIS SPAT)."""
+    tip_mode: bool = False
+    """Whether M128 or FUNCTION TCPM is on."""
+    tool_feed: float | None = None
+    """F of TOOL CALL, which FAUTO means."""
+    calls_everywhere: bool = False
+    """Whether each positioning block calls the cycle (M89)."""
+    pole: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """CC, in the program's coordinates [m]."""
+    pole_known: bool = False
+    pole_in_space: bool = False
+    """Whether a CC has named the coordinate along the tool axis too, as NX does for arcs across another axis."""
+    came_from: list[float] = field(default_factory=list)
+    """Words before the last motion; empty where there was none."""
+    came_by: Arc | None = None
+    """The arc of the last motion."""
+    corner: Corner | None = None
+    """RND or CHF of the block before."""
+    ended: bool = False
+    """Whether M2, M30 or the end of the main program was reached."""

@@ -1,0 +1,175 @@
+"""PLANE and CYCL DEF 19: tilted planes, and how the rotary axes come to them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from toolpace.reading.control import affine
+from toolpace.reading.control.affine import Matrix
+from toolpace.reading.control.control import Control, upright
+from toolpace.reading.control.retract import turn_about
+from toolpace.reading.heidenhain.contour.motion import Step
+from toolpace.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
+from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.reading.heidenhain.machine import MachineFunctions
+from toolpace.units import DEGREE
+
+_WORD = re.compile(
+    r"\s*(?:(TURN|MOVE|STAY|F\s*MAX|F\s*AUTO|MAX|SEQ\s*[-+]|SYM\s*[-+]|COORD\s+ROT|TABLE\s+ROT|ROT(?=\s+F)|MB(?=\s+MAX))"
+    r"|(SP[ABC]|EULPR|EULNU|EULROT|PROPR|PROMIN|ROT|P[123][XYZ]|[BN][XYZ]|DIST|ABST|MB|[ABCF])\s*(" + VALUE + "))"
+)
+FORMS = ("SPATIAL", "EULER", "VECTOR", "POINTS", "RELATIV", "AXIAL", "RESET")
+ANGLES = ("A", "B", "C")
+
+
+@dataclass
+class Asked:
+    """The words of a PLANE block."""
+
+    values: dict[str, Value] = field(default_factory=dict)
+    words: set[str] = field(default_factory=set)
+
+    def value(self, name: str, default: float | None = None) -> float:
+        """A figure. Raises BlockError where it is missing."""
+        found = self.values.get(name, default)
+        if found is None:
+            raise BlockError(f"PLANE lacks {name}: write all of its values")
+        return evaluate(found)
+
+    def angles(self, *names: str) -> list[float]:
+        """Angles [rad]; missing ones are zero."""
+        return [self.value(name, 0.0) * DEGREE for name in names]
+
+    def vector(self, name: str) -> list[float]:
+        """Components X, Y, Z (3,)."""
+        return [self.value(name + letter) for letter in "XYZ"]
+
+
+class Tilting:
+    """Compiles PLANE and hands the plane to the frames."""
+
+    def __init__(self, control: Control, frames: Frames, machine: MachineFunctions, parameters: Parameters) -> None:
+        self.control, self.frames, self.machine, self.parameters = control, frames, machine, parameters
+
+    def compile(self, text: str) -> Step:
+        """PLANE and what stands behind it. Raises BlockError."""
+        form, _, rest = text.partition(" ")
+        if form not in FORMS:
+            cure = "write PLANE SPATIAL with its angles"
+            return lambda: self.control.findings.refused(f"PLANE {form}", self.control.line, cure)
+        asked = self.words(rest)
+        return lambda: self.run(form, asked)
+
+    def words(self, text: str) -> Asked:
+        """Read the words. Raises BlockError."""
+        asked, at = Asked(), 0
+        while text[at:].strip():
+            match = _WORD.match(text, at)
+            if match is None:
+                raise BlockError(f"'{text[at:].strip()[:20]}' is not read in PLANE: check its spelling")
+            at = match.end()
+            if match[1]:
+                asked.words.add("".join(match[1].split()))
+            else:
+                asked.values[match[2]] = signed(match[3], self.parameters)
+        return asked
+
+    def run(self, form: str, asked: Asked) -> None:
+        """Tilt, and turn the rotary axes as asked."""
+        if form == "RESET":
+            self.frames.tilt(None)
+        else:
+            made = self.matrix(form, asked)
+            if made is None:
+                return
+            self.frames.tilt(made)
+        self.machine.state.came_from = []
+        self.turn(asked, reset=form == "RESET")
+
+    def matrix(self, form: str, asked: Asked) -> Matrix | None:
+        """The rotation of a plane in the frame of the datum; None where it is refused."""
+        if form == "SPATIAL":
+            return spatial(*asked.angles("SPA", "SPB", "SPC"))
+        if form == "EULER":
+            return euler(*asked.angles("EULPR", "EULNU", "EULROT"))
+        if form == "RELATIV":
+            now = affine.IDENTITY if self.frames.plane is None else self.frames.plane
+            return affine.product(now, spatial(*asked.angles("SPA", "SPB", "SPC")))
+        if form == "AXIAL":
+            return self.axial(asked)
+        if form == "VECTOR":
+            made = of_axes(asked.vector("B"), asked.vector("N"))
+        else:
+            first, second, third = (asked.vector(f"P{k}") for k in (1, 2, 3))
+            x = [b - a for a, b in zip(first, second)]
+            made = of_axes(x, cross(x, [b - a for a, b in zip(first, third)]))
+        if made is None:
+            raise BlockError(f"PLANE {form}: its vectors are parallel or zero and span no plane")
+        return made
+
+    def axial(self, asked: Asked) -> Matrix | None:
+        """The plane across the tool at positions of the rotary axes, where tables make it."""
+        poses = self.control.poses
+        rotary = list(self.control.words[3:])
+        for letter in ANGLES:
+            if letter in asked.values:
+                rotary[self.control.slot(letter) - 3] = asked.value(letter) * DEGREE
+        if poses.machine is None:
+            raise BlockError("PLANE AXIAL needs the machine: give --machine NAME (machine= in Python)")
+        _, columns, axis = poses.linear_map(rotary)
+        _, zero, straight = poses.linear_map([0.0] * len(rotary))
+        turn = columns @ np.linalg.inv(zero)
+        if not np.allclose(turn @ straight, axis, atol=1e-9) or not upright(list(straight)):
+            cure = "write PLANE SPATIAL: on this machine axis positions alone do not tell the turn of the plane"
+            self.control.findings.refused("PLANE AXIAL", self.control.line, cure)
+            return None
+        return affine.linear(turn.tolist())
+
+    def turn(self, asked: Asked, *, reset: bool) -> None:
+        """MOVE, TURN or STAY; the angles go to Q120 to Q122."""
+        control = self.control
+        words = asked.words
+        if "MB" in asked.values or "MB" in words or "MAX" in words:
+            distance = asked.value("MB") * self.machine.state.unit if "MB" in asked.values else None
+            self.machine.back(distance, None)
+        pivot = asked.value("DIST", asked.value("ABST", 0.0)) * self.machine.state.unit
+        sign = 1 if words & {"SEQ+", "SYM+"} else -1 if words & {"SEQ-", "SYM-"} else 0
+        moves = bool(words & {"MOVE", "TURN"})
+        if control.poses.machine is None and not moves:
+            return
+        if "TABLEROT" in words and upright(control.plane_axis()):
+            control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
+        wanted = [0.0] * len(control.poses.rotary) if reset else control.rotary_for(control.plane_axis(), sign)
+        self.note(wanted)
+        if not moves:
+            return
+        rapid = "F" not in asked.values
+        with control.feed.held(*((1.0, 1.0) if rapid else self.machine.motion.speed_of(asked.value("F")))):
+            if "MOVE" in words:
+                turn_about(control, wanted, pivot, rapid=rapid)
+            else:
+                control.turn_joints(wanted, rapid=rapid)
+
+    def note(self, wanted: list[float]) -> None:
+        """Set Q120, Q121, Q122 to the angles [deg] of A, B and C."""
+        names = [name.upper() for name in self.control.poses.rotary_names]
+        for k, letter in enumerate(ANGLES):
+            angle = wanted[names.index(letter)] / DEGREE if letter in names else 0.0
+            self.parameters.set(f"Q{120 + k}", angle)
+
+    def cycle_19(self, angles: dict[str, float], *, axial: bool) -> None:
+        """CYCL DEF 19: tilt without turning the axes; all angles zero: not at all."""
+        if not any(angles.values()):
+            self.frames.tilt(None)
+        else:
+            asked = Asked(dict(angles))
+            spatial_of = spatial(*(angles.get(letter, 0.0) * DEGREE for letter in ANGLES))
+            self.frames.tilt(self.axial(asked) if axial else spatial_of)
+        self.machine.state.came_from = []
+        if self.control.poses.machine is not None:
+            self.note(self.control.rotary_for(self.control.plane_axis()))

@@ -1,0 +1,92 @@
+"""Frames: TNC 640 manual "Cycle programming", coordinate transformations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.support.heidenhain import MACHINE, SetUp, findings, last, read, tips
+from toolpace.units import DEGREE
+
+SHIFT = "CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+10\nCYCL DEF 7.2 Y-5\n"
+
+
+def test_a_datum_shift_is_from_the_preset_and_replaces_the_axes_it_names():
+    assert last(SHIFT + "L X+1 Y+1 F100") == (11, -4, 0)
+    assert last(SHIFT + "CYCL DEF 7.0\nCYCL DEF 7.1 X+20\nL X+1 Y+1 F100") == (21, -4, 0)
+    assert last(SHIFT + "CYCL DEF 7.0\nCYCL DEF 7.1 IX+20\nL X+1 Y+1 F100") == (31, -4, 0)
+    assert last(SHIFT + "CYCL DEF 7.0\nCYCL DEF 7.1 X+0\nCYCL DEF 7.2 Y+0\nL X+1 Y+1 F100") == (1, 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("TRANS DATUM AXIS X+10 Y-5", (11, -4, 0)),
+        ("TRANS DATUM AXIS X+10\nTRANS DATUM RESET", (1, 1, 0)),
+        ("TRANS MIRROR AXIS X", (-1, 1, 0)),
+        ("TRANS ROTATION ROT+90", (-1, 1, 0)),
+        ("TRANS SCALE SCL 2", (2, 2, 0)),
+        ("TRANS SCALE SCL 2\nTRANS SCALE RESET", (1, 1, 0)),
+    ],
+)
+def test_trans(text, expected):
+    assert last(f"{text}\nL X+1 Y+1 F100") == expected
+
+
+def test_the_tool_stays_where_it_is_when_the_datum_is_shifted():
+    assert last("L X+3 Y+3 F100\n" + SHIFT + "L Y+0") == (3, -5, 0)
+
+
+def test_rotary_axes_are_shifted_too():
+    path = read("CYCL DEF 7.0\nCYCL DEF 7.1 C+15\nL C+30 FMAX", MACHINE)
+    assert path.rotary[-1, 1] == pytest.approx(45 * DEGREE)
+
+
+def test_a_mirror_turns_the_sense_of_arcs():
+    arc = tips("CYCL DEF 8.0 MIRROR\nCYCL DEF 8.1 X\nL X+10 F100\nCC X+0 Y+0\nC X+0 Y+10 DR+")
+    assert arc[-1] == pytest.approx((0, 10, 0)) and arc[:, 0].max() < 1e-9
+    assert np.abs(np.hypot(arc[:, 0], arc[:, 1]) - 10).max() < 1e-6
+    assert last("CYCL DEF 8.0\nCYCL DEF 8.1 X Y\nCYCL DEF 8.0\nCYCL DEF 8.1\nL X+1 Y+1 F100") == (1, 1, 0)
+
+
+def test_rotation_is_about_the_datum_in_the_plane_of_the_tool():
+    assert last(SHIFT + "CYCL DEF 10.0\nCYCL DEF 10.1 ROT+90\nL X+1 Y+2 F100") == (8, -4, 0)
+    assert last("CYCL DEF 10.0\nCYCL DEF 10.1 ROT+60\nCYCL DEF 10.1 IROT+30\nL X+1 Y+2 F100") == (-2, 1, 0)
+    assert last("TOOL CALL 2 X\nCYCL DEF 10.0\nCYCL DEF 10.1 ROT+90\nL X+1 Y+2 F100") == (1, 0, 2)
+
+
+def test_transformations_act_in_the_order_of_their_programming():
+    turn, mirror = "CYCL DEF 10.0\nCYCL DEF 10.1 ROT+90\n", "CYCL DEF 8.0\nCYCL DEF 8.1 X\n"
+    assert last(turn + mirror + "L X+1 Y+2 F100") == (-2, -1, 0)
+    assert last(mirror + turn + "L X+1 Y+2 F100") == (2, 1, 0)
+    assert any("programmed before" in said for said in read(turn + mirror + "L X+1 F100").assumed)
+
+
+def test_scales():
+    """Cycle 11, one factor; cycle 26, a factor for each axis about a centre. Arcs become larger with it."""
+    assert last("CYCL DEF 11.0\nCYCL DEF 11.1 SCL 0.5\nL X+1 Y+2 Z+4 F100") == (0.5, 1, 2)
+    assert last("CYCL DEF 26.0\nCYCL DEF 26.1 X1.4 Y0.6 CCX+15 CCY+20\nL X+25 Y+30 F100") == (29, 26, 0)
+    arc = tips("CYCL DEF 11.0\nCYCL DEF 11.1 SCL 20\nL X+10 F100\nCC X+0 Y+0\nC X+0 Y+10 DR+")
+    middle = (arc[1:] + arc[:-1]) / 2
+    assert np.abs(np.hypot(arc[:, 0], arc[:, 1]) - 200).max() < 1e-6
+    assert np.abs(np.hypot(middle[:, 0], middle[:, 1]) - 200).max() < 0.5e-3
+
+
+def test_a_preset_is_an_offset_of_the_set_up_sheet_and_ends_shifts():
+    """Cycle 247: activating a preset resets datum shift, mirror, rotation and scales."""
+    setup = SetUp(offsets={"1": {"X": 0.0}, "2": {"X": 0.1, "Y": 0.2}})
+    text = "CYCL DEF 247 DATUM SETTING ~\n Q339=+{} ;DATUM NUMBER\nL X+1 Y+1 Z+1 F100"
+    near, far = (read(SHIFT + text.format(k), MACHINE, setup=setup).tip[-1] for k in (1, 2))
+    machine_zero = read(text.format(1), MACHINE, setup=setup).tip[-1]
+    assert np.allclose(far - near, (0.1, 0.2, 0)) and np.allclose(near, machine_zero)
+    assert np.allclose(read("PRESET SELECT #2\nL X+1 Y+1 Z+1 F100", MACHINE, setup=setup).tip[-1], far)
+
+
+def test_the_datum_table_is_refused_with_its_cure():
+    assert [refusal.word for refusal in findings("CYCL DEF 7.0\nCYCL DEF 7.1 #5\nL X+1 F100").refusals] == [
+        "CYCL DEF 7 #"
+    ]
+
+
+def test_tolerance_is_told():
+    assert findings("CYCL DEF 32.0 TOLERANCE\nCYCL DEF 32.1 T0.02\nL X+1 F100").skipped["CYCL DEF 32"] == 1

@@ -1,0 +1,154 @@
+"""Rotary axes and M functions: TNC 640 Klartext manual, "Miscellaneous functions", "Multiple-axis machining"."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.support.heidenhain import MACHINE, SetUp, findings, last, read
+from toolpace.errors import ProgramError
+from toolpace.machine.machine import Machine
+from toolpace.units import DEGREE
+
+
+def degrees(path):
+    return np.round(path.rotary / DEGREE, 6) + 0.0
+
+
+# Rotary axes
+
+
+def test_rotary_words_are_joints():
+    path = read("L X+0 Y+0 Z+0 A+10 C-20 FMAX\nL A+30 IC+5 FMAX", MACHINE)
+    assert degrees(path)[-1].tolist() == [30, -15]
+
+
+def test_feed_of_a_block_that_turns_without_m128_is_said():
+    """Millimetres and degrees as one length: 3 mm and 4 deg at F 300 take a second."""
+    path = read("L X+3 A+4 F300", MACHINE)
+    assert path.least_time.sum() == pytest.approx(1.0)
+    assert any("millimetres and degrees as one length" in said for said in path.assumed)
+
+
+def test_where_m128_fixes_the_part_is_said_where_it_matters():
+    assert not read("L M128\nL X+3 F300", MACHINE).assumed
+    assert "where the tables are at zero" in " ".join(read("L C+90 FMAX\nL M128\nL X+3 F300", MACHINE).assumed)
+
+
+def test_rotary_words_need_a_machine_that_has_them():
+    with pytest.raises(ProgramError, match="rotary word B needs the machine"):
+        read("L B+3 FMAX")
+    with pytest.raises(ProgramError, match="has no axis B"):
+        read("L B+3 FMAX", MACHINE)
+
+
+def test_m126_takes_the_shorter_way_and_m127_ends_it():
+    """The manual's table: 350 to 10 is +20 with M126, and -340 without."""
+    path = read("L C+350 FMAX\nL C+10 FMAX M126\nL C+350 FMAX\nL C+340 FMAX M127\nL C+10 FMAX", MACHINE)
+    ends = degrees(path)[np.append(np.diff(path.block) > 0, True)][:, 1]
+    assert ends.tolist() == [0, 350, 370, 350, 340, 10]
+
+
+def test_m94_takes_whole_turns_off_the_display():
+    """The manual's example: from 538 to 180 is -358; with M94 it is +2."""
+    assert degrees(read("L C+538 FMAX\nL C+180 FMAX M94", MACHINE))[-1, 1] == 540
+    assert degrees(read("L C+538 FMAX\nL C+180 FMAX", MACHINE))[-1, 1] == 180
+
+
+@pytest.mark.parametrize("on", ["L M128", "M128", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS"])
+@pytest.mark.parametrize("off", ["L M129", "FUNCTION RESET TCPM"])
+def test_under_m128_the_words_are_the_tip_on_the_part(on, off):
+    """ "Maintaining the position of the tool tip": the table turns, the tip stays on the part."""
+    path = read(f"{on}\nL X+10 Y+20 Z+30 F600\nL A+30 C+40\n{off}\nL A+0 C+0 FMAX", MACHINE)
+    turned = path.block == path.block[path.rotary.any(axis=1)][0]
+    assert np.allclose(path.tip[turned], (0.01, 0.02, 0.03), atol=1e-12)
+    # M129 ends it: the joints stay, and the tip moves on the part while the tables turn back
+    joints = MACHINE.rotation(*(np.array([angle * DEGREE]) for angle in (30.0, 40.0)))[0].T @ (0.01, 0.02, 0.03)
+    assert np.allclose(path.tip[-1], joints, atol=1e-12)
+
+
+def test_the_feed_behind_m128_is_that_of_the_compensation():
+    """ "M128 F": the most feed of the compensating movements; it is not the feed of the contour."""
+    path = read("L X+1 F600 M128 F1000\nL X+2", MACHINE)
+    assert path.feed[1:] == pytest.approx([0.01, 0.01])
+
+
+def test_ln_turns_the_tool_to_its_vector():
+    """LN with TX TY TZ under TCPM; the vector need not be a unit vector."""
+    path = read("L M128\nLN X+1 Y+2 Z+3 NX+0 NY+0 NZ+1 TX+0 TY-0,6 TZ+0,8 F100\nLN X+2 TX+3 TY+0 TZ+4", MACHINE)
+    ends = path.axis[np.append(np.diff(path.block) > 0, True)]
+    assert np.allclose(ends[1:], [(0, -0.6, 0.8), (0.6, 0, 0.8)], atol=1e-12)
+    assert np.allclose(path.tip[-1], (0.002, 0.002, 0.003))
+
+
+def test_ln_without_tip_mode_or_without_the_tools_direction():
+    text = "LN X+1 TX+0 TY+0 TZ+1 F100\nL X+1 F100 M128\nLN X+2 NX+0 NY+0 NZ+1"
+    words = [refusal.word for refusal in findings(text, MACHINE).refusals]
+    assert words == ["TX TY TZ without M128", "NX NY NZ without TX TY TZ"]
+
+
+def test_tcpm_with_spatial_angles():
+    """AXIS SPAT: A, B, C of L are angles in space, fixed axes; A 30 tilts the tool in the YZ plane."""
+    path = read("FUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS\nL X+1 A+30 C+0 F100", MACHINE)
+    assert np.allclose(path.axis[-1], (0, -0.5, math.sqrt(0.75)), atol=1e-12)
+
+
+# M functions
+
+
+def test_machine_coordinates():
+    """M91: this block in machine coordinates; from the set-up sheet here, without it from the ends of travel."""
+    setup = SetUp(machine_zero={"X": 0.1, "Y": 0.0, "Z": 0.5})
+    assert last("L X+1 F100\nL Z-20 X-10 R0 FMAX M91\nL Y+5", MACHINE, setup=setup) == (90, 5, 480)
+
+
+def test_incremental_machine_coordinates_are_refused():
+    assert findings("L IX+1 FMAX M91\nL X+1 F100", MACHINE).refusals[0].word == "incremental words with M91"
+
+
+def test_m140_goes_back_along_the_tool():
+    """M140 MB 50: back by 50 mm along the tool axis, at the feed behind it or at rapid."""
+    path = read("L X+1 F100\nL A+90 FMAX\nM140 MB 50 F600\nL M140 MB+5", MACHINE)
+    way = np.diff(path.tip[np.append(np.diff(path.block) > 0, True)], axis=0)[-2:]
+    axis = path.axis[-1]
+    assert np.allclose(way, [0.05 * axis, 0.005 * axis], atol=1e-12)
+    assert path.feed[-2] == pytest.approx(0.01) and path.rapid[-1]
+
+
+def linear_joints(machine, tip, rotary):
+    """X, Y, Z joints [m] of a tip (3,) at rotary positions in the order of the machine's joints."""
+    probes = np.zeros((4, 5))
+    probes[1:, :3] = np.eye(3)
+    probes[:, 3:] = rotary
+    at, _ = machine.forward(probes)
+    return np.linalg.solve((at[1:] - at[0]).T, tip - at[0])
+
+
+def test_m140_mb_max_goes_to_the_end_of_travel():
+    """M140 MB MAX: to the limit of the range of traverse along the tool axis, and no other joint moves."""
+    machine = Machine.load("xyzbc-trunnion")
+    path = read("L X+10 Y+20 Z+0 B+0 C+0 F100\nM140 MB MAX\nL M128\nL Z+30 B+90 FMAX\nM140 MB MAX", machine)
+    top = float(machine.travel[2, 1])
+    up = path.tip[path.block == 5][-1]
+    assert linear_joints(machine, up, (0.0, 0.0)) == pytest.approx((0.01, 0.02, top), abs=1e-9)
+    before, after = (path.tip[path.block == line][-1] for line in (7, 8))
+    first, second = (linear_joints(machine, tip, (np.pi / 2, 0.0)) for tip in (before, after))
+    assert second == pytest.approx((first[0], first[1], top), abs=1e-9)
+
+
+def test_functions_without_motion_are_counted_and_the_builders_are_said():
+    found = findings("L X+1 F100 M3 M8\nM57\nM120 LA5\nL X+2 M118 Z1\nM138 C")
+    assert {"M3", "M8", "M57", "M120", "M118", "M138"} <= set(found.skipped)
+    assert any("M57" in said for said in found.assumptions) and not found.refusals
+
+
+def test_functions_that_may_move_are_refused():
+    found = findings("L X+1 F100 M109\nM114\nM95\nM103 F20")
+    assert [refusal.word for refusal in found.refusals] == ["M109", "M114", "M95", "M103"]
+
+
+def test_dwells():
+    path = read("L X+1 F100\nCYCL DEF 9.0 DWELL TIME\nCYCL DEF 9.1 DWELL 1.5\nL X+2\nFUNCTION DWELL TIME2\nL X+3")
+    assert path.dwell.tolist() == [0, 1.5, 2, 0]

@@ -1,0 +1,175 @@
+"""Tilted planes: TNC 640 Klartext manual, "The PLANE function"; cycle 19."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.support.heidenhain import MACHINE, findings, last, read
+from toolpace.errors import ProgramError
+from toolpace.machine.machine import Machine
+from toolpace.units import DEGREE
+
+SHIFT = "CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+10\nCYCL DEF 7.2 Y-5\n"
+
+
+def ends(path):
+    """Index of the last point of each block."""
+    return np.append(np.diff(path.block) > 0, True)
+
+
+def turned(axis, angle):
+    """Rotation (3, 3) about an axis 0, 1, 2 by degrees, as in a textbook."""
+    c, s = np.cos(angle * DEGREE), np.sin(angle * DEGREE)
+    return np.array(
+        [
+            [[1, 0, 0], [0, c, -s], [0, s, c]],
+            [[c, 0, s], [0, 1, 0], [-s, 0, c]],
+            [[c, -s, 0], [s, c, 0], [0, 0, 1]],
+        ][axis]
+    )
+
+
+PLANES = [
+    ("SPATIAL SPA+27 SPB+0 SPC+45", turned(2, 45) @ turned(0, 27)),
+    ("SPATIAL SPA+10 SPB+20 SPC+30", turned(2, 30) @ turned(1, 20) @ turned(0, 10)),
+    ("EULER EULPR45 EULNU20 EULROT22", turned(2, 45) @ turned(0, 20) @ turned(2, 22)),
+    ("VECTOR BX0.8 BY-0.4 BZ-0.42 NX0.2 NY0.2 NZ0.92", None),
+    ("POINTS P1X+0 P1Y+0 P1Z+20 P2X+30 P2Y+31 P2Z+20 P3X+0 P3Y+41 P3Z+32.5", None),
+]
+
+
+@pytest.mark.parametrize(("plane", "rotation"), PLANES)
+@pytest.mark.parametrize("way", ["TURN FMAX", "MOVE FMAX", "STAY"])
+def test_words_in_a_tilted_plane(plane, rotation, way):
+    """SPATIAL: fixed axes, A then B then C; EULER: about z, new x, new z. The tool stands upright on the plane."""
+    path = read(f"PLANE {plane} {way}\nL X+1 Y+0 Z+0 F600\nL X+0 Y+1 Z+0\nL X+0 Y+0 Z+1", MACHINE)
+    points = path.tip[ends(path)][-3:].T * 1e3
+    if rotation is not None:
+        assert np.allclose(points, rotation, atol=1e-9)
+    assert np.allclose(points.T @ points, np.eye(3), atol=1e-9) and np.linalg.det(points) == pytest.approx(1)
+    if way != "STAY":
+        assert np.allclose(path.axis[-1], points[:, 2], atol=1e-9)
+
+
+def test_vector_and_points_have_the_directions_that_they_name():
+    path = read(f"PLANE {PLANES[3][0]} STAY\nL X+1 Y+0 Z+0 F600\nL X+0 Z+1", MACHINE)
+    normal = np.array((0.2, 0.2, 0.92))
+    assert np.allclose(path.tip[-1] * 1e3, normal / np.linalg.norm(normal), atol=1e-12)
+    path = read(f"PLANE {PLANES[4][0]} STAY\nL X+1 Y+0 Z+0 F600\nL X+0 Y+1", MACHINE)
+    x, y = path.tip[ends(path)][-2:] * 1e3
+    assert np.allclose(x, np.array((30, 31, 0)) / np.hypot(30, 31), atol=1e-12)
+    assert y @ (0, 41, 12.5) > 0  # the third point is on the side of +Y
+
+
+def test_the_plane_is_about_the_active_datum_and_a_new_one_replaces_it():
+    text = SHIFT + "PLANE SPATIAL SPA+0 SPB+0 SPC+90 STAY\n"
+    assert last(text + "L X+1 Y+0 Z+0 F100", MACHINE) == (10, -4, 0)
+    assert last(text + "PLANE SPATIAL SPA+90 SPB+0 SPC+0 STAY\nL X+1 Y+2 Z+0 F100", MACHINE) == (11, -5, 2)
+    assert last(text + "PLANE RELATIV SPC-90 STAY\nL X+1 Y+0 Z+0 F100", MACHINE) == (11, -5, 0)
+    assert last(text + "PLANE RESET STAY\nL X+1 Y+0 Z+0 F100", MACHINE) == (11, -5, 0)
+
+
+def test_turn_keeps_the_linear_axes_and_move_keeps_the_tip():
+    """TURN: only the rotary axes are positioned; MOVE: the tip keeps its place on the part."""
+    plane = "L X+5 Y+6 Z+7 F100\nPLANE SPATIAL SPA+30 SPB+0 SPC+0 {} FMAX"
+    moved, joints = read(plane.format("MOVE"), MACHINE), read(plane.format("TURN"), MACHINE)
+    last_block = moved.block == moved.block[-1]
+    assert np.allclose(moved.tip[last_block], (0.005, 0.006, 0.007), atol=1e-12)
+    a, c = joints.rotary[-1]
+    assert np.allclose(joints.tip[-1], MACHINE.rotation(np.array([a]), np.array([c]))[0] @ (0.005, 0.006, 0.007))
+    assert not np.allclose(joints.tip[-1], moved.tip[-1])
+
+
+@pytest.mark.parametrize("plane", ["SPATIAL SPA+30 SPB+0 SPC+20", "RESET"])
+def test_move_keeps_the_point_that_dist_names(plane):
+    """MOVE DIST50: the turning point is 50 mm above the tip, and keeps its place on the part."""
+    path = read(f"L A+10 C-20 X+5 Y+6 Z+7 F100\nPLANE {plane} MOVE DIST50 F1000", MACHINE)
+    turn = slice(int(np.flatnonzero(path.block == path.block[-1])[0]) - 1, None)
+    pivot = path.tip[turn] + 0.05 * path.axis[turn]
+    assert np.abs(pivot - pivot[0]).max() < 0.45e-6 and np.abs(np.diff(path.rotary[turn], axis=0)).max() > 1e-4
+    chord = np.linalg.norm(np.diff(path.tip[turn], axis=0), axis=1)
+    assert (chord[-5:] ** 2 / (8 * 0.05)).max() < 0.5e-6
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_seq_chooses_the_sign_of_the_tilt(sign):
+    """SEQ+ and SEQ-: the sign of the master axis, which is the one that tilts."""
+    machine = Machine.load("xyzbc-trunnion")
+    word = "SEQ+" if sign > 0 else "SEQ-"
+    path = read(f"L X+1 B+0 C+0 FMAX\nPLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN FMAX {word}", machine)
+    tilt = path.rotary[-1, path.rotary_joints.index("B")]
+    assert np.sign(tilt) == sign and abs(tilt) == pytest.approx(30 * DEGREE)
+
+
+def test_stay_gives_the_angles_as_parameters():
+    """STAY: the angles are in Q120 to Q122; the program positions by them."""
+    text = "PLANE SPATIAL SPA+30 SPB+0 SPC+0 {}\n"
+    stay = read(text.format("STAY") + "L A+Q120 C+Q122 FMAX\nL X+1 Y+1 Z+1 F100", MACHINE)
+    turn = read(text.format("TURN FMAX") + "L X+1 Y+1 Z+1 F100", MACHINE)
+    assert np.allclose(stay.rotary[-1], turn.rotary[-1]) and np.allclose(stay.tip[-1], turn.tip[-1])
+
+
+def test_rotary_axes_alone_in_a_tilted_plane_leave_the_linear_axes_where_they_are():
+    path = read("L X+5 Y+6 Z+7 F100\nPLANE SPATIAL SPA+30 SPB+0 SPC+0 STAY\nL A+30 C+0 FMAX", MACHINE)
+    a, c = path.rotary[-1]
+    assert np.allclose(path.tip[-1], MACHINE.rotation(np.array([a]), np.array([c]))[0] @ (0.005, 0.006, 0.007))
+
+
+def test_cycle_19_tilts_and_does_not_turn():
+    """Cycle 19, spatial angles: the angles are in Q120 to Q122; zeros end it."""
+    text = "CYCL DEF 19.0 WORKING PLANE\nCYCL DEF 19.1 A+30 B+0 C+0\nL A+Q120 C+Q122 FMAX\nL X+0 Y+1 Z+0 F100\n"
+    assert last(text, MACHINE) == pytest.approx((0, np.cos(30 * DEGREE), 0.5), abs=1e-6)
+    path = read(
+        text + "CYCL DEF 19.0\nCYCL DEF 19.1 A+0 B+0 C+0\nCYCL DEF 19.0\nCYCL DEF 19.1\nL A+0 C+0 FMAX\nL X+3 Y+0 Z+0",
+        MACHINE,
+    )
+    assert np.allclose(path.tip[-1], (0.003, 0, 0), atol=1e-12)
+
+
+def test_axial_planes_where_tables_tilt():
+    """PLANE AXIAL: the angles are those of the axes."""
+    path = read("PLANE AXIAL A+30 C+0 TURN FMAX\nL X+0 Y+0 Z+1 F100", MACHINE)
+    assert np.allclose(path.rotary[-1], (30 * DEGREE, 0)) and np.allclose(path.tip[-1] * 1e3, path.axis[-1])
+
+
+def test_m130_positions_in_the_untilted_system():
+    """M130: the block's coordinates refer to the untilted system, in a tilted plane."""
+    text = "PLANE SPATIAL SPA+90 SPB+0 SPC+0 TURN FMAX\nL X+1 Y+1 Z+1 F100\n"
+    path = read(text + "L X+2 Y+3 Z+4 M130", MACHINE)
+    a, c = path.rotary[-1]
+    assert np.allclose(path.tip[-1], MACHINE.rotation(np.array([a]), np.array([c]))[0] @ (0.002, 0.003, 0.004))
+    after = last(text + "L X+2 Y+3 Z+4 M130\nL X+1 Y+1 Z+1", MACHINE)
+    assert after == (1, -1, 1)
+
+
+def test_a_shift_in_a_tilted_plane_is_along_its_axes_and_said():
+    found = read("PLANE SPATIAL SPA+90 SPB+0 SPC+0 STAY\nCYCL DEF 7.0\nCYCL DEF 7.1 Y+5\nL X+0 Y+1 Z+0 F100", MACHINE)
+    assert np.allclose(found.tip[-1], (0, 0, 0.006), atol=1e-12)
+    assert any("in a tilted plane" in said for said in found.assumed)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("PLANE PROJECTED PROPR+24 PROMIN+24 ROT+30 STAY", "PLANE PROJECTED"),
+        ("PLANE SPATIAL SPA+0 SPB+0 SPC+20 TURN FMAX TABLE ROT", "TABLE ROT of a plane that is not tilted"),
+        ("CYCL DEF 19.1 A+30 F1000 ABST50", "CYCL DEF 19 with a feed"),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER", "FUNCTION TCPM REFPNT other than TIP-TIP"),
+        ("FUNCTION MODE TURN", "FUNCTION MODE TURN"),
+        ("TRANS DATUM TABLE TABLINE5", "TRANS DATUM TABLE TABLINE5"),
+    ],
+)
+def test_what_is_refused(text, word):
+    assert [refusal.word for refusal in findings(f"{text}\nL X+1 F100", MACHINE).refusals] == [word]
+
+
+def test_a_plane_out_of_reach_names_machine_and_joints():
+    machine = Machine.load("xyzac-trunnion")
+    with pytest.raises(ProgramError, match="cannot bring its tool"):
+        read("PLANE SPATIAL SPA+180 SPB+0 SPC+0 TURN FMAX\nL X+1 F100", machine)
+
+
+def test_vectors_that_span_no_plane():
+    with pytest.raises(ProgramError, match="span no plane"):
+        read("PLANE VECTOR BX0 BY0 BZ1 NX0 NY0 NZ1 STAY\nL X+1 F100", MACHINE)
