@@ -12,9 +12,8 @@ from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.kinematics import Poses
 from toolpace.reading.control.setup import Position, SetUp
 
-
 INSIDE = 1e-3
-"""How far from the end of travel the stand-ins of machine coordinates lie [m]: a smooth path swings about its points."""
+"""How far inside travel the stand-ins of machine coordinates end [m]: a smooth path swings about its points."""
 
 
 @dataclass(frozen=True)
