@@ -114,6 +114,6 @@ def resolve(
     parts = stretches(meshed, wrong)
     if sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
         mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress)
-        if not stuck or meshed.is_long:
+        if not stuck:
             return mended
     return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, MOST_USED)
