@@ -277,7 +277,6 @@ START = "G0 X0 Y0 Z0\n"
         ("G1 X#100 F100", "#100 is not read: set it before"),
         ("o100 sub", "lacks its beginning or its end"),
         ("o<name> call", "is not in this file, nor in a file beside it"),
-        ("TRAORI", "'TRAORI' is no letter with a number"),
         ("G1 X1 @ F1", "'@' has no meaning"),
         ("G1 1.5", "has no letter"),
         ("G1 X1 (open", "bracket has no partner"),
