@@ -54,7 +54,8 @@ def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tup
         s, speed, path = np.append(s, between), np.append(speed, swift), np.concatenate([path, there], axis=1)
         order = np.argsort(s, kind="stable")
         s, speed, path = s[order], speed[order], np.ascontiguousarray(path[:, order])
-    unexplained(run, limits, s, speed, path, look)
+    of_low, of_high = (np.ascontiguousarray(part) for part in (path[:, :-1], path[:, 1:]))
+    unexplained(run, limits, s[:-1], s[1:], of_low, of_high, np.maximum(speed[:-1], speed[1:]), look)
     beside = usage.summits(probe.state[0], ratio, HIGHER)
     if beside.any():
         low, high = probe.state[0][:-1][beside], probe.state[0][1:][beside]
@@ -96,18 +97,21 @@ def stretches_unseen(run: AxisRun, s: Floats) -> Floats:
 def unexplained(
     run: AxisRun,
     limits: Limits,
-    s: Floats,
-    speed: Floats,
-    path: Floats,
+    low: Floats,
+    high: Floats,
+    of_low: Floats,
+    of_high: Floats,
+    swift: Floats,
     look: Callable[[Floats], tuple[Floats, Floats]],
 ) -> None:
-    """Look between the places s (n,) in order where the path (4, n, m) does more than both of them tell."""
+    """Look between places `low` and `high` (n,) where the path does more than it tells at both (4, n, m).
+
+    `swift` (n,) is ds/dt there; `look` takes places, and returns the path and ds/dt at them.
+    """
     from toolpace.kernels.motion import hidden
 
     bounds, least = (limits.velocity, limits.acceleration, limits.jerk), least_changes(limits)
-    low, high, length = s[:-1], s[1:], np.diff(s)
-    of_low, of_high = (np.ascontiguousarray(part) for part in (path[:, :-1], path[:, 1:]))
-    swift = np.maximum(speed[:-1], speed[1:])
+    length = high - low
     missed = hidden.missing(of_low, of_high, low, length, swift, least)
     go = hidden.odd_ones(missed, length) | (hidden.asked(missed, length, swift, *bounds) > UNTOLD_SHARE)
     shortest, count = SHORTEST * (run.s1 - run.s0), 0

@@ -14,6 +14,8 @@ from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
+from toolpace.motion.look import unexplained
+from toolpace.motion.usage import ratios_along
 from toolpace.workers import Workers
 
 CHUNK = 5_000
@@ -25,6 +27,8 @@ UNLIKE = 1e-6
 BENT = 1e-4
 """How far the cap on ds/dt may be from a polynomial of the third degree in a cell, relative to itself; one of the
 fourth is taken, and beyond this it is asked at each probe."""
+CHASED_FROM, MOST_CHASED = 9, 500
+"""Places in such a cell between which what hides is chased, and cells after which no more is."""
 VAGUE_ABOVE, CLOSELY = 0.98, 65
 """Usage from which such a cell is looked at closely, and the number of its probes then."""
 FASTER = 4.0
@@ -51,7 +55,9 @@ class Look:
     def __init__(self, run: AxisRun, limits: Limits, nodes: Floats) -> None:
         self.run, self.limits, self.nodes = run, limits, nodes
         self.unlike = np.zeros(len(nodes) - 1, dtype=np.bool_)
-        """(n,) cells in which the path does more than its derivatives at the nodes say, as far as looked at."""
+        """(n,) cells in which the path, or its cap, does more than what is known at the nodes says, as far as seen."""
+        self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
+        """(n,) those in which the path does."""
         self.hints = np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes)
         """(k,) places between nodes where the path's derivatives may bend: no probe would hit a top there."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
@@ -77,9 +83,13 @@ class Look:
         state = law.states_at(self.hints)
         state[0] = self.hints
         of_kinds = by_kind(limit_ratios(self.run, self.limits, state, np.ones(len(self.hints))), len(self.limits))
+        return self._with(peaks, self.hints, of_kinds)
+
+    def _with(self, peaks: Peaks, s: Floats, of_kinds: Floats) -> Peaks:
+        """The peaks, or what is used (k, 3) at the places s (k,) where that is more."""
         used, place = peaks.used.copy(), peaks.place.copy()
-        cell = np.searchsorted(self.nodes, self.hints) - 1
-        share = (self.hints - self.nodes[cell]) / np.diff(self.nodes)[cell]
+        cell = np.clip(np.searchsorted(self.nodes, s) - 1, 0, len(self.nodes) - 2)
+        share = (s - self.nodes[cell]) / np.diff(self.nodes)[cell]
         for k in np.flatnonzero((of_kinds > used[cell]).any(axis=1)):
             higher = of_kinds[k] > used[cell[k]]
             used[cell[k], higher], place[cell[k], higher] = of_kinds[k, higher], share[k]
@@ -95,18 +105,47 @@ class Look:
         return joined((workers or Workers()).each(of_part, range(0, len(cells), CHUNK)))
 
     def confirmed(self, law: SplineLaw, peaks: Peaks, workers: Workers | None = None) -> Peaks:
-        """The peaks, looked for again in cells near a limit where the path does more than the nodes say."""
-        cells = np.flatnonzero(self.unlike & (peaks.used.max(axis=1) > VAGUE_ABOVE))
+        """The peaks, looked for again in cells where the path does more than the nodes say."""
+        cells = np.flatnonzero(self.unlike)
         if not len(cells):
             return peaks
+        near = cells[peaks.used[cells].max(axis=1) > VAGUE_ABOVE]
         closely = SplineLaw(law.nodes, law.c, law.rest)
         closely.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, CLOSELY))) / 2.0
-        again = self.peaks_in(closely, cells, workers)
+        again = self.peaks_in(closely, near, workers)
         used, place = peaks.used.copy(), peaks.place.copy()
-        higher = again.used > used[cells]
-        used[cells] = np.where(higher, again.used, used[cells])
-        place[cells] = np.where(higher, again.place, place[cells])
-        return Peaks(used, place)
+        higher = again.used > used[near]
+        used[near] = np.where(higher, again.used, used[near])
+        place[near] = np.where(higher, again.place, place[near])
+        return self.with_hidden(law, Peaks(used, place))
+
+    def with_hidden(self, law: SplineLaw, peaks: Peaks) -> Peaks:
+        """The peaks, with what hides between the probes of cells where the path does more than the nodes say."""
+        cells = np.flatnonzero(self.hiding)[:MOST_CHASED]
+        if not len(cells):
+            return peaks
+        found: list[tuple[Floats, Floats]] = []
+
+        def look(places: Floats) -> tuple[Floats, Floats]:
+            state = law.states_at(places)
+            state[0] = places
+            ratio, path = ratios_along(self.run, self.limits, state, np.ones(len(places)))
+            found.append((places, by_kind(ratio, len(self.limits))))
+            return path, state[1]
+
+        share = np.linspace(0.0, 1.0, CHASED_FROM)
+        places = self.nodes[cells][:, None] + np.diff(self.nodes)[cells][:, None] * share
+        path, speed = look(places.ravel())
+        path = path.reshape(4, len(cells), CHASED_FROM, -1)
+        of_low, of_high = (
+            np.ascontiguousarray(part.reshape(4, -1, part.shape[3])) for part in (path[:, :, :-1], path[:, :, 1:])
+        )
+        speed = speed.reshape(places.shape)
+        swift = np.maximum(speed[:, :-1], speed[:, 1:]).ravel()
+        low, high = places[:, :-1].ravel(), places[:, 1:].ravel()
+        unexplained(self.run, self.limits, low, high, of_low, of_high, swift, look)
+        s, of_kinds = (np.concatenate(parts) for parts in zip(*found))
+        return self._with(peaks, s, of_kinds)
 
     def _path(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
         """Derivatives and caps at the shares `inside` of the cells `which`, which follow each other."""
@@ -127,6 +166,7 @@ class Look:
         z[z == np.inf] = 0.0
         unlike = ~(between_nodes.unlike(nodes[:-1], *ends, middle, length, z, *of_joints) <= UNLIKE)
         unlike[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, count - 2)] |= ~np.isin(self.run.breaks, nodes)
+        self.hiding[which] = unlike
         out = np.empty((3, len(which) * len(inside), q.shape[2]))
         between_nodes.path_between(np.arange(len(which)), *ends, length, inside, out)
         if self.run.smooth_cap:

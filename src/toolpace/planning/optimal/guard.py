@@ -55,6 +55,10 @@ def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, pr
     best, least = (meshed, law, peaks.used), now
     for number in range(MOST_ROUNDS):
         dips = law.dips()
+        if number < REFINE_ROUNDS:
+            # cells are cut in these rounds only: nothing may hide by then
+            peaks = meshed.look.with_hidden(law, peaks)
+            now = worth(law, peaks.used, meshed.ramp)
         if now <= (1.0 + EASED_BY) * law.duration:
             # good enough to be the last: worth a closer look
             peaks = meshed.look.confirmed(law, peaks, workers)
