@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
+from toolpace.files.toml import toml_value
 from toolpace.machine.machine import Machine
-from toolpace.machine.text import quoted, units_of
+from toolpace.machine.text import units_of
 
 LONGEST_FIGURE = 6
 """Most characters of a figure in a built-in machine that a person would write."""
@@ -118,7 +119,7 @@ def test_odd_names_are_escaped_where_they_are_written() -> None:
     """Machines made by a program are not read from a file; what they write can be."""
     file = Machine.load("xyzac-trunnion").file
     for name in ("a\x1b[31m", 'a"b\\', "a\nb = 1", "\u202e", "\x7f\x9b", "µ° text"):
-        written = f"name = {quoted(name)}"
+        written = f"name = {toml_value(name)}"
         assert written.isprintable() and tomllib.loads(written) == {"name": name}
         joints = {name if each == "C" else each: joint for each, joint in file.joints.items()}
         chain = msgspec.structs.replace(file.chain, workpiece=("A", name))

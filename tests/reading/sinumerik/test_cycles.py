@@ -8,12 +8,11 @@ import msgspec
 import numpy as np
 import pytest
 
+from tests.support.sinumerik import SINUMERIK, read
 from toolpace.errors import ProgramError
 from toolpace.reading.control.setup import SetUp, Tool
 from toolpace.reading.sinumerik.cycles.strokes import strokes_of
 from toolpace.reading.sinumerik.syntax.values import ValueFault
-
-from .programs import SINUMERIK, read
 
 STRICT = msgspec.structs.replace(SINUMERIK, options=SINUMERIK.options | {"strict_cycles": True})
 

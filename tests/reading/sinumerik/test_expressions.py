@@ -8,13 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.support.sinumerik import read
 from toolpace.errors import ProgramError
 from toolpace.reading.sinumerik.flow.memory import Store
 from toolpace.reading.sinumerik.syntax.expressions import DEEPEST, OPERATIONS, Parser
 from toolpace.reading.sinumerik.syntax.lexer import SyntaxFault, tokens
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
-
-from .programs import read
 
 
 def unknown(name: str, index: tuple[Value, ...]) -> Value:

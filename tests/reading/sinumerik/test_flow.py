@@ -6,9 +6,8 @@ import math
 
 import pytest
 
+from tests.support.sinumerik import START, ends, last, read
 from toolpace.errors import ProgramError
-
-from .programs import START, ends, last, read
 
 
 def xs(text: str, **options) -> list[float]:

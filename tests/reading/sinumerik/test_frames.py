@@ -7,10 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.sinumerik import START, last, machine, read
 from toolpace.errors import ProgramError
 from toolpace.reading.sinumerik.frames import solid
-
-from .programs import START, last, machine, read
 
 
 def test_trans_replaces_and_atrans_appends():

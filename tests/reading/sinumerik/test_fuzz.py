@@ -8,9 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from tests.support.sinumerik import read
 from toolpace.errors import ProgramError
-
-from .programs import read
 
 PIECES = (
     "G0", "G1", "G2", "G3", "CIP", "CT", "G4", "G9", "G17", "G18", "G19", "G40", "G41", "G53", "SUPA", "G54",

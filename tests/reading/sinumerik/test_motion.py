@@ -7,10 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.sinumerik import START, ends, last, machine, read
 from toolpace.errors import ProgramError
 from toolpace.reading.control.setup import SetUp, Tool
-
-from .programs import START, ends, last, machine, read
 
 
 def test_forms_of_words():

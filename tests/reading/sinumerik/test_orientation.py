@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.sinumerik import read
 from toolpace.errors import ProgramError
-
-from .programs import read
 
 TIP = "TRAORI\nG1 X0 Y0 Z0 A3=0 B3=0 C3=1\n"
 MILLS = ("xyzac-trunnion", "xyzbc-nutating", "xyzbc-trunnion")

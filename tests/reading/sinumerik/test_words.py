@@ -7,10 +7,9 @@ import re
 import msgspec
 import pytest
 
+from tests.support.sinumerik import SINUMERIK, START, last, read
 from toolpace.errors import ProgramError, UsageError
 from toolpace.reading.control.setup import SetUp
-
-from .programs import SINUMERIK, START, last, read
 
 HARMLESS = """STOPRE
 WORKPIECE(,,,"BOX",0,1,-25,-80,0,0,150,100)
