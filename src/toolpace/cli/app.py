@@ -146,7 +146,7 @@ def inspect_command(
 
         toolpace inspect part.ngc
         toolpace inspect part.mpf -m my-mill.toml --write-setup setup.toml
-        toolpace inspect programs/*.nc --json
+        toolpace inspect first.nc second.nc --json
     """
     from toolpace.cli import inspecting
 
