@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from toolpace.planning.planner import Planner, plan
     from toolpace.planning.second_order.planner import SecondOrder
     from toolpace.reading import Kinematics, apply_feed, read, read_text
-    from toolpace.reading.control.setup import SetUp, Tool
     from toolpace.reading.controllers.controller import Controller, Sign
+    from toolpace.reading.coordinates.setup import SetUp, Tool
     from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import Operation, ToolPath
@@ -126,10 +126,10 @@ _HOME = {
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
     "SetPoints": "setpoints",
-    "SetUp": "reading.control.setup",
+    "SetUp": "reading.coordinates.setup",
     "Sign": "reading.controllers.controller",
     "TimeLaw": "laws.law",
-    "Tool": "reading.control.setup",
+    "Tool": "reading.coordinates.setup",
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",

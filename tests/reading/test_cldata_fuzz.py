@@ -10,6 +10,7 @@ import pytest
 from toolpace.errors import ProgramError
 from toolpace.reading.cldata.reader import ClReader
 from toolpace.reading.findings import Findings
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 
 TEXT = """PARTNO X $ Y
@@ -97,7 +98,7 @@ SCRAPS = ["", "0", "-1", "1E-9", "1e12", "9" * 30, "NAN", "INF", "$", "$$", ",",
 def check(text: str, skip_unknown: bool = False) -> bool:
     findings = Findings()
     try:
-        p = ClReader(Source.from_text(text), skip_unknown=skip_unknown, findings=findings).run()
+        p = ClReader(Source.from_text(text), ReadOptions(skip_unknown=skip_unknown), findings).run()
     except ProgramError as error:
         assert str(error) and "\n" not in str(error)
         return False

@@ -10,11 +10,15 @@ import pytest
 from tests.support.virtual_control import ALL, DEG, control, go, joints, place, turned
 from toolpace.errors import ProgramError
 from toolpace.machine.machine import Machine
-from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.placement import INSIDE
-from toolpace.reading.control.setup import SetUp, Tool
+from toolpace.reading.control.joint_moves import reference, straight_in_machine
+from toolpace.reading.control.tool_axis import turn_to_plane
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.placement import INSIDE
+from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.reading.findings import Findings
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 
 TOWARDS = ("xyzac-trunnion", "xyzbc-nutating", "xyzbc-head", "xyzab-trunnion-inch", "xyzbc-millturn", "xyzbc-table")
@@ -211,7 +215,7 @@ def test_on_a_tilted_plane_the_tool_stands_upright_and_z_goes_along_it(name, fol
     frame = affine.product(affine.shift((0.02, 0.01, 0.03)), affine.turns((2, 20 * DEG), (0, 25 * DEG)))
     made.set_frame(frame, tilted=True)
     before = list(made.words)
-    made.turn_to_plane(follow=follow)
+    turn_to_plane(made, follow=follow)
     normal = np.array(affine.direct(frame, (0.0, 0.0, 1.0)))
     assert made.poses.axis(made.placement.place(made.words)[3:]) == pytest.approx(normal, abs=1e-9)
     if follow:
@@ -233,9 +237,9 @@ def test_machine_coordinates_count_from_the_machines_zero_and_know_no_offsets():
     made.set_length("1")
     go(made, turned(made, 0, 0, -100), turned(made, 30, 10, -100, C=40))
     made.stop()
-    made.straight_in_machine({"Z": -0.05})
+    straight_in_machine(made, {"Z": -0.05})
     made.stop()
-    made.straight_in_machine({"X": -0.2, "C": 0.0})
+    straight_in_machine(made, {"X": -0.2, "C": 0.0})
     found = joints(made, machine)[made.toolpath().stop]
     assert found[-2][2] == pytest.approx(0.15, abs=1e-12) and found[-2][:2] == pytest.approx(found[-3][:2], abs=1e-12)
     assert found[-1][0] == pytest.approx(0.2, abs=1e-12) and found[-1][-1] == pytest.approx(0.0, abs=1e-12)
@@ -249,7 +253,7 @@ def test_after_a_move_in_machine_coordinates_words_go_on_from_there(tip_mode):
     made.set_length("1")
     made.set_tip_mode(tip_mode)
     go(made, place(0, 0, 10, 0, 0), place(30, 10, 10, 20, 40))
-    made.straight_in_machine({"Z": -0.1})
+    straight_in_machine(made, {"Z": -0.1})
     made.straight([*made.words[:2], made.words[2] + 0.01, *made.words[3:]], ALL, rapid=True)
     made.straight(list(made.words), ALL, rapid=True)
     found = joints(made, machine)
@@ -262,8 +266,8 @@ def test_without_a_sheet_machine_coordinates_end_within_travel_and_that_is_said(
     machine = Machine.load("xyzac-trunnion")
     made = control(machine)
     go(made, turned(made, 0, 0, 0), turned(made, 30, 10, 0, C=40))
-    made.straight_in_machine({"Z": 0.0})
-    made.straight_in_machine({"X": 0.3})
+    straight_in_machine(made, {"Z": 0.0})
+    straight_in_machine(made, {"X": 0.3})
     found = joints(made, machine)
     assert found[-2][2] == pytest.approx(machine.travel[2, 1] - INSIDE, abs=1e-12)
     assert found[-1][0] == pytest.approx(machine.travel[0, 1] - INSIDE, abs=1e-12)
@@ -276,9 +280,9 @@ def test_references_are_reached_with_the_axes_that_are_named_and_are_stops():
     sheet = SetUp(machine_zero=ZERO, references={1: {"Z": -0.01}, 2: {"X": -0.3, "Y": -0.1, "Z": -0.02}})
     made = control(machine, sheet)
     go(made, turned(made, 0, 0, 0), turned(made, 30, 10, 0, C=40))
-    made.reference(1, ["Z"])
-    made.reference(2, ["X", "Y"])
-    made.reference(2, [])
+    reference(made, 1, ["Z"])
+    reference(made, 2, ["X", "Y"])
+    reference(made, 2, [])
     made.straight(place(0, 0, 0, 0, 0), ALL, rapid=True)
     path, found = made.toolpath(), joints(made, machine)
     at = [int(np.flatnonzero(np.abs(found[:, 2] - z) < 1e-12)[0]) for z in (0.19, 0.18)]
@@ -299,11 +303,11 @@ def test_a_start_on_the_sheet_is_where_the_path_begins():
 
 def test_operations_and_tools_are_those_of_the_moves_in_them():
     made = control(None)
-    made.begin_operation("rough")
+    made.operations.begin(name="rough")
     made.change_tool("1")
     go(made, place(0, 0, 0), place(1, 0, 0))
     made.change_tool("2")
-    made.begin_operation("finish")
+    made.operations.begin(name="finish")
     made.straight(place(2, 0, 0), ALL, rapid=False)
     made.dwell(0.5)
     path = made.toolpath()
@@ -314,7 +318,8 @@ def test_operations_and_tools_are_those_of_the_moves_in_them():
 
 
 def test_blocks_without_end_are_refused_with_the_cure():
-    made = Control(Source.from_text("G0\n"), None, findings=Findings(), most_blocks=10)
+    options = ReadOptions(most_blocks=10)
+    made = Control(Source.from_text("G0\n"), None, Controller.load("iso"), options, Findings())
     with pytest.raises(ProgramError, match=r"more than 10 blocks.*--max-blocks"):
         for _ in range(11):
             made.begin_block(1)

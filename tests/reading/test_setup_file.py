@@ -11,7 +11,8 @@ from tests.support.virtual_control import control, go, joints, place
 from toolpace.errors import MachineError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.reading import read_text
-from toolpace.reading.control.setup import SetUp, Tool
+from toolpace.reading.control.joint_moves import reference, straight_in_machine
+from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.reading.findings import Used
 from toolpace.reading.setup_file import load_setup, setup_in, setup_of_text, setup_text
 from toolpace.reading.setup_sheet import setup_sheet
@@ -157,8 +158,8 @@ def test_a_sheet_to_fill_in_says_what_was_taken_without_it(name):
         go(made, place(0, 0, 0, 0, 0), place(1, 2, 3, 0, 0))
         made.set_tip_mode(True)
         go(made, place(5, 2, 3, 0, 0), place(5, 6, 7, 10, 20))
-        made.straight_in_machine({"Z": 0.0})
-        made.reference(1, ["X", "Z"])
+        straight_in_machine(made, {"Z": 0.0})
+        reference(made, 1, ["X", "Z"])
         found.append(joints(made, machine))
     assert found[0] == pytest.approx(found[1], abs=1e-9)
 

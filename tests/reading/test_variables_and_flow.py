@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.support.controllers import read_for, tips
 from toolpace.errors import ProgramError
-from toolpace.reading.control.setup import SetUp
+from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.gcode.program.expressions import Parser, value_of
 from toolpace.reading.gcode.program.variables import Variables
 from toolpace.reading.gcode.program.words import WordError

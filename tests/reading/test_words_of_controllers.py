@@ -11,8 +11,8 @@ from tests.support.controllers import read_for, tips, with_options
 from tests.support.table_table import MACHINE
 from toolpace.errors import ProgramError, UsageError
 from toolpace.machine.machine import Machine
-from toolpace.reading.control.setup import SetUp, Tool
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.reading.options import PROGRAM
 
 START = "G90 G21 G94 G17 F600\nG0 X0 Y0 Z0\n"

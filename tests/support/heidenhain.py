@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tests.support.table_table import MACHINE
-from toolpace.reading.control.setup import SetUp
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.reader import HeidenhainReader
 from toolpace.reading.options import ReadOptions

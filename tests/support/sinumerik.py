@@ -7,8 +7,8 @@ import functools
 import numpy as np
 
 from toolpace.machine.machine import Machine
-from toolpace.reading.control.setup import SetUp
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.sinumerik.reader import SinumerikReader

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control, Rules
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.findings import Findings
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 
 MM, DEG = 1e-3, math.pi / 180.0
@@ -14,7 +17,9 @@ ALL = 7
 
 
 def control(machine, setup=None, **rules):
-    made = Control(Source.from_text("G0\n" * 50), machine, setup, findings=Findings(), rules=Rules(**rules))
+    options = ReadOptions(setup=setup or SetUp())
+    controller = Controller.load("linuxcnc")
+    made = Control(Source.from_text("G0\n" * 50), machine, controller, options, Findings(), Rules(**rules))
     made.feed.set(1000.0, MM, 1)
     made.begin_block(1)
     return made

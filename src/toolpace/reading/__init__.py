@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from toolpace.reading.control.kinematics import Kinematics
-from toolpace.reading.control.setup import SetUp
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.kinematics import Kinematics
+from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.dialect import CONTROLS
 from toolpace.reading.feeds import FeedChange, apply_feed
 from toolpace.reading.findings import Findings
@@ -101,10 +101,7 @@ def read_source(
     elif found.dialect == "cldata":
         from toolpace.reading.cldata.reader import ClReader
 
-        reader = ClReader(
-            source, default_feed=options.default_feed, skip_unknown=options.skip_unknown, findings=findings
-        )
-        toolpath = reader.run()
+        toolpath = ClReader(source, options, findings).run()
     else:
         from toolpace.reading.table import read_table
 

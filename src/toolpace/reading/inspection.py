@@ -12,7 +12,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import ProgramError, ToolpaceError
 from toolpace.reading import read_source
-from toolpace.reading.control.kinematics import Kinematics
+from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.dialect import CONTROLS
 from toolpace.reading.findings import Findings, Refusal, Used
 from toolpace.reading.languages import Recognised, recognised

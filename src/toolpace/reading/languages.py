@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from toolpace.errors import UsageError
-from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.dialect import CONTROLS, dialect_of
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions

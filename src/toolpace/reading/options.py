@@ -6,14 +6,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from toolpace.errors import UsageError, did_you_mean
-from toolpace.reading.control.control import MOST_BLOCKS
-from toolpace.reading.control.kinematics import Kinematics
-from toolpace.reading.control.setup import SetUp
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.kinematics import Kinematics
+from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.setup_file import check_setup, load_setup, setup_in
 
 PROGRAM = "program"
 """What `compensation` may be."""
+MOST_BLOCKS = 2_000_000
+"""Blocks that are executed: more is taken for a loop without end."""
 
 
 @dataclass(frozen=True)

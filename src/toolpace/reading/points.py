@@ -2,83 +2,105 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import NoReturn
 
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.reading.feeds import LONGEST, SLOWEST, feed_fault
+from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
-from toolpace.toolpath import Operation, ToolPath, no_operations, no_rapids
+from toolpace.toolpath import Operation, ToolPath
 
 SAME = 1e-12
-"""Points closer than this [m, rad] are the same point."""
+"""ProgramPoints closer than this [m, rad] are the same point."""
 AXIS_ROUNDING = 0.02
 """How far the length of a tool axis may be from 1: programs round it to three to six decimals."""
 
 
-def assemble(
-    source: Source,
-    *,
-    tip: Floats,
-    axis: Floats,
-    feed: Floats,
-    least_time: Floats,
-    block: Ints,
-    stop: Bools,
-    dwell: Floats,
-    rotary: Floats | None = None,
-    rotary_joints: tuple[str, ...] = (),
-    blocks: int = 0,
-    skipped: dict[str, int] | None = None,
-    rapid: Bools | None = None,
-    operation: Ints | None = None,
-    operations: tuple[Operation, ...] = (Operation(),),
-    controller: str = "",
-    assumed: tuple[str, ...] = (),
-) -> ToolPath:
-    """ToolPath of points in order (see ToolPath for shapes and units).
+@dataclass(frozen=True)
+class ProgramPoints:
+    """ProgramPoints in order, as ToolPath has them (see there for shapes and units)."""
+
+    tip: Floats
+    axis: Floats
+    feed: Floats
+    least_time: Floats
+    block: Ints
+    stop: Bools
+    dwell: Floats
+    rapid: Bools
+    operation: Ints
+    rotary: Floats | None = None
+    rotary_joints: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ProgramFacts:
+    """What a program tells beside its points."""
+
+    skipped: dict[str, int] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
+    blocks: int = 0
+    operations: tuple[Operation, ...] = (Operation(),)
+    controller: str = ""
+
+    @staticmethod
+    def of(
+        findings: Findings, blocks: int, operations: tuple[Operation, ...] = (), controller: str = ""
+    ) -> ProgramFacts:
+        """With what was found while it was read."""
+        return ProgramFacts(
+            dict(findings.skipped), findings.assumptions, blocks, operations or (Operation(),), controller
+        )
+
+
+def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> ToolPath:
+    """ToolPath of points in order.
 
     A point equal to the one before is dropped: a repeated position takes no time. Its stop and its dwell move
     onto the point that stays. The first and the last point are stops.
     """
-    axis = unit_axes(source, axis, block)
-    n = len(tip)
-    moved = np.ones(n, dtype=bool)
-    if n > 1:
-        moved[1:] = np.abs(np.diff(tip, axis=0)).max(axis=1) > SAME
-        turned = rotary if rotary is not None else axis
-        if turned.shape[1]:
-            moved[1:] |= np.abs(np.diff(turned, axis=0)).max(axis=1) > SAME
-    kept = np.flatnonzero(moved)
+    axis = unit_axes(source, points.axis, points.block)
+    kept = np.flatnonzero(_moved(points.tip, axis if points.rotary is None else points.rotary))
     if len(kept) < 2:
-        refuse_still(source, n)
-    stop = np.logical_or.reduceat(stop, kept)
+        refuse_still(source, len(points.tip))
+    stop = np.logical_or.reduceat(points.stop, kept)
     stop[[0, -1]] = True
-    dwell = np.add.reduceat(dwell, kept)
-    feed, least_time = feed[kept], least_time[kept]
+    feed, least_time = points.feed[kept], points.least_time[kept]
     # Nothing leads to the first point.
     feed[0], least_time[0] = np.inf, 0.0
-    _refuse_endless(source, feed, least_time, block[kept])
+    _refuse_endless(source, feed, least_time, points.block[kept])
     return ToolPath(
-        tip=np.ascontiguousarray(tip[kept]),
+        tip=np.ascontiguousarray(points.tip[kept]),
         axis=np.ascontiguousarray(axis[kept]),
         feed=feed,
         least_time=least_time,
-        block=block[kept],
+        block=points.block[kept],
         stop=stop,
-        dwell=dwell,
-        rotary=None if rotary is None else np.ascontiguousarray(rotary[kept]),
-        rotary_joints=rotary_joints,
+        dwell=np.add.reduceat(points.dwell, kept),
+        rotary=None if points.rotary is None else np.ascontiguousarray(points.rotary[kept]),
+        rotary_joints=points.rotary_joints,
         source=source.name,
-        blocks=blocks,
-        skipped=dict(skipped or {}),
-        rapid=no_rapids() if rapid is None else rapid[kept],
-        operation=no_operations() if operation is None else operation[kept],
-        operations=operations,
-        controller=controller,
-        assumed=assumed,
+        blocks=facts.blocks,
+        skipped=facts.skipped,
+        rapid=points.rapid[kept],
+        operation=points.operation[kept],
+        operations=facts.operations,
+        controller=facts.controller,
+        assumed=facts.assumed,
     )
+
+
+def _moved(tip: Floats, turned: Floats) -> Bools:
+    """Whether each point (n,) differs from the one before, in its tip or in how it is turned."""
+    moved = np.ones(len(tip), dtype=bool)
+    if len(tip) > 1:
+        moved[1:] = np.abs(np.diff(tip, axis=0)).max(axis=1) > SAME
+        if turned.shape[1]:
+            moved[1:] |= np.abs(np.diff(turned, axis=0)).max(axis=1) > SAME
+    return moved
 
 
 def _refuse_endless(source: Source, feed: Floats, least_time: Floats, block: Ints) -> None:

@@ -15,8 +15,8 @@ from typing import Any, NoReturn
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.files import reason
 from toolpace.files.toml import toml_text
-from toolpace.reading.control.kinematics import Kinematics, Poses
-from toolpace.reading.control.setup import Position, SetUp, Tool, tool_name
+from toolpace.reading.coordinates.kinematics import Kinematics, Poses
+from toolpace.reading.coordinates.setup import Position, SetUp, Tool, tool_name
 
 LENGTHS = {"mm": 1e-3, "m": 1.0, "in": 0.0254}
 ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}

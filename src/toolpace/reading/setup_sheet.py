@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 from toolpace.errors import printable
 from toolpace.files.toml import toml_key
-from toolpace.reading.control.kinematics import Kinematics, Poses
-from toolpace.reading.control.placement import Datum
-from toolpace.reading.control.setup import SetUp, tool_name
+from toolpace.reading.coordinates.kinematics import Kinematics, Poses
+from toolpace.reading.coordinates.placement import Datum
+from toolpace.reading.coordinates.setup import SetUp, tool_name
 from toolpace.reading.findings import Used
 
 HEAD = """\

@@ -74,6 +74,18 @@ class Source:
             text = data.decode("latin-1")
         return replace(Source.from_text(text, name), data=data)
 
+    def must_be_ended(self, ends: str) -> None:
+        """Raise a ProgramError where the last line has no line end; called where no word ended the program.
+
+        ends: the words that could, as a list for people.
+        """
+        if not self.last_line_ended:
+            self.fail(
+                f"the program looks cut off: neither {ends} ends it, and its last line has no end; "
+                "export it again, or end the line if it is complete",
+                len(self.lines),
+            )
+
     def fail(self, message: str, line: int) -> NoReturn:
         """Raise a ProgramError that shows the line (from 1; 0 speaks of the whole file)."""
         if line == len(self.lines) and not self.last_line_ended and "cut off" not in message:

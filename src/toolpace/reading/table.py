@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.reading.points import assemble
+from toolpace.reading.points import ProgramFacts, ProgramPoints, assemble
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 from toolpace.units import FEEDS, LENGTHS, TIMES
@@ -52,17 +52,18 @@ def read_table(source: Source, *, default_feed: float | None = None) -> ToolPath
     dwell = column.get("dwell", np.zeros(n))
     _refuse(source, line, (dwell < 0) | (dwell > 86400), "dwell is not between 0 and a day: correct it")
     rapid = column.get("rapid", np.zeros(n)) != 0
-    return assemble(
-        source,
-        tip=tip,
-        axis=axis,
+    points = ProgramPoints(
+        tip,
+        axis,
         feed=_feed(source, line, column.get("feed"), rapid, default_feed),
         least_time=np.zeros(n),
         block=line,
         stop=(column.get("stop", np.zeros(n)) != 0) | (dwell > 0),
         dwell=dwell,
-        blocks=n,
+        rapid=rapid,
+        operation=np.zeros(n, dtype=np.int64),
     )
+    return assemble(source, points, ProgramFacts(blocks=n))
 
 
 def _columns(source: Source, header: str, line: int, delimiter: str) -> dict[str, float]:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from toolpace.errors import UsageError
-from toolpace.reading.control.control import MOST_BLOCKS
-from toolpace.reading.control.setup import SetUp
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.options import ReadOptions
+from toolpace.reading.coordinates.setup import SetUp
+from toolpace.reading.options import MOST_BLOCKS, ReadOptions
 from toolpace.reading.setup_file import load_setup, setup_text
 from toolpace.write.plan_json import PLAN, ReadingRecord
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.sinumerik import SINUMERIK, read
 from toolpace.errors import ProgramError
-from toolpace.reading.control.setup import SetUp, Tool
+from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.reading.sinumerik.cycles.strokes import strokes_of
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.sinumerik import START, ends, last, machine, read
 from toolpace.errors import ProgramError
-from toolpace.reading.control.setup import SetUp, Tool
+from toolpace.reading.coordinates.setup import SetUp, Tool
 
 
 def test_forms_of_words():

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.sinumerik import SINUMERIK, START, last, read
 from toolpace.errors import ProgramError, UsageError
-from toolpace.reading.control.setup import SetUp
+from toolpace.reading.coordinates.setup import SetUp
 
 HARMLESS = """STOPRE
 WORKPIECE(,,,"BOX",0,1,-25,-80,0,0,150,100)

@@ -24,6 +24,7 @@ from toolpace.reading.cldata.operations import ClOperations
 from toolpace.reading.cldata.track import Track
 from toolpace.reading.cldata.words import DATA, NOTE, Statement, statements, without_cards
 from toolpace.reading.findings import Findings
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
@@ -39,19 +40,11 @@ class ClReader:
     `skip_unknown` it is left out, and said.
     """
 
-    def __init__(
-        self,
-        source: Source,
-        *,
-        default_feed: float | None = None,
-        skip_unknown: bool = False,
-        findings: Findings | None = None,
-    ) -> None:
-        self.source, self.skip_unknown = source, skip_unknown
-        self.findings = Findings() if findings is None else findings
+    def __init__(self, source: Source, options: ReadOptions, findings: Findings) -> None:
+        self.source, self.options, self.findings = source, options, findings
         self.track = Track(source)
         self.frame = ClFrame(source, self.findings)
-        self.feed = ClFeed(source, default_feed, self.findings)
+        self.feed = ClFeed(source, options.default_feed, self.findings)
         self.motion = ClMotion(source, self.track, self.feed, self.frame, self.findings)
         self.curves = ClCurves(source, self.motion, self.findings)
         self.operations = ClOperations(self.motion)
@@ -107,7 +100,7 @@ class ClReader:
             self._execute(statement)
         self.curves.end()
         self._refuse_open_circle()
-        self.findings.raise_if_refused(self.source, self.skip_unknown)
+        self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.track.toolpath(count, self.findings)
 
     def _execute(self, statement: Statement) -> None:

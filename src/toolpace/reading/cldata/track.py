@@ -11,7 +11,7 @@ from toolpace.reading.arcs import Arc, ArcTable
 from toolpace.reading.cldata.feed import Caps
 from toolpace.reading.control.unroll import slerp
 from toolpace.reading.findings import Findings
-from toolpace.reading.points import assemble, unit_axes
+from toolpace.reading.points import ProgramFacts, ProgramPoints, assemble, unit_axes
 from toolpace.reading.source import Source
 from toolpace.reading.splines import Spline
 from toolpace.toolpath import Operation, ToolPath
@@ -111,22 +111,18 @@ class Track:
         stop[last[sorted(self._stops)]] = True
         for row, seconds in self._dwells.items():
             dwell[last[row]] = seconds
-        return assemble(
-            self.source,
-            tip=tip,
-            axis=axes,
+        points = ProgramPoints(
+            tip,
+            axes,
             feed=table[move, 6],
             least_time=table[move, 7] * _shares(tip, move),
             block=line[move],
             stop=stop,
             dwell=dwell,
-            blocks=blocks,
-            skipped=dict(findings.skipped),
             rapid=table[move, 10] > 0,
             operation=table[move, 9].astype(np.int64),
-            operations=tuple(self._operations) or (Operation(),),
-            assumed=findings.assumptions,
         )
+        return assemble(self.source, points, ProgramFacts.of(findings, blocks, tuple(self._operations)))
 
     def _pieces(self, line: Ints) -> tuple[Ints, Floats, Floats]:
         """Row of each point (n,), how far along its curve it is (n,), and those points that are inside curves."""

@@ -8,17 +8,15 @@ into more until all agree; the gap falls with the square of their number.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.reading.arcs import ArcTable
-from toolpace.reading.control.kinematics import Poses
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, MoveTable
-from toolpace.reading.points import SAME, assemble
+from toolpace.reading.coordinates.kinematics import Poses
+from toolpace.reading.points import SAME, ProgramFacts, ProgramPoints, assemble
 from toolpace.reading.source import Source
-from toolpace.toolpath import Operation, ToolPath
+from toolpace.toolpath import ToolPath
 
 TIP_GAP = 0.45e-6
 """Most distance of the tip from the chords [m]; a tenth below the promised half micrometre."""
@@ -30,18 +28,9 @@ MOST_PIECES_OF_BLOCK = 1_000_000
 MOST_PIECES = 4_000_000
 """Most points of one block, and of a program: what asks for more would fill memory before it is planned."""
 CHUNK = 100_000
-"""Points that are measured at a time, to keep memory low."""
+"""ProgramPoints that are measured at a time, to keep memory low."""
 INSIDE = np.array([0.25, 0.5, 0.75])
 """Shares of a piece at which it is measured against chord and great circle."""
-
-
-class Told(NamedTuple):
-    """What a program tells beside its motions."""
-
-    skipped: dict[str, int]
-    operations: tuple[Operation, ...]
-    controller: str
-    assumed: tuple[str, ...]
 
 
 class Unroll:
@@ -150,32 +139,27 @@ class Unroll:
         feed = np.where(self.is_feed & ~by_time & ~in_place & ~timed, self.speed, np.inf)
         return feed, least_time
 
-    def toolpath(self, blocks: int, told: Told) -> ToolPath:
+    def toolpath(self, facts: ProgramFacts) -> ToolPath:
         """The points of all moves; inserted ones share the block number and the least time of their block."""
         self.refine()
         move, piece, count = _pieces_of(np.arange(len(self.end)), self.pieces)
         tip, axis, rotary = self.evaluate(move, (piece + 1) / count)
         feed, least_time = self.caps()
         ends = piece + 1 == count
-        return assemble(
-            self.source,
-            tip=tip,
-            axis=axis,
+        points = ProgramPoints(
+            tip,
+            axis,
             feed=feed[move],
             least_time=least_time[move] / count,
             block=self.line[move],
             stop=self.stop[move] & ends,
             dwell=np.where(ends, self.dwell[move], 0.0),
-            rotary=None if self.poses.machine is None else rotary,
-            rotary_joints=self.poses.rotary_names,
-            blocks=blocks,
-            skipped=told.skipped,
             rapid=self.is_rapid[move],
             operation=self.operation[move],
-            operations=told.operations,
-            controller=told.controller,
-            assumed=told.assumed,
+            rotary=None if self.poses.machine is None else rotary,
+            rotary_joints=self.poses.rotary_names,
         )
+        return assemble(self.source, points, facts)
 
 
 def slerp(a: Floats, b: Floats, t: float | Floats) -> Floats:

@@ -7,8 +7,8 @@ import re
 from toolpace.reading.arcs import ArcError
 from toolpace.reading.control.control import Control, Rules
 from toolpace.reading.control.feed import FeedRules
-from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.findings import Findings
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.execute import Executor
@@ -43,16 +43,8 @@ class WordAddressReader:
         self.source, self.controller, self.options, self.findings = source, controller, options, findings
         by = controller.option
         feed = FeedRules(by("turning", "xyz"), by("inverse_seconds", False), by("feed_kept", False))
-        self.control = Control(
-            source,
-            machine,
-            options.setup,
-            findings=findings,
-            rules=Rules(feed, by("tip_frame_where_switched", False)),
-            default_feed=options.default_feed,
-            controller=controller.name,
-            most_blocks=options.most_blocks,
-        )
+        rules = Rules(feed, by("tip_frame_where_switched", False))
+        self.control = Control(source, machine, controller, options, findings, rules)
         self.state = Modal()
         self.variables = Variables(
             options.setup.variables,
@@ -135,7 +127,7 @@ class WordAddressReader:
 
     def _block(self, block: Block, line: int) -> None:
         if block.name:
-            self.control.begin_operation(block.name)
+            self.control.operations.begin(name=block.name)
         if block.empty:
             return
         if block.deleted:
@@ -207,9 +199,5 @@ class WordAddressReader:
                 "the program is cut off: % opens it here, but neither %, M2 nor M30 ends it; export it again",
                 self.tape_line,
             )
-        if not self.source.last_line_ended and not state.at_home:
-            self.source.fail(
-                "the program looks cut off: neither M2, M30 nor % ends it, and its last line has no end; "
-                "export it again, or end the line if it is complete",
-                len(self.source.lines),
-            )
+        if not state.at_home:
+            self.source.must_be_ended("M2, M30 nor %")

@@ -42,7 +42,7 @@ class System:
 
     def _of_linuxcnc(self, key: int) -> float | None:
         if key == 5220:
-            offset = self.control.offset
+            offset = self.control.coordinates.offset
             return float(_OFFSETS.index(offset) + 1) if offset in _OFFSETS else 1.0
         if key == 5400:
             return float(self.control.tool) if self.control.tool.isdigit() else 0.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.control import Control
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import Matrix
 
 IN_TILTED = "what is shifted, mirrored, turned or scaled in a tilted plane adds to what was before the plane"
 
@@ -44,7 +44,7 @@ class Frames:
         self.control = control
         self.before, self.within = Level(), Level()
         self.plane: Matrix | None = None
-        self.rotary = [0.0] * len(control.turn)
+        self.rotary = [0.0] * len(control.coordinates.turn)
 
     @property
     def level(self) -> Level:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.control.retract import retract
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
@@ -148,7 +149,7 @@ class MachineFunctions:
         def run() -> None:
             wanted = {letter: control.words[control.slot(letter)] % FULL_TURN for letter in letters}
             control.set_position(wanted)
-            self.frames.rotary = list(control.turn)
+            self.frames.rotary = list(control.coordinates.turn)
 
         return run
 
@@ -189,7 +190,7 @@ class MachineFunctions:
                 return
             target, _ = self.motion.target([(slot, False, value, unit) for slot, _, value, unit in axes])
             by_letter = {letter: target[axis[0]] for letter, axis in zip(letters, axes)}
-            self.control.straight_in_machine(by_letter, rapid=rapid)
+            straight_in_machine(self.control, by_letter, rapid=rapid)
             self.state.came_from = []
 
         return run

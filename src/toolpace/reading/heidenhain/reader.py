@@ -5,8 +5,8 @@ from __future__ import annotations
 from toolpace.reading.arcs import ArcError
 from toolpace.reading.control.control import Control, Rules
 from toolpace.reading.control.feed import FeedRules
-from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError
@@ -36,16 +36,7 @@ class HeidenhainReader:
             feed=FeedRules(turning=controller.option("feed_when_turning", "vector"), kept=False),
             fixed_where_switched=controller.option("part_frame_where_switched", False),
         )
-        self.control = Control(
-            source,
-            machine,
-            options.setup,
-            findings=findings,
-            rules=rules,
-            default_feed=options.default_feed,
-            controller=controller.name,
-            most_blocks=options.most_blocks,
-        )
+        self.control = Control(source, machine, controller, options, findings, rules)
         self.state = State(shortest=controller.option("shortest_rotary", False))
         parameters = Parameters(options.setup.variables)
         program = Program(source, findings, options.block_delete)
@@ -65,7 +56,7 @@ class HeidenhainReader:
             elif flow.calls:
                 self._execute_end(program)
             else:
-                self._refuse_cut_off()
+                self.source.must_be_ended("END PGM, M2 nor M30")
                 break
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()
@@ -93,11 +84,3 @@ class HeidenhainReader:
         if len(offsets) == 1:
             self.control.set_offset(offsets[0])
             self.findings.assumed(f"offset {offsets[0]} is active before the program names one")
-
-    def _refuse_cut_off(self) -> None:
-        if not self.source.last_line_ended:
-            self.source.fail(
-                "the program looks cut off: neither END PGM, M2 nor M30 ends it, and its last line has no end; "
-                "export it again, or end the line if it is complete",
-                len(self.source.lines),
-            )

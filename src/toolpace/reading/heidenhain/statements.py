@@ -225,4 +225,4 @@ class Statements:
     def heading(self, text: str) -> Step:
         """`* -`: the name of what follows."""
         name = text.lstrip("-* ").strip()
-        return lambda: self.control.begin_operation(name)
+        return lambda: self.control.operations.begin(name=name)

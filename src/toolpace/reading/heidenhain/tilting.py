@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import Matrix
-from toolpace.reading.control.control import Control, upright
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.joint_moves import turn_joints
 from toolpace.reading.control.retract import turn_about
+from toolpace.reading.control.tool_axis import plane_axis, rotary_for
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
@@ -25,6 +27,8 @@ _WORD = re.compile(
 )
 FORMS = ("SPATIAL", "EULER", "VECTOR", "POINTS", "RELATIV", "AXIAL", "RESET")
 ANGLES = ("A", "B", "C")
+STRAIGHT = 1e-9
+"""Most of X and Y in a unit vector that is taken for upright."""
 
 
 @dataclass
@@ -142,9 +146,9 @@ class Tilting:
         moves = bool(words & {"MOVE", "TURN"})
         if control.poses.machine is None and not moves:
             return
-        if "TABLEROT" in words and upright(control.plane_axis()):
+        if "TABLEROT" in words and upright(plane_axis(control)):
             control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
-        wanted = [0.0] * len(control.poses.rotary) if reset else control.rotary_for(control.plane_axis(), sign)
+        wanted = [0.0] * len(control.poses.rotary) if reset else rotary_for(control, plane_axis(control), sign)
         self.note(wanted)
         if not moves:
             return
@@ -153,7 +157,7 @@ class Tilting:
             if "MOVE" in words:
                 turn_about(control, wanted, pivot, rapid=rapid)
             else:
-                control.turn_joints(wanted, rapid=rapid)
+                turn_joints(control, wanted, rapid=rapid)
 
     def note(self, wanted: list[float]) -> None:
         """Set Q120, Q121, Q122 to the angles [deg] of A, B and C."""
@@ -172,4 +176,9 @@ class Tilting:
             self.frames.tilt(self.axial(asked) if axial else spatial_of)
         self.machine.state.came_from = []
         if self.control.poses.machine is not None:
-            self.note(self.control.rotary_for(self.control.plane_axis()))
+            self.note(rotary_for(self.control, plane_axis(self.control)))
+
+
+def upright(axis: list[float]) -> bool:
+    """Whether a direction (3,) is +z."""
+    return abs(axis[0]) < STRAIGHT and abs(axis[1]) < STRAIGHT and axis[2] > 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from toolpace.reading.arcs import ArcError
+from toolpace.reading.control.joint_moves import reference
 from toolpace.reading.sinumerik.cycles.holes import Holes
 from toolpace.reading.sinumerik.cycles.patterns import places
 from toolpace.reading.sinumerik.cycles.swivel import swivel
@@ -54,7 +55,7 @@ class Commands:
         said = text(values[0]).strip() if values and values[0] is not None else ""
         self.run.findings.ignored("MSG")
         if said:
-            self.control.begin_operation(said)
+            self.control.operations.begin(name=said)
 
     def _traori(self, values: list[Value | None]) -> None:
         if any(value is not None for value in values[1:]):
@@ -63,7 +64,8 @@ class Commands:
 
     def tip_mode(self, on: bool) -> None:
         """TRAORI, TRAFOOF: the machine stays where it is, and the frames in force stay (posts count on it)."""
-        if on and not self.control.tip_mode and (self.run.frames.offset or self.control.frame != _NONE):
+        coordinates = self.control.coordinates
+        if on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
             self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
         self.control.set_tip_mode(on)
         self.state.tangent = None
@@ -83,7 +85,7 @@ class Commands:
         """CYCLE832(tolerance, mode, ...): it asks for a tolerance, and for blending unless the mode is 0 (off)."""
         arguments = Arguments("CYCLE832", values, 24)
         mode = arguments.code(1) % TOP_SURFACE
-        self.control.tolerance("CYCLE832")
+        self.control.findings.ignored("CYCLE832")
         if not values or mode % 10 == 0:
             if self._exact_stop_before is not None:
                 self.state.exact_stop, self._exact_stop_before = self._exact_stop_before, None
@@ -119,7 +121,7 @@ class Commands:
                 words.pop(address)
         if fixed:
             self.control.findings.assumed("fixed points (G75 FP=n) are the reference points n + 1 of the set-up sheet")
-        self.control.reference(fixed + 1, letters)
+        reference(self.control, fixed + 1, letters)
 
     def write(self, name: str, index: tuple[Value, ...], value: Value) -> None:
         """$NAME[index]=value. Raises Unread."""

@@ -148,7 +148,7 @@ class Executor:
         if modes.apply(state, code):
             self.memory.unit = state.unit
             if code in modes.TOLERANCES:
-                self.control.tolerance(code)
+                self.control.findings.ignored(code)
         elif code in IN_MACHINE:
             now.in_machine = True
         elif code == "G9":

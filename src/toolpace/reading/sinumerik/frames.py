@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import IDENTITY, Matrix
 from toolpace.reading.control.control import Control
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.reading.sinumerik.given import Words, number
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax import frame_functions
@@ -62,7 +62,7 @@ class Frames:
         chain = affine.product(self._written(), self.plane)
         whole_frame = affine.product(chain, self.programmed())
         self.control.set_frame(IDENTITY if whole_frame == IDENTITY else whole_frame, tilted=self.tilted)
-        if list(self.control.turn) != self.turned:
+        if list(self.control.coordinates.turn) != self.turned:
             self.control.set_rotary_shift(tuple(self.turned))
 
     def _written(self) -> Matrix:

@@ -6,6 +6,7 @@ import math
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.sinumerik import circles
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
 from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
@@ -188,9 +189,9 @@ class Motion:
             coordinates[address] = bounded(given, address) * (self.state.unit if slot < 3 else DEGREE)
         if not coordinates:
             return False
-        if control.compensated and control.poses.machine is not None:
+        if control.coordinates.compensated and control.poses.machine is not None:
             control.findings.assumed("machine coordinates (SUPA, G53) are those of the axes, without tool length")
-        control.straight_in_machine(coordinates, rapid=self.state.motion == "G0")
+        straight_in_machine(control, coordinates, rapid=self.state.motion == "G0")
         self.here()
         if stop:
             control.stop()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.tool_axis import rotary_for
 from toolpace.reading.control.unroll import AXIS_GAP
+from toolpace.reading.coordinates import affine
 from toolpace.reading.sinumerik.given import Words, bounded
 from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
@@ -34,7 +35,7 @@ class Vectors:
         """The tool axis (3,) on the part that the words ask for; None where they ask for none."""
         if len(words) == 0 or not self.asked(words):
             return None
-        if not self.control.tip_mode:
+        if not self.control.coordinates.tip_mode:
             raise ValueFault("tool vectors (A3=, A2=) need TRAORI: switch it on before them")
         if any(address in words for address in VECTOR):
             vector = [self._one(words, address) for address in VECTOR]
@@ -61,7 +62,7 @@ class Vectors:
 
     def rotary(self, vector: list[float]) -> list[float]:
         """Rotary words for a tool axis on the part."""
-        return self.control.rotary_for(vector)
+        return rotary_for(self.control, vector)
 
     def straight(
         self, target: list[float], named: int, vector: list[float], *, rapid: bool, number: float | None

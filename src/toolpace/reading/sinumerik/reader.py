@@ -6,8 +6,8 @@ import re
 
 from toolpace.reading.control.control import Control, Rules
 from toolpace.reading.control.feed import FeedRules
-from toolpace.reading.control.kinematics import Kinematics
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.sinumerik.executor import Executor
@@ -33,16 +33,8 @@ class SinumerikReader:
         findings: Findings,
     ) -> None:
         self.source, self.options, self.findings = source, options, findings
-        self.control = Control(
-            source,
-            machine,
-            options.setup,
-            findings=findings,
-            rules=Rules(FeedRules(controller.option("feed_turning", "xyz"))),
-            default_feed=options.default_feed,
-            controller=controller.name,
-            most_blocks=options.most_blocks,
-        )
+        rules = Rules(FeedRules(controller.option("feed_turning", "xyz")))
+        self.control = Control(source, machine, controller, options, findings, rules)
         self.parts = Run(self.control, controller, options)
 
     def run(self) -> ToolPath:
@@ -56,16 +48,8 @@ class SinumerikReader:
         )
         executor.interpreter.run()
         if not executor.interpreter.ended:
-            self._refuse_cut_off()
+            self.source.must_be_ended("M2, M30, M17 nor RET")
         if not run.state.stop_told and len(self.control.moves):
             self.findings.assumed("the program says neither G60 nor G64: blocks are taken to meet without a stop (G64)")
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()
-
-    def _refuse_cut_off(self) -> None:
-        if not self.source.last_line_ended:
-            self.source.fail(
-                "the program looks cut off: neither M2, M30, M17 nor RET ends it, and its last line has no end; "
-                "export it again, or end the line if it is complete",
-                len(self.source.lines),
-            )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.control import Control
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.offsets import Offsets, given_axes
 from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
@@ -44,7 +44,7 @@ class Frames:
             if part is not None:
                 made = part if made is affine.IDENTITY else affine.product(made, part)
         control.set_frame(made, tilted=self.tilted)
-        if tuple(total[3:]) != control.turn:
+        if tuple(total[3:]) != control.coordinates.turn:
             control.set_rotary_shift(tuple(total[3:]))
 
     # Shifts

@@ -90,7 +90,7 @@ class Modes:
             numbers.pop("P", None)
         if given:
             # the tolerance of the path is given to the fit, not by the program
-            self.control.tolerance(f"{word} P")
+            self.control.findings.ignored(f"{word} P")
 
     def _polar(self, numbers: Numbers, word: str) -> None:
         self.state.polar, self.state.pole = True, {}

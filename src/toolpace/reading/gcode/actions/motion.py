@@ -8,10 +8,11 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.reading.arcs import Arc
-from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.control.tool_axis import rotary_for
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates import affine
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.program.words import WordError
@@ -178,7 +179,7 @@ class MotionReader:
         size = math.hypot(*vector.values())
         if size < 1e-6:
             raise WordError("the tool axis I, J, K is zero: give the direction from the tip to the spindle")
-        return self.control.rotary_for([value / size for value in vector.values()])
+        return rotary_for(self.control, [value / size for value in vector.values()])
 
     def _refuse_word(self, letter: str) -> None:
         if letter in _USES:

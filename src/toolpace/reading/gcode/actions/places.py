@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import Matrix
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.joint_moves import reference, straight_in_machine
+from toolpace.reading.control.tool_axis import plane_axis, rotary_for, turn_to_plane
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.gcode.actions.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
@@ -59,7 +61,7 @@ class Places:
             if target != control.words:
                 control.straight(target, named, rapid=True)
         self.state.between = list(control.words)
-        control.reference(number, list(given))
+        reference(control, number, list(given))
         self.state.at_home = True
 
     def from_reference(self, numbers: Numbers, word: str) -> None:
@@ -81,7 +83,7 @@ class Places:
         places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in given.items()}
         if places:
             self.state.along = 0.0
-            control.straight_in_machine(places, rapid=rapid)
+            straight_in_machine(control, places, rapid=rapid)
 
     def machine_rapid(self, numbers: Numbers, word: str) -> None:
         """MillPlus G74: to machine coordinates at rapid; L1 is a setting of its own."""
@@ -105,7 +107,7 @@ class Places:
         """G53.1: turn the rotary axes until the tool stands on the plane."""
         self._need_machine(word)
         numbers.pop("P", None)
-        self.control.turn_to_plane()
+        turn_to_plane(self.control)
 
     def carried_frame(self, numbers: Numbers, word: str) -> None:
         """Haas G254: coordinates parallel to the machine's, about the work offset as the table has carried it."""
@@ -131,12 +133,12 @@ class Places:
             self._need_machine(word)
         self.frames.tilt(affine.product(z, affine.product(y, x)))
         if told:
-            wanted = control.rotary_for(control.plane_axis())
+            wanted = rotary_for(control, plane_axis(control))
             for letter in told:
                 key = round(numbers.pop(f"{letter}7"))
                 self.variables.set(key, wanted[control.slot(letter) - 3] / DEGREE)
         if turns_axes and control.poses.machine is not None:
-            control.turn_to_plane()
+            turn_to_plane(control)
 
     def _need_machine(self, word: str) -> None:
         if self.control.poses.machine is None:

@@ -6,10 +6,12 @@ import math
 from collections.abc import Callable
 from typing import Protocol
 
-from toolpace.reading.control import affine
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
-from toolpace.reading.control.orientation import near
+from toolpace.reading.control.joint_moves import turn_joints
+from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.orientation import near
 from toolpace.reading.heidenhain.frames import Frames, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
@@ -176,13 +178,13 @@ class Motion:
         if state.spatial and state.tip_mode:
             letters = {name.upper(): k for k, name in enumerate(control.poses.rotary_names)}
             a, b, c = (target[3 + letters[x]] if x in letters else 0.0 for x in "ABC")
-            axis = control.direction_on_part(affine.direct(spatial(a, b, c), (0.0, 0.0, 1.0)))
-            self.straight([*target[:3], *control.rotary_for(axis)], named, rapid)
+            axis = direction_on_part(control, affine.direct(spatial(a, b, c), (0.0, 0.0, 1.0)))
+            self.straight([*target[:3], *rotary_for(control, axis)], named, rapid)
         elif state.tip_mode or named:
             self.straight(target, named, rapid)
         else:
             # without M128 the linear axes stand still while rotary axes turn, also in a tilted plane
-            control.turn_joints(target[3:], rapid=rapid)
+            turn_joints(control, target[3:], rapid=rapid)
             state.came_from = []
 
     def normal_line(self, words: PathWords) -> Step:
@@ -205,7 +207,7 @@ class Motion:
                 length = math.hypot(*tool)
                 if not 1e-6 < length < 1e6:
                     raise BlockError("TX TY TZ is no direction: give the one from the tip to the spindle")
-                target[3:] = control.rotary_for(control.direction_on_part([value / length for value in tool]))
+                target[3:] = rotary_for(control, direction_on_part(control, [value / length for value in tool]))
             elif normals and self.state.tip_mode:
                 control.findings.refused("NX NY NZ without TX TY TZ", line, "write the tool's direction TX TY TZ too")
                 return

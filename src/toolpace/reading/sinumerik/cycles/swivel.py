@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import IDENTITY, Matrix
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.joint_moves import reference
 from toolpace.reading.control.retract import retract
+from toolpace.reading.control.tool_axis import turn_to_plane
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.reading.sinumerik.frames import Frames
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
@@ -41,7 +43,7 @@ def swivel(values: list[Value | None], control: Control, frames: Frames, state: 
         control.findings.assumed(
             "CYCLE800: _DIR chooses the solution by the sign of the axis that tilts the tool or the table"
         )
-        control.turn_to_plane(follow=status // 10 % 10 == 1, rapid=True, sign=int(math.copysign(1, direction)))
+        turn_to_plane(control, follow=status // 10 % 10 == 1, rapid=True, sign=int(math.copysign(1, direction)))
         control.stop()
 
 
@@ -77,9 +79,9 @@ def _retract(arguments: Arguments, control: Control, state: State) -> None:
     way = arguments.code(0)
     if way in (1, 2):
         control.findings.assumed("CYCLE800 retracts to the reference point: where it does is data of the machine")
-        control.reference(1, ["Z"])
+        reference(control, 1, ["Z"])
         if way == 2:
-            control.reference(1, ["X", "Y"])
+            reference(control, 1, ["X", "Y"])
     elif way in (4, 5):
         retract(control, None if way == 4 else abs(arguments.number(14)) * state.unit, rapid=True)
     elif way:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from toolpace.reading.control.affine import Matrix
+from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.sinumerik.syntax.expressions import r_number
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, shown, whole
 from toolpace.units import MILLIMETRE

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from toolpace.reading.control import affine
+from toolpace.reading.coordinates import affine
 from toolpace.reading.sinumerik.syntax import frame_functions
 from toolpace.reading.sinumerik.syntax.lexer import (
     END,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import Matrix
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.sinumerik.syntax.values import Axis, Value, ValueFault, real
 from toolpace.units import DEGREE
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
-from toolpace.reading.control.affine import Matrix
+from toolpace.reading.coordinates.affine import Matrix
 from toolpace.units import DEGREE
 
 

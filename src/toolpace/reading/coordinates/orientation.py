@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from toolpace.reading.control.kinematics import Poses
+from toolpace.reading.coordinates.kinematics import Poses
 
 TURN = 2.0 * math.pi
 FREE = 1e-6

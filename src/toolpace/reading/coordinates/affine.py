@@ -11,6 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from toolpace.reading.arcs import Arc
+
 Matrix = tuple[tuple[float, float, float, float], ...]
 """Three rows of a 4 by 4 matrix: rotation and shift; the fourth is (0, 0, 0, 1)."""
 Vector = Sequence[float]
@@ -95,3 +97,20 @@ def scale_of(frame: Matrix) -> float:
 
 def _frozen(rows: Sequence[Sequence[float]]) -> Matrix:
     return tuple((row[0], row[1], row[2], row[3]) for row in rows)
+
+
+def carried(frame: Matrix, arc: Arc) -> Arc:
+    """An arc in the coordinates that the frame stands in; its radii grow where the frame scales."""
+    u, w = direct(frame, arc.u), direct(frame, arc.w)
+    grown = max(math.hypot(*u), math.hypot(*w))
+    if abs(grown - 1.0) < 1e-9:
+        grown = 1.0
+    return Arc(
+        apply(frame, arc.centre),
+        (u[0] / grown, u[1] / grown, u[2] / grown),
+        (w[0] / grown, w[1] / grown, w[2] / grown),
+        arc.r0 * grown,
+        arc.r1 * grown,
+        arc.sweep,
+        direct(frame, arc.rise),
+    )

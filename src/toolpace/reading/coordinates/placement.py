@@ -1,4 +1,4 @@
-"""Where a program's coordinates are in the machine, or on the part: offsets, frames, tool lengths put together."""
+"""Placements of words in the machine, or on the part; and where the machine's zero and the work offsets are."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.reading.control import affine
-from toolpace.reading.control.affine import Matrix
-from toolpace.reading.control.kinematics import Poses
-from toolpace.reading.control.setup import Position, SetUp
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import Matrix
+from toolpace.reading.coordinates.kinematics import Poses
+from toolpace.reading.coordinates.setup import Position, SetUp
 
 INSIDE = 1e-3
 """How far inside travel the stand-ins of machine coordinates end [m]: a smooth path swings about its points."""
@@ -105,50 +104,3 @@ class Datum:
             for letter, slot in self.poses.slots().items():
                 values[slot] = self.zero[slot] + given.get(letter, 0.0) + (lift[slot] if slot < 3 else 0.0)
         return values
-
-    def placement(
-        self,
-        *,
-        offset: str,
-        frame: Matrix,
-        turn: tuple[float, ...],
-        tip_mode: bool,
-        length: float,
-        compensated: bool,
-        fixed_at: list[float] | None,
-    ) -> Placement:
-        """The placement of words.
-
-        frame: what the program itself shifted or turned, in the coordinates of the work offset.
-        turn: what it shifted the rotary words by [rad].
-        length, compensated: of the tool at hand [m], and whether the control reckons with it.
-        fixed_at: rotary positions at which the frame of tip mode was fixed to the workpiece; None for zero.
-        """
-        origin = self.origin(offset)
-        shift = tuple(a + b for a, b in zip(origin[3:], turn))
-        shift = shift if any(shift) else ()
-        longer = length - self.own_length
-        if not tip_mode or self.poses.machine is None:
-            reckoned = self.lift * (longer if compensated else -self.own_length if self.setup.offsets else 0.0)
-            linear = [a + float(b) for a, b in zip(origin, reckoned)]
-            matrix = affine.product(affine.shift(linear), frame) if any(linear) else frame
-            return Placement(False, matrix, shift, longer)
-        matrix = self._on_part(origin, fixed_at if fixed_at is not None and any(fixed_at) else None)
-        return Placement(True, matrix if frame is affine.IDENTITY else affine.product(matrix, frame), shift, longer)
-
-    def _on_part(self, origin: list[float], fixed_at: list[float] | None) -> Matrix:
-        """Coordinates of a work offset on the part, which carries them from where it stood at rotary positions."""
-        held = [0.0] * len(self.poses.rotary) if fixed_at is None else self.poses.carried(fixed_at)
-        at, columns, _ = self.poses.linear_map(held)
-        _, zero, _ = self.poses.linear_map([0.0] * len(held))
-        turn = columns @ np.linalg.inv(zero)
-        return _clean(np.column_stack([turn, at + columns @ np.array(origin[:3])]))
-
-
-def _clean(matrix: Floats) -> Matrix:
-    """The matrix (3, 4) without the roundings of kinematics, which would tilt straight lines."""
-    whole = np.round(matrix)
-    near = np.abs(matrix - whole) < np.array([1e-13, 1e-13, 1e-13, 1e-15])
-    a, b, c = np.where(near, whole, matrix).tolist()
-    cleaned: Matrix = (tuple(a), tuple(b), tuple(c))
-    return affine.IDENTITY if cleaned == affine.IDENTITY else cleaned

@@ -1,0 +1,76 @@
+"""Moves of the joints themselves, whatever the words of the program mean: in machine coordinates, and turns."""
+
+from __future__ import annotations
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.moves import FEED, JUMP, RAPID, Rate
+from toolpace.reading.coordinates.placement import INSIDE
+
+
+def straight_in_machine(control: Control, coordinates: dict[str, float], *, rapid: bool = True) -> None:
+    """Move to machine coordinates by axis letter [m, rad], without offsets, frames and tool length.
+
+    Without a set-up sheet machine coordinates are stand-ins: what lies beyond travel ends at its end.
+    """
+    if control.poses.machine is None or not coordinates:
+        control.findings.assumed("without a machine, moves in machine coordinates are passed over")
+        return
+    control.findings.used.machine_zero = True
+    control.need_linear_joints()
+    slots = {letter: control.slot(letter) for letter in coordinates}
+    control.named |= sum(1 << slot for slot in slots.values() if slot < 3)
+    wanted = control.datum.joints_of(coordinates, _joints(control))
+    _move(control, _within_travel(control, wanted, slots), rapid=rapid)
+
+
+def reference(control: Control, number: int, letters: list[str]) -> None:
+    """Go to a reference point with the axes of these letters, at rapid; all axes where there is none."""
+    control.findings.used.references.setdefault(number)
+    wanted = control.datum.reference(number)
+    straight_in_machine(control, {letter: wanted[letter] for letter in letters or wanted if letter in wanted})
+    control.stop()
+
+
+def turn_joints(control: Control, wanted: list[float], *, rapid: bool) -> None:
+    """Turn the rotary joints to words (rotary) [rad]; the linear joints stay, also where words are the tip."""
+    shift = control.placement.shift or (0.0,) * len(wanted)
+    _move(control, [*_joints(control)[:3], *(a + b for a, b in zip(wanted, shift))], rapid=rapid)
+
+
+def _joints(control: Control) -> list[float]:
+    """Where the joints are (3 + rotary) [m, rad]."""
+    placement = control.placement
+    place = placement.place(control.words)
+    return control.poses.to_joints(place, placement.longer) if placement.tip_mode else place
+
+
+def _move(control: Control, joints: list[float], *, rapid: bool) -> None:
+    """Move to joints (3 + rotary) [m, rad]; words then speak of the place that is reached."""
+    placement, moves, line = control.placement, control.moves, control.line
+    rate = Rate() if rapid else control.feed.rate(None, line)
+    moves.add(joints, rate, line, RAPID if rapid else FEED, False, control.named)
+    place = joints
+    if placement.tip_mode:
+        place = control.poses.to_tip(joints, placement.longer)
+        moves.add(place, Rate(), line, JUMP, True, control.named, placement.longer)
+    control.words = placement.words(place)
+
+
+def _within_travel(control: Control, joints: list[float], slots: dict[str, int]) -> list[float]:
+    """The joints, with those of these letters inside travel where there is no sheet that tells the machine's zero."""
+    machine, setup = control.poses.machine, control.setup
+    assert machine is not None
+    if setup.machine_zero or setup.references:
+        return joints
+    control.findings.assumed(
+        "machine coordinates and reference points count from the upper ends of the travel of X, Y and Z, 1 mm "
+        "inside (--setup FILE tells others)"
+    )
+    columns = [*control.poses.linear, *control.poses.rotary]
+    for letter, slot in slots.items():
+        low, high = (float(end) for end in machine.travel[columns[slot]])
+        if not low <= joints[slot] <= high:
+            control.findings.assumed(f"machine coordinates of {letter} beyond its travel end at the end of travel")
+        inside = min(INSIDE, 0.5 * (high - low)) if slot < 3 else 0.0
+        joints[slot] = min(max(joints[slot], low + inside), high - inside)
+    return joints

@@ -1,0 +1,48 @@
+"""The tool axis that a program asks for, as rotary words; and turns of the tool to a tilted plane."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.joint_moves import turn_joints
+from toolpace.reading.coordinates import affine
+
+
+def rotary_for(control: Control, axis: list[float], sign: int = 0) -> list[float]:
+    """Rotary words that bring the tool to an axis (3,) on the part, the nearest to where the machine is.
+
+    sign: of the two solutions the one with the second rotary joint below (-1) or above (1) zero; 0: either.
+    Raises ProgramError.
+    """
+    placement = control.placement
+    wanted, fault = control.orientation.rotary(axis, placement.place(control.words)[3:], sign)
+    if fault:
+        control.source.fail(fault, control.line)
+    shift = placement.shift or (0.0,) * len(wanted)
+    return [a - b for a, b in zip(wanted, shift)]
+
+
+def plane_axis(control: Control) -> list[float]:
+    """The direction (3,) on the part that the tool has when it stands upright on the plane of the frame."""
+    return direction_on_part(control, (0.0, 0.0, 1.0))
+
+
+def direction_on_part(control: Control, direction: affine.Vector) -> list[float]:
+    """A direction (3,) of the program's coordinates as a unit vector on the part; zero stays zero."""
+    placement = control.placement if control.placement.tip_mode else control.coordinates.on_part()
+    found = affine.direct(placement.matrix, direction)
+    length = math.hypot(*found) or 1.0
+    return [value / length for value in found]
+
+
+def turn_to_plane(control: Control, *, follow: bool = False, rapid: bool = True, sign: int = 0) -> None:
+    """Turn the rotary joints until the tool stands upright on the plane of the frame.
+
+    follow: the tip keeps its place on the part; else the linear joints keep theirs.
+    """
+    wanted = rotary_for(control, plane_axis(control), sign)
+    if follow:
+        control.straight([*control.words[:3], *wanted], 0, rapid=rapid)
+    else:
+        turn_joints(control, wanted, rapid=rapid)
