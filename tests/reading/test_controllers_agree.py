@@ -92,6 +92,10 @@ class Model:
             self.go(self.points[-1] + [1, 0, 0])
 
 
+def distinct(points):
+    return [a for a, b in zip(points, [None, *points]) if b is None or np.abs(a - b).max() > 1e-5]
+
+
 @pytest.mark.parametrize("controller", ["linuxcnc", "fanuc", "haas", "iso"])
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(operations=st.lists(OPERATIONS, min_size=2, max_size=14))
@@ -113,5 +117,6 @@ def test_what_a_controller_is_told_is_what_is_read(controller, operations):
         at += int(near[0])
     assert np.abs(tips[-1] - model.points[-1]).max() < 1e-5
     if not any(name == "circle" for name, *_ in operations):
-        kept = [a for a, b in zip(model.points, [None, *model.points]) if b is None or np.abs(a - b).max() > 1e-5]
-        assert len(tips) == len(kept) and np.abs(tips - kept).max() < 1e-5
+        # the words of inches are rounded: what they say again is the same place
+        kept, read = distinct(model.points), distinct(tips)
+        assert len(read) == len(kept) and np.abs(np.array(read) - kept).max() < 1e-5

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE
 from rich.table import Table
@@ -97,7 +97,7 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, given))
 
 
-def record(found: Inspection) -> dict[str, Any]:
+def record(found: Inspection) -> dict[str, object]:
     """An entry of the JSON list: lengths in mm, angles in deg."""
     return {
         "program": printable(found.program),

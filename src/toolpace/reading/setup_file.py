@@ -10,7 +10,7 @@ import re
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn, TypeVar
 
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.files import reason
@@ -27,6 +27,8 @@ LONGEST = 1_000_000
 FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
 """Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
 MOST_REFERENCES = 4
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 _P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
 
 
@@ -56,7 +58,7 @@ def setup_of_text(text: str, source: str = "set-up sheet") -> SetUp:
     return setup_of_table(table, source)
 
 
-def setup_of_table(table: Mapping[str, Any], source: str) -> SetUp:
+def setup_of_table(table: Mapping[str, object], source: str) -> SetUp:
     """A set-up sheet from its tables, as they stand in the file. Raises UsageError."""
     return _Sheet(source, table).read()
 
@@ -64,7 +66,7 @@ def setup_of_table(table: Mapping[str, Any], source: str) -> SetUp:
 def setup_text(setup: SetUp) -> str:
     """The text of a sheet that reads as exactly this set-up, in metres and radians."""
     tools = {name: {"length": tool.length, "radius": tool.radius} for name, tool in setup.tools.items()}
-    tables: dict[str, Mapping[str, Any]] = {
+    tables: dict[str, Mapping[str, object]] = {
         "offsets": {name: dict(place) for name, place in setup.offsets.items()},
         "references": {str(number): dict(place) for number, place in setup.references.items()},
         "machine_zero": dict(setup.machine_zero),
@@ -109,7 +111,7 @@ def check_setup(setup: SetUp, machine: Kinematics) -> None:
 class _Sheet:
     """One reading of one sheet."""
 
-    def __init__(self, source: str, table: Mapping[str, Any]) -> None:
+    def __init__(self, source: str, table: Mapping[str, object]) -> None:
         self.source, self.raw = source, table
         self.length, self.angle = "mm", "deg"
 
@@ -135,26 +137,28 @@ class _Sheet:
             part=self.part(),
         )
 
-    def known(self, place: str, table: Mapping[str, Any], names: tuple[str, ...]) -> None:
+    def known(self, place: str, table: Mapping[str, object], names: tuple[str, ...]) -> None:
         for key in table:
             if key not in names:
                 self.fail(place, f"has the unknown key '{key[:40]}'; {did_you_mean(key, names)}")
 
-    def table(self, name: str) -> Mapping[str, Any]:
+    def table(self, name: str) -> Mapping[str, object]:
         found = self.raw.get(name, {})
         if not isinstance(found, dict):
             self.fail(name, f"= {found!r:.40} is not a table; write it under the heading [{name}]")
         return found
 
-    def unit(self, units: Mapping[str, Any], key: str, known: Mapping[str, float], usual: str) -> str:
+    def unit(self, units: Mapping[str, object], key: str, known: Mapping[str, float], usual: str) -> str:
         found = units.get(key, usual)
         if not isinstance(found, str) or found not in known:
             self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, known))}")
         return found
 
-    def named(self, name: str, key_of: Callable[[str], Any], value_of: Callable[[str, Any], Any]) -> dict[Any, Any]:
+    def named(
+        self, name: str, key_of: Callable[[str], Key], value_of: Callable[[str, Mapping[str, object]], Value]
+    ) -> dict[Key, Value]:
         """The tables of a table, by what their headings mean."""
-        found: dict[Any, Any] = {}
+        found: dict[Key, Value] = {}
         for heading, value in self.table(name).items():
             place = f"[{name}.{heading[:40]}]"
             key = key_of(heading)
@@ -172,7 +176,7 @@ class _Sheet:
             )
         return int(heading)
 
-    def position(self, place: str, table: Mapping[str, Any]) -> dict[str, float]:
+    def position(self, place: str, table: Mapping[str, object]) -> dict[str, float]:
         found = {}
         for letter, value in table.items():
             if len(letter) != 1 or letter not in LETTERS:
@@ -183,7 +187,7 @@ class _Sheet:
                 found[letter] = self.quantity(place, letter, value, self.length, LENGTHS, FARTHEST)
         return found
 
-    def tool(self, place: str, table: Mapping[str, Any]) -> Tool:
+    def tool(self, place: str, table: Mapping[str, object]) -> Tool:
         self.known(place, table, ("length", "radius"))
         if "length" not in table:
             self.fail(place, f"has no length; write the way from the spindle nose to the tip [{self.length}]")

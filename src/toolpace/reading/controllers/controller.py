@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import msgspec
 
@@ -13,6 +13,7 @@ from toolpace.files.toml import toml_text
 
 FOLDER = Path(__file__).parent / "builtin"
 LANGUAGES = ("word-address", "sinumerik", "heidenhain")
+Option = TypeVar("Option", bool, float, str)
 LONGEST = 1 << 20
 """Most characters of a controller's file."""
 
@@ -96,12 +97,12 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         }
         return toml_text(given)
 
-    def option(self, name: str, default: Any) -> Any:
+    def option(self, name: str, default: Option) -> Option:
         """The option, or the default; UsageError where it is of another kind than that."""
         value = self.options.get(name, default)
         if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
-        if type(value) is not type(default):
+        if not isinstance(value, type(default)):
             raise UsageError(f"{self.source}: option {name} = {value!r} must be of the kind of {default!r}")
         return value
 

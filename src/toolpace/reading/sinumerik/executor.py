@@ -11,11 +11,10 @@ from toolpace.reading.sinumerik import state as modes
 from toolpace.reading.sinumerik.commands import Commands
 from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
-from toolpace.reading.sinumerik.frames import PROGRAMMED, Saved
+from toolpace.reading.sinumerik.frames import PROGRAMMED
 from toolpace.reading.sinumerik.given import Given, Words
 from toolpace.reading.sinumerik.motion import OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
-from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 
@@ -78,16 +77,17 @@ class Executor:
         """Note a word that is not read."""
         self.findings.refused(word, line, cure)
 
-    def saved(self) -> tuple[State, Saved]:
-        """Modes and frames, for a subprogram with SAVE."""
-        return replace(self.state), self.frames.saved()
+    def saved(self) -> Callable[[], None]:
+        """What brings modes and frames back as they are, for a subprogram with SAVE."""
+        modes, frames = replace(self.state), self.frames.saved()
 
-    def restore(self, state: tuple[State, Saved]) -> None:
-        """Modes and frames as they were."""
-        for name, value in vars(state[0]).items():
-            setattr(self.state, name, value)
-        self.memory.unit = self.state.unit
-        self.frames.restore(state[1])
+        def restore() -> None:
+            for name, value in vars(modes).items():
+                setattr(self.state, name, value)
+            self.memory.unit = self.state.unit
+            self.frames.restore(frames)
+
+        return restore
 
     def execute(self, block: Block) -> bool:
         """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
@@ -94,14 +95,17 @@ class Holes:
             raise ValueFault(f"{self.name} dwells for turns of the spindle: write S before it")
         return -given / spindle
 
-    def _drill(self, levels: Levels, **more: float | str | bool) -> None:
-        cycle = Drilling(levels.top, levels.bottom, levels.back, axis=self.axis, **more)  # type: ignore[arg-type]
+    def _hole(self, levels: Levels) -> Drilling:
+        return Drilling(levels.top, levels.bottom, levels.back, axis=self.axis)
+
+    def _drill(self, cycle: Drilling) -> None:
         number = self.state.inverse if self.control.feed.mode == INVERSE else None
         drill(self.control, cycle, list(self.control.words), number)
 
     def _plain(self, arguments: Arguments, levels: Levels) -> None:
         dwell = 0.0 if self.name == "CYCLE81" else self._dwell(arguments.number(5))
-        self._drill(levels, dwell=dwell, out=FEED_OUT if self.name == "CYCLE89" else RAPID_OUT)
+        out = FEED_OUT if self.name == "CYCLE89" else RAPID_OUT
+        self._drill(replace(self._hole(levels), dwell=dwell, out=out))
 
     def _deep(self, arguments: Arguments, levels: Levels) -> None:
         unit = self.state.unit
@@ -174,7 +178,7 @@ class Holes:
 
     def _bore_with_stop(self, arguments: Arguments, levels: Levels) -> None:
         dwell = self._dwell(arguments.number(5)) if self.name == "CYCLE88" else 0.0
-        self._drill(levels, dwell=dwell, stops=True)
+        self._drill(replace(self._hole(levels), dwell=dwell, stops=True))
 
     def _rigid_tap(self, arguments: Arguments, levels: Levels) -> None:
         if not arguments.number(7) and not arguments.number(8):

@@ -6,8 +6,9 @@ by the number of its levels, and one that loops without end by the number of its
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 from toolpace.reading.sinumerik.flow.jumps import Jumps
 from toolpace.reading.sinumerik.flow.memory import Store
@@ -35,11 +36,8 @@ class Actions(Protocol):
     modal: tuple[Call, list[Value | None]] | None
     """What MCALL asked for, with its arguments."""
 
-    def saved(self) -> Any:
-        """The modes, for a subprogram that saves them."""
-
-    def restore(self, state: Any) -> None:
-        """Modes as they were."""
+    def saved(self) -> Callable[[], None]:
+        """What brings the modes back as they are, for a subprogram that saves them."""
 
     def ignored(self, word: str) -> None:
         """Count a word that moves nothing."""
@@ -105,7 +103,7 @@ class Interpreter:
     def _check(self, routine: Routine, line: int = 0) -> None:
         """ProgramError where the choices and loops of a routine have no partners."""
         try:
-            routine.partners  # noqa: B018
+            routine.check()
         except StructureFault as error:
             where = f"{routine.file} line {error.index + 1}: " if routine.file else ""
             self.source.fail(where + str(error), line or routine.first + error.index)
@@ -128,8 +126,8 @@ class Interpreter:
         self.stack.pop()
         if frame.local is not None:
             self.memory.local = frame.local
-        if frame.state is not None:
-            self.actions.restore(frame.state)
+        if frame.restore is not None:
+            frame.restore()
 
     def _modal_call(self) -> None:
         assert self.actions.modal is not None
@@ -172,7 +170,7 @@ class Interpreter:
             return
         names = flow.names
         if names[-1] == "SAVE" and len(names) % 2 == 0:
-            frame.state, names = self.actions.saved(), names[:-1]
+            frame.restore, names = self.actions.saved(), names[:-1]
         if len(arguments) > len(names) // 2:
             raise ValueFault(f"{routine.name} takes {len(names) // 2} arguments, not {len(arguments)}: correct them")
         for k, (kind, name) in enumerate(zip(names[1::2], names[2::2])):

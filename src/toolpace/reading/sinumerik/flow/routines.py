@@ -53,6 +53,10 @@ class Routine:
         found = head(self.lines[index])
         return found, line(found.rest)
 
+    def check(self) -> None:
+        """Raise StructureFault where choices and loops have no partners."""
+        _ = self.partners
+
     @cached_property
     def partners(self) -> dict[int, int]:
         """Where IF, ELSE, FOR, ... go on when they do not go in, and ends of loops when they do not leave.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from toolpace.reading.sinumerik.flow.memory import Local
 from toolpace.reading.sinumerik.flow.routines import Routine
@@ -26,8 +26,8 @@ class Frame:
     left: int = 1
     local: Local | None = None
     """Variables of the caller, where this is a call."""
-    state: Any = None
-    """Modes of the caller, where the subprogram saves them."""
+    restore: Callable[[], None] | None = None
+    """Brings the modes of the caller back, where the subprogram saves them."""
     modal: bool = False
     """Whether MCALL made this call: blocks within make none."""
     line: int = 0
