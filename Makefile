@@ -50,6 +50,7 @@ lock: $(VENV)/.base  ## write requirements.lock anew, from the newest versions t
 	$(BIN)/python tools/lock.py
 
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
+	$(BIN)/python -m benchmarks.default
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.second_order
 	$(BIN)/python -m benchmarks.scaling

@@ -89,10 +89,15 @@ def scaling_table(figures: dict[tuple[int, str], Figures]) -> Table:
             ratios = [row[key] / reference[key] for key in ("wall", "cpu")]
             table.lines.append(
                 [
-                    kind, str(row["points"]), f"{row['seconds']:.2f}", f"{row['wall']:.1f}", f"{row['cpu']:.1f}",
+                    kind,
+                    str(row["points"]),
+                    f"{row['seconds']:.2f}",
+                    f"{row['wall']:.1f}",
+                    f"{row['cpu']:.1f}",
                     *(f"{ratio:.2f}" + " !" * (size == SIZES[-1] and ratio > MOST_RATIO) for ratio in ratios),
                     f"{row['memory']:.0f}" + " !" * (row["memory"] > MOST_MEMORY),
-                    "-" if row["gap"] is None else f"{row['gap']:.2e}", f"{row['usage']:.5f}",
+                    "-" if row["gap"] is None else f"{row['gap']:.2e}",
+                    f"{row['usage']:.5f}",
                 ]
             )
     return table

@@ -38,9 +38,7 @@ def followed(name: str, path: Path, machine: Machine, source: str) -> Case:
     """The joints of a machine along a path, behind a plain callable, as a caller without a machine would have it."""
     axis_path = AxisPath.follow(path, machine)
     run = axis_path.runs[0]
-    bare = path_of(
-        run.evaluate, run.s0, run.s1, joints=machine.joints, speed_cap=run.speed_cap, breaks=run.breaks
-    )
+    bare = path_of(run.evaluate, run.s0, run.s1, joints=machine.joints, speed_cap=run.speed_cap, breaks=run.breaks)
     return Case(name, bare, machine.limits, source)
 
 
@@ -59,20 +57,20 @@ def paper_arc() -> Case:
     return followed("paper arc", Path.paper_arc(), Machine.load("paper-ab"), "ACC 2009")
 
 
-def random_case(seed: int) -> Case:
-    """Five joints, each a sum of five harmonics with random phases; every second one with a fifth of the jerk."""
+def random_case(seed: int, modes: int = MODES) -> Case:
+    """Five joints, each a sum of harmonics with random phases; every second one with a fifth of the jerk."""
     rng = np.random.default_rng(1000 + seed)
-    number = np.arange(1, MODES + 1)
+    number = np.arange(1, modes + 1)
     scale = rng.uniform(0.2, 1.0, 5) / number[:, None] ** 1.5
-    sine, cosine = rng.normal(size=(2, MODES, 5)) * scale
+    sine, cosine = rng.normal(size=(2, modes, 5)) * scale
     omega = np.pi * number
     # the derivatives of all orders from sines and cosines by one product
-    weights = np.empty((2 * MODES, 4, 5))
+    weights = np.empty((2 * modes, 4, 5))
     for order in range(4):
         turn = np.exp(0.5j * np.pi * order) * omega[:, None] ** order
-        weights[:MODES, order] = turn.real * sine - turn.imag * cosine
-        weights[MODES:, order] = turn.imag * sine + turn.real * cosine
-    flat = weights.reshape(2 * MODES, 20)
+        weights[:modes, order] = turn.real * sine - turn.imag * cosine
+        weights[modes:, order] = turn.imag * sine + turn.real * cosine
+    flat = weights.reshape(2 * modes, 20)
 
     def jets(s: Floats) -> Floats:
         angle = s[:, None] * omega
@@ -80,10 +78,11 @@ def random_case(seed: int) -> Case:
         return (basis @ flat).reshape(len(s), 4, 5).transpose(1, 0, 2)
 
     tight = seed % 2 == 1
+    kind = "random" if modes == MODES else f"{modes} harmonics"
     limits = Limits(
         rng.uniform(0.5, 2.0, 5), rng.uniform(1.5, 6.0, 5), rng.uniform(10.0, 40.0, 5) * (0.2 if tight else 1.0)
     )
-    name = f"random {seed:02d}" + (" tight" if tight else "")
+    name = f"{kind} {seed:02d}" + (" tight" if tight else "")
     return Case(name, path_of(jets), limits, "fixed seed")
 
 

@@ -69,9 +69,7 @@ def minimise(problem: Problem, first: np.ndarray) -> tuple[np.ndarray, str]:
     u = [dm(m @ expand) @ y + m @ offset for m in maps]
     floor = maps[0] @ first
     half = problem.rows.shape[1] // 2
-    value = [
-        sum(ca.DM(np.ascontiguousarray(problem.rows[:, i, d])) * u[d] for d in range(3)) for i in range(2 * half)
-    ]
+    value = [sum(ca.DM(np.ascontiguousarray(problem.rows[:, i, d])) * u[d] for d in range(3)) for i in range(2 * half)]
     root = ca.sqrt(u[0])
     g = [u[0] / floor] + value[:half] + [row * root for row in value[half:]]
     time = ca.dot(ca.DM(problem.weight), 1.0 / root)
