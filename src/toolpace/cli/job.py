@@ -131,14 +131,17 @@ def fit_path(job: Job, steps: Steps, toolpath: ToolPath) -> SmoothPath:
 
 
 def plan_motion(job: Job, steps: Steps, path: SmoothPath) -> Trajectory:
-    """The fastest motion along it, and its lower bound, proved for as long as was asked for."""
+    """The fastest motion along it, and its lower bounds: of any motion where that is cheap, proved where asked for."""
     from toolpace.axispath.axispath import AxisPath
+    from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.planner import plan
 
     with steps.step("planning") as step:
         axis_path = AxisPath.follow(path, job.machine)
         trajectory = plan(axis_path, job.machine, planner=job.planner, progress=step)
+        if job.prove_within is None and is_cheap(trajectory):
+            trajectory = with_continuous_bound(trajectory)
         step.note = f"{trajectory.mesh_points} mesh points"
     if job.prove_within is not None:
         with steps.step("proving") as step:

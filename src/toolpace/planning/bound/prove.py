@@ -13,8 +13,8 @@ from toolpace.axispath.run import AxisRun
 from toolpace.errors import UsageError
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
+from toolpace.planning.bound.any_motion import with_continuous_bound
 from toolpace.planning.bound.branch_and_bound import Part, close
-from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.bound.open_places import Place, losses_by_knot, open_places, settled
 from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.problem import Knots
@@ -74,20 +74,14 @@ def prove(
             states = end_states(laws[k])
             bounds[k] = prove_run(runs[k], limits, laws[k], gap, until, *states, workers=workers, progress=part)
         done += open_[k] / total
-    unmeshed = workers.each(lambda k: continuous_bound(runs[k], limits, laws[k]), range(len(runs)))
-    dwells = trajectory.axis_path.first_dwell + sum(run.dwell for run in runs)
+    unmeshed = with_continuous_bound(trajectory, workers)
     told(1.0)
     proved = [
         PlannedRun(law, 0, bound.seconds, places_in_time(run, law, bound))
         for run, law, bound in zip(runs, laws, bounds, strict=True)
     ]
     lower_bound, places = total_bound(trajectory.axis_path, proved)
-    return replace(
-        trajectory,
-        lower_bound=max(lower_bound, trajectory.lower_bound),
-        continuous_bound=sum(unmeshed) + dwells if all(seconds > 0.0 for seconds in unmeshed) else 0.0,
-        open_places=places,
-    )
+    return replace(unmeshed, lower_bound=max(lower_bound, trajectory.lower_bound), open_places=places)
 
 
 def end_states(law: SplineLaw) -> tuple[EndState, EndState]:
