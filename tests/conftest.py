@@ -1,4 +1,4 @@
-"""Which tests run: long sweeps only where asked for, and in CI none that needs a browser may be left out."""
+"""Which tests run: long sweeps only where asked for, and in CI none that needs a browser or LinuxCNC may be left out."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Generator
 
 import pytest
 
+INSTALLED_IN_CI = {"browser": "Chromium", "linuxcnc": "LinuxCNC"}
+"""What tests of a marker need."""
 IN_CI = os.environ.get("CI", "").lower() in ("1", "true", "yes")
 
 
@@ -43,7 +45,8 @@ def pytest_runtest_makereport(
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """CI has what these tests need; one that is skipped there has silently stopped testing."""
     report = yield
-    if IN_CI and report.skipped and item.get_closest_marker("browser"):
+    missing = next((name for marker, name in INSTALLED_IN_CI.items() if item.get_closest_marker(marker)), "")
+    if IN_CI and report.skipped and missing:
         report.outcome = "failed"
-        report.longrepr = f"{item.nodeid} was skipped in CI, where Chromium is installed: {report.longrepr}"
+        report.longrepr = f"{item.nodeid} was skipped in CI, where {missing} is installed: {report.longrepr}"
     return report
