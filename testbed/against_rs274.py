@@ -22,7 +22,7 @@ from testbed.rs274 import INCH, Judged, Motion, judged
 from toolpace.arrays import Bools, Floats
 from toolpace.errors import ToolpaceError
 from toolpace.reading import read_text
-from toolpace.reading.control.setup import SetUp, Tool
+from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.toolpath import ToolPath
 from toolpace.units import DEGREE, MILLIMETRE
 

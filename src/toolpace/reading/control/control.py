@@ -7,7 +7,7 @@ are in SI units; what letters, units and codes mean is the language's matter.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from toolpace.reading.arcs import Arc
 from toolpace.reading.control.feed import Feed, FeedRules
@@ -124,6 +124,11 @@ class Control:
             self.findings.assumed(f"{name} is not on the set-up sheet: the origin of the part stands for it")
         self.coordinates.offset = name
         self._replaced()
+
+    def words_in(self, offset: str, frame: Matrix, turn: tuple[float, ...]) -> list[float]:
+        """Words (3 + rotary) that the place of the machine has in another work offset, with a frame and rotary shift."""
+        other = replace(self.coordinates, offset=offset, frame=frame, turn=turn).placement(self.tool)
+        return other.words(self.placement.place(self.words))
 
     def set_frame(self, frame: Matrix, *, tilted: bool = False) -> None:
         """Shift and turn the program's coordinates in those of the work offset, in place of what was before.

@@ -47,7 +47,7 @@ class Executor:
         self.indexed = by.option("indexed_words", False)
         self.after: Callable[[], None] | None = None
         """What is left to do behind the motion of the block."""
-        frames = Frames(control, state, by.option("scale_of_whole", 1.0))
+        frames = Frames(control, state, by)
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
             | self._of_tools(Tools(control, state, options, by))

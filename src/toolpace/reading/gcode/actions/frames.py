@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.gcode.actions.modal import Modal
@@ -20,40 +21,63 @@ class Frames:
     Each acts in the coordinates made by those before it, in this order.
     """
 
-    def __init__(self, control: Control, state: Modal, factor_of_whole: float) -> None:
-        """factor_of_whole: what a whole P of scaling counts (0.001 where P1000 is life size)."""
-        self.control, self.state, self.factor_of_whole = control, state, factor_of_whole
+    def __init__(self, control: Control, state: Modal, by: Controller) -> None:
+        self.control, self.state = control, state
+        self.factor_of_whole: float = by.option("scale_of_whole", 1.0)
+        """What a whole P of scaling counts (0.001 where P1000 is life size)."""
         size = len(control.words)
-        self.offsets = Offsets(control, state, self.apply)
         self.local = [0.0] * size
         self.position = [0.0] * size
-        self.kept: list[float] | None = None
-        """The position that G92.2 put aside."""
+        self.stored = self.position
+        """The position that G92.3 restores."""
+        self.one_shift = by.option("local_shift_is_position", False)
         self.turned: Matrix | None = None
         self.tilted = False
         self.scaled: Matrix | None = None
         self.mirrored: Matrix | None = None
+        self.offsets = Offsets(control, state, by, self.of_offset, self.apply)
 
     def apply(self) -> None:
         """Hand the frame to the control."""
-        control = self.control
-        shifts = [self.offsets.moved.get(self.offsets.offset), self.local, self.position]
-        total = [sum(parts) for parts in zip(*(shift for shift in shifts if shift is not None))]
-        made = affine.shift(total) if any(total[:3]) else affine.IDENTITY
+        made, turn = self.of_offset(self.offsets.offset)
+        self.control.set_frame(made, tilted=self.tilted)
+        if turn != self.control.coordinates.turn:
+            self.control.set_rotary_shift(turn)
+
+    def of_offset(self, name: str) -> tuple[Matrix, tuple[float, ...]]:
+        """The frame in the coordinates of a work offset as the set-up sheet has it, and the rotary shift [rad]."""
+        angle = self.offsets.turned.get(name, 0.0)
+        inner = [a + b for a, b in zip(self.local, self.position)]
+        outer = self.offsets.moved.get(name, [0.0] * len(inner))
+        total = [a + b for a, b in zip(outer, inner)]
+        if angle:
+            moved = affine.product(affine.shift(outer), affine.rotation(2, angle))
+            made = affine.product(moved, affine.shift(inner))
+        else:
+            made = affine.shift(total) if any(total[:3]) else affine.IDENTITY
         for part in (self.turned, self.scaled, self.mirrored):
             if part is not None:
                 made = part if made is affine.IDENTITY else affine.product(made, part)
-        control.set_frame(made, tilted=self.tilted)
-        if tuple(total[3:]) != control.coordinates.turn:
-            control.set_rotary_shift(tuple(total[3:]))
+        return made, tuple(total[3:])
 
     # Shifts
 
     def local_shift(self, numbers: Numbers, word: str) -> None:
-        """G52: in place of the one before, of the axes named."""
-        for letter, value in given_axes(self.control, self.state, numbers).items():
-            self.local[self.control.slots[letter]] = value
+        """G52: in place of the one before, of the axes named; LinuxCNC has one shift for G52 and G92."""
+        shift = list(self.position if self.one_shift else self.local)
+        for letter, value in self._given(numbers, word).items():
+            shift[self.control.slots[letter]] = value
+        if self.one_shift:
+            self.position = self.stored = shift
+        else:
+            self.local = shift
         self.apply()
+
+    def _given(self, numbers: Numbers, word: str) -> Numbers:
+        """Axis words, of which the controller may need one."""
+        if self.one_shift and not any(letter in numbers for letter in "XYZABCUVW"):
+            raise WordError(f"{word} names no axis: write it like {word} X0 Y0")
+        return given_axes(self.control, self.state, numbers)
 
     def datum(self, numbers: Numbers, word: str) -> None:
         """MillPlus G93: the datum, in the coordinates of the work offset; axes that are not named keep theirs."""
@@ -68,9 +92,10 @@ class Frames:
 
     def set_position(self, numbers: Numbers, word: str) -> None:
         """G92: the place where the machine is gets these words."""
-        given = given_axes(self.control, self.state, numbers)
+        given = self._given(numbers, word)
         if (self.turned or self.scaled or self.mirrored) and given:
             raise RefusedError(f"{word} in turned or scaled coordinates", "end those before it")
+        self.position = self.stored = list(self.position)
         for letter, value in given.items():
             slot = self.control.slots[letter]
             self.position[slot] += self.control.words[slot] - value
@@ -78,18 +103,17 @@ class Frames:
 
     def clear_position(self, numbers: Numbers, word: str) -> None:
         """G92.1."""
-        self.position, self.kept = [0.0] * len(self.position), None
+        self.position = self.stored = [0.0] * len(self.position)
         self.apply()
 
     def suspend_position(self, numbers: Numbers, word: str) -> None:
         """G92.2."""
-        self.kept, self.position = list(self.position), [0.0] * len(self.position)
+        self.position = [0.0] * len(self.position)
         self.apply()
 
     def restore_position(self, numbers: Numbers, word: str) -> None:
         """G92.3."""
-        if self.kept is not None:
-            self.position = list(self.kept)
+        self.position = self.stored
         self.apply()
 
     # Turns, scales, mirrors

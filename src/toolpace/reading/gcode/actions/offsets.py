@@ -5,20 +5,32 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.coordinates import affine
+from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
+FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
 
 class Offsets:
     """Carries out G54 to G59.3, G54.1 P, G154 P and G10 L2, L20."""
 
-    def __init__(self, control: Control, state: Modal, changed: Callable[[], None]) -> None:
-        """changed: called when coordinates have moved."""
-        self.control, self.state, self.changed = control, state, changed
-        self.offset = ""
+    def __init__(
+        self, control: Control, state: Modal, by: Controller, frame_of: FrameOf, changed: Callable[[], None]
+    ) -> None:
+        """frame_of: the program's own frame in an offset, and its rotary shift. changed: coordinates have moved."""
+        self.control, self.state, self.frame_of, self.changed = control, state, frame_of, changed
+        self.offset: str = by.option("first_offset", "")
+        if self.offset in control.setup.offsets:
+            control.set_offset(self.offset)
+        self.always_absolute = by.option("offsets_are_absolute", False)
+        self.turns = by.option("offsets_turn", False)
         self.moved: dict[str, list[float]] = {}
         """How far the program has moved each work offset (3 + rotary) [m, rad]."""
+        self.turned: dict[str, float] = {}
+        """By how much it has turned each about Z [rad]."""
         self.base: dict[str, float] = {}
         """Machine coordinates that stand for the origin of the part, where no set-up sheet tells them."""
 
@@ -52,33 +64,54 @@ class Offsets:
 
     def set_offset(self, numbers: Numbers, word: str) -> None:
         """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
-        kind, number = numbers.pop("L", 0.0), int(numbers.pop("P", 0.0))
+        kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
         if kind not in (2.0, 20.0):
             raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
-        name = self.offset or "G54"
-        if number or not self.offset:
-            name = self._offset_name(number, kind) if number else name
+        if number != int(number):
+            raise WordError(f"P{number:g} of {word} is the number of an offset: write a whole number")
+        name = self._offset_name(int(number), kind) if number else self.offset or "G54"
         if self.offset == "":
             self.offset = name
-        if kind == 20.0 and name != self.offset:
-            raise RefusedError(f"{word} L20 of {name}", f"it is not in force: write {name} before it")
-        if "R" in numbers and numbers.pop("R"):
-            raise RefusedError(f"{word} with R", "it turns the offset: write G68, or let the CAM system apply it")
+        if "R" in numbers:
+            self._turn(name, numbers.pop("R"), kind, word)
         moved = self.moved.setdefault(name, [0.0] * len(self.control.words))
         given = given_axes(self.control, self.state, numbers)
+        if kind == 20.0:
+            self._call_here(name, given)
+        else:
+            for letter, value in given.items():
+                slot = self.control.slots[letter]
+                moved[slot] = self._moved_to(name, letter, value, moved[slot])
+            if not self.control.setup.offsets:
+                self.control.findings.assumed(f"the first offsets that {word} L2 sets are where the part's origin is")
+        self.changed()
+
+    def _turn(self, name: str, angle: float, kind: float, word: str) -> None:
+        """R of G10 L2."""
+        if kind == 20.0:
+            raise WordError(f"{word} L20 takes no R: turn the offset with {word} L2")
+        if angle and not self.turns:
+            raise RefusedError(f"{word} with R", "it turns the offset: write G68, or let the CAM system apply it")
+        self.turned[name] = angle * DEGREE
+
+    def _moved_to(self, name: str, letter: str, value: float, before: float) -> float:
+        """How far an offset is moved that is set to a value [m, rad], along one axis."""
+        if not self.state.absolute and not self.always_absolute:
+            return before + value
+        sheet = self.control.setup.offsets.get(name)
+        zero = sheet.get(letter, 0.0) if sheet else self.base.setdefault(letter, value)
+        return value - zero
+
+    def _call_here(self, name: str, given: Numbers) -> None:
+        """Move an offset, in force or not, so that the place where the machine is has the words given in it."""
+        frame, turn = self.frame_of(name)
+        present = self.control.words_in(name, frame, turn)
+        off = [0.0] * len(present)
         for letter, value in given.items():
             slot = self.control.slots[letter]
-            if kind == 20.0:
-                moved[slot] += self.control.words[slot] - value
-            elif not self.state.absolute:
-                moved[slot] += value
-            else:
-                sheet = self.control.setup.offsets.get(name)
-                zero = sheet.get(letter, 0.0) if sheet else self.base.setdefault(letter, value)
-                moved[slot] = value - zero
-        if kind == 2.0 and not self.control.setup.offsets:
-            self.control.findings.assumed(f"the first offsets that {word} L2 sets are where the part's origin is")
-        self.changed()
+            off[slot] = present[slot] - value
+        off[:3] = affine.direct(affine.rotation(2, self.turned.get(name, 0.0)), off[:3])
+        self.moved[name] = [a + b for a, b in zip(self.moved[name], off)]
 
     def _offset_name(self, number: int, kind: float) -> str:
         if kind == 20.0 and self.offset[:4] in ("G54.", "G154"):
