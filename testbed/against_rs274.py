@@ -34,17 +34,17 @@ PRINTED = 3e-4
 
 
 class Cartesian:
-    """A machine whose joints are the tip's coordinates, with rotary axes A and C that carry nothing."""
+    """A machine with linear joints along its axes, and rotary ones, A and C, that carry nothing."""
 
     name = "cartesian"
     joints = tuple(AXES)
     rotary = (3, 4)
     travel: Floats = np.array([[-np.inf, np.inf]] * 5)
-    tool_length = 0.0
+    tool_length = 0.075
 
     def forward(self, q: Floats, /) -> tuple[Floats, Floats]:
         """Tip (n, 3) and tool axis (n, 3)."""
-        return np.array(q[:, :3]), np.tile([0.0, 0.0, 1.0], (len(q), 1))
+        return q[:, :3] - [0.0, 0.0, self.tool_length], np.tile([0.0, 0.0, 1.0], (len(q), 1))
 
     def rotary_solutions(self, axis: Floats, /) -> tuple[Floats, Bools]:
         """It turns to no axis."""
@@ -80,7 +80,7 @@ class Job:
             offsets={name: {a: _si(a, self.offsets.get(name, {}).get(a, 0.0)) for a in AXES} for name in OFFSETS},
             references={n: {a: _si(a, self.references.get(n, {}).get(a, 0.0)) for a in AXES} for n in (1, 2)},
             machine_zero=zero,
-            tools={"0": Tool(0.0)} | {str(n): Tool(length * MILLIMETRE) for n, length in self.tools.items()},
+            tools={str(n): Tool(length * MILLIMETRE) for n, length in self.tools.items()},
             start=zero,
         )
 
@@ -118,8 +118,8 @@ class Walk:
     def __init__(self, ours: ToolPath, theirs: Judged) -> None:
         assert ours.rotary is not None
         self.ours, self.theirs = ours, theirs
-        turned = ours.rotary / DEGREE
-        self.points = np.column_stack([ours.tip / MILLIMETRE, turned[:, 0], np.zeros(len(turned)), turned[:, 1]])
+        turned, nose = ours.rotary / DEGREE, ours.tip + [0.0, 0.0, Cartesian.tool_length]
+        self.points = np.column_stack([nose / MILLIMETRE, turned[:, 0], np.zeros(len(turned)), turned[:, 1]])
         lengths = np.linalg.norm(np.diff(ours.tip, axis=0), axis=1)
         self.times = np.maximum(np.append(0.0, lengths / ours.feed[1:]), ours.least_time)
         self.at = 0
@@ -156,7 +156,7 @@ class Walk:
                 return "our path ends before it"
             off = way.off(self.points[self.at])
             line = int(self.ours.block[self.at])
-            if off > 2 * near:
+            if off > 3 * near:
                 return f"we go to {self.points[self.at].round(4)} (line {line}), {off:.4g} mm off"
             if bool(self.ours.rapid[self.at]) != motion.rapid:
                 return f"rapid with one, feed with the other (line {line})"
@@ -170,7 +170,8 @@ class Walk:
     def _of_time(motion: Motion, spent: float, near: float) -> str:
         wanted = motion.seconds()
         rate = (motion.rate / motion.unit) if motion.travels() else motion.turn
-        doubt = 4 * near / max(motion.length(), near) + 1e-4 / max(rate, 1e-4)
+        size = motion.radius() if motion.normal >= 0 else motion.length()
+        doubt = 4 * near / max(size, near) + 1e-4 / max(rate, 1e-4)
         if abs(spent - wanted) <= wanted * (1e-6 + doubt):
             return ""
         return f"we take {spent:g} s, rs274 {wanted:g} s"

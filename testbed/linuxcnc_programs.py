@@ -14,7 +14,7 @@ PLANES = {"G17": ("X", "Y", "Z", "I", "J"), "G18": ("Z", "X", "Y", "K", "I"), "G
 OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 WRONG = (
     "G1 X1 X2", "G2 X900 R1", "G4", "G4 P-1", "G0 G1 X1", "G81 X1 Y1", "G1 X", "X1 G90 G91", "G54 G55", "G43 H77",
-    "G10 L2 P12 X1", "G10 L2 P1.5 X1", "M6 T1 T2", "#1=[1/0]", "G1 X[SQRT[-1]]", "G1 X#<never_set>", "G17 G18",
+    "G10 L2 P12 X1", "G10 L2 P1.3 X1", "M6 T1 T2", "#1=[1/0]", "G1 X[SQRT[-1]]", "G1 X#<never_set>", "G17 G18",
     "G2 X1 Y1", "G1 F-5 X2", "G28.7", "M3 M4", "o900 call", "G80 X1", "G83 X1 Y1 Z-2 R1 Q-1", "G82 X1 Y1 Z-2 R1 L-1",
     "G1 X1 Y", "X1 = 3", "G1 X[1+]", "G1 X[2", "G1 X1)", "G92", "G5 X1", "Q3", "G3 I0 J0", "T-1", "S-5", "G1 K3 X9",
     "G53 X1 G2 I1", "G91 G53 X1 I3", "M61", "M61 Q1.5", "G64 P-1", "G1 X1 L2", "G2 X3 Y4 R10 I2", "G10 L20 P1",
@@ -42,6 +42,8 @@ class Writer:
 
     def put(self, *words: str) -> None:
         text = " ".join(word for word in words if word)
+        if not text:
+            return
         if self.chance(0.04):
             text += self.random.choice([" (said)", " ; said", " (MSG, said)"])
         if self.chance(0.05):
@@ -193,7 +195,9 @@ class Writer:
         )  # fmt: skip
 
     def tool(self) -> None:
-        self.put(self.random.choice(["T1 M6", "T2 M6", "M6 T3 G43", "T3", "M6", "M61 Q1", "T1 M6 G43 H1", "T0 M6"]))
+        # G43 in the block of M6 is not tried: `rs274` then forgets the offset when it reads its position back
+        self.put(self.random.choice(["T1 M6", "T2 M6", "M6 T3", "T3", "M6", "M61 Q1", "T0 M6"]))
+        self.put(self.random.choice(["G43", "G43 H1", "", "G1 " + self.axes(0.3, turning=0.0) + " " + self.f()]))
 
     def machine(self) -> None:
         word = self.random.choice(["G0", "G1", "G0"])
@@ -214,7 +218,9 @@ class Writer:
         place = self.to()
         normal = PLANES[self.plane][2]
         flat = "".join(PLANES[self.plane][:2])
-        word = self.random.choice(["G81", "G82", "G83", "G73", "G85", "G89", "G81", "G83", "G86", "G84", "G88", "G74"])
+        word = self.random.choice(["G81", "G82", "G83", "G73", "G85", "G89", "G81", "G83", "G86", "G84", "G74"])
+        if self.plane != "G17" and word in ("G84", "G74"):
+            word = "G85"  # its interpreter mixes the axes of taps up outside XY
         scale = 25.4 if self.inch else 1.0
         base = place[normal] if self.absolute else 0.0
         top = base + self.random.choice([-8, -3, 0, 4, 9]) / scale
@@ -222,23 +228,24 @@ class Writer:
         bottom = top - depth if self.absolute else -depth
         words = [f"{normal}{bottom:.4f}", f"R{top:.4f}"]
         if word in ("G83", "G73"):
-            words.append(f"Q{self.random.choice([1, 2.5, 20, 3]) / scale:.4f}")
-        if word in ("G82", "G89", "G88", "G86"):
+            words.append(f"Q{self.random.choice([1.3, 2.6, 20, 3.1]) / scale:.4f}")
+        if word in ("G82", "G89", "G86", "G84", "G74"):
             words.append(f"P{self.random.choice(['.5', '1', '0'])}")
-        if word in ("G86", "G84", "G88", "G74"):
+        if word in ("G86", "G84", "G74"):
             self.put("M4 S800" if word == "G74" else "M3 S800")
-        if self.chance(0.3):
+        if self.chance(0.3) and word != "G74":  # its interpreter knows no L there
             words.append(f"L{self.random.choice([1, 2, 3])}")
-        self.put(self.random.choice(["G98", "G99", ""]), word, self.axes(0.8, flat, turning=0.05), *words)
+        self.put(self.random.choice(["G98", "G99", ""]), word, self.axes(0.8, flat, turning=0.01), *words)
         for _ in range(self.random.choice([0, 0, 1, 2, 3])):
             self.put(
                 self.random.choice(["", "", "G98", "G99", word]),
                 self.axes(0.6, flat, turning=0.0),
-                self.random.choice(["", "", "", "L2", f"R{top + 1:.4f}", f"{normal}{bottom - 1:.4f}", "L0"]),
+                self.random.choice(["", "", "", f"R{top + 1:.4f}", f"{normal}{bottom - 1:.4f}"]),
+                self.random.choice(["", "", "", "L2" if word != "G74" else "", "", "", "L0"]),
             )
         if self.chance(0.2):
             other = self.random.choice(["G81", "G85"])
-            self.put(other, self.axes(0.8, flat, turning=0.0), self.random.choice(["", *words[:1]]))
+            self.put(other, self.axes(0.8, flat, turning=0.0), self.random.choice(["", *[" ".join(words[:2])] * 5]))
         self.put(self.random.choice(["G80", "G80", "G0 " + self.axes(0.5)]))
 
     def mode_of_path(self) -> None:

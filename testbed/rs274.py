@@ -57,12 +57,13 @@ class Motion:
         """Of X, Y, Z [mm]; where none moves, of the rotary axes [deg]."""
         way = self.end - self.start
         if self.normal >= 0:
-            axis = np.array(self.axis)
-            spoke = self.start[:3] - np.array(self.centre)
-            rise = float(way[:3] @ axis)
-            radius = float(np.linalg.norm(spoke - (spoke @ axis) * axis))
-            return math.hypot(radius * self.sweep, rise)
+            return math.hypot(self.radius() * self.sweep, float(way[:3] @ np.array(self.axis)))
         return float(np.linalg.norm(way[:3])) if self.travels() else float(np.linalg.norm(way[3:]))
+
+    def radius(self) -> float:
+        """Of an arc [mm]."""
+        axis, spoke = np.array(self.axis), self.start[:3] - np.array(self.centre)
+        return float(np.linalg.norm(spoke - (spoke @ axis) * axis))
 
     def travels(self) -> bool:
         """Whether one of X, Y, Z moves."""

@@ -159,6 +159,12 @@ class Control:
             self._know(tool)
         coordinates = self.coordinates
         coordinates.compensated, coordinates.length_of = tool is not None, tool or coordinates.length_of
+        coordinates.told = None
+        self._replaced()
+
+    def set_tool_offset(self, x: float, y: float, length: float) -> None:
+        """Reckon with a tool of this length [m], whose tip is x and y beside the spindle."""
+        self.coordinates.compensated, self.coordinates.told = True, (x, y, length)
         self._replaced()
 
     def _know(self, tool: str) -> None:

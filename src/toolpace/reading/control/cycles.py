@@ -9,7 +9,8 @@ from toolpace.reading.control.control import Control
 
 MOST_PECKS = 10_000
 """Strokes of one hole: more is a slip, and would fill memory."""
-RAPID_OUT, FEED_OUT = "rapid", "feed"
+RAPID_OUT, FEED_OUT, FEED_BACK = "rapid", "feed", "feed back"
+"""Ways out: at rapid, at feed to the top, at feed to the level that is gone back to."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,9 @@ class Drilling:
     bottom: float
     back: float
     """Level that is gone back to behind the hole."""
+    over: float | None = None
+    """Level at which the tool arrives over the hole, straight from where it is; None: at its own, or the top where
+    that is above."""
     axis: int = 2
     """Of X, Y, Z, the one along which the tool goes."""
     peck: float = 0.0
@@ -83,10 +87,13 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
 
     present = control.words[axis]
     over = list(hole)
-    # above the top the tool goes sideways first, from below it first rises
-    over[axis] = present if (cycle.top - present) * down >= 0.0 else cycle.top
-    if over[axis] != present:
-        control.straight([*control.words[:axis], over[axis], *control.words[axis + 1 :]], 7, rapid=True)
+    if cycle.over is not None:
+        over[axis] = cycle.over
+    elif (cycle.top - present) * down >= 0.0:
+        over[axis] = present
+    else:  # from below the top the tool rises before it goes sideways
+        over[axis] = cycle.top
+        control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
     control.straight(over, 7, rapid=True)
     to(cycle.top, True)
     for k, depth in enumerate(strokes):
@@ -110,7 +117,7 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
         control.dwell(cycle.dwell)
     if cycle.stops:
         control.stop()
-    if cycle.out == FEED_OUT:
+    if cycle.out != RAPID_OUT:
         with control.feed.held(cycle.out_speed) if cycle.out_speed else nullcontext():
-            to(cycle.top, False)
+            to(cycle.top if cycle.out == FEED_OUT else cycle.back, False)
     to(cycle.back, True)

@@ -32,10 +32,19 @@ class Coordinates:
     """Tool whose length counts; "" is the one in the spindle."""
     compensated: bool = False
     """Whether the control reckons with that length."""
+    told: tuple[float, float, float] | None = None
+    """Offset of the tool that the program itself tells, in place of the table's: along X, Y, and its length [m]."""
+
+    def tool_offset(self, tool: str) -> tuple[float, float, float]:
+        """Along X, Y and Z [m], that the control reckons with."""
+        if self.told is not None:
+            return self.told
+        return (0.0, 0.0, self.datum.length(self.length_of or tool) if self.compensated else 0.0)
 
     def placement(self, tool: str) -> Placement:
         """Of words, with a tool in the spindle."""
-        longer = self.datum.length(self.length_of or tool) - self.datum.own_length
+        length = self.datum.length(self.length_of or tool) if self.told is None else self.told[2]
+        longer = length - self.datum.own_length
         if (self.tip_mode or self.tilted) and self.datum.poses.machine is not None:
             return self._on_part(longer, self.fixed_at)
         return self._of_joints(longer)
@@ -50,6 +59,8 @@ class Coordinates:
         without = -datum.own_length if datum.setup.offsets else 0.0
         reckoned = datum.lift * (longer if self.compensated else without)
         linear = [a + float(b) for a, b in zip(origin, reckoned)]
+        if self.told is not None:
+            linear = [linear[0] + self.told[0], linear[1] + self.told[1], linear[2]]
         matrix = affine.product(affine.shift(linear), self.frame) if any(linear) else self.frame
         return Placement(False, matrix, self._shift(origin), longer)
 

@@ -75,6 +75,9 @@ class Executor:
             "tip mode ends": tools.tip_mode_off,
             "stop": tools.stop,
             "tool change": tools.change,
+            "tool at hand": tools.take,
+            "told offset": tools.told_offset,
+            "added offset": tools.added_offset,
             "tip mode on": tools.switch_on,
             "tip mode off": tools.switch_off,
         }

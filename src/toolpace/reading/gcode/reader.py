@@ -45,7 +45,7 @@ class WordAddressReader:
         feed = FeedRules(by("turning", "xyz"), by("inverse_seconds", False), by("feed_kept", False))
         rules = Rules(feed, by("tip_frame_where_switched", False))
         self.control = Control(source, machine, controller, options, findings, rules)
-        self.state = Modal()
+        self.state = Modal(to_initial=by("cycles_go_back_to_initial", True))
         self.variables = Variables(
             options.setup.variables,
             System(self.control, self.state, named=by("named_system_variables", False)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
+from toolpace.reading.control.cycles import FEED_BACK, FEED_OUT, RAPID_OUT, Drilling, drill
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
@@ -26,21 +26,25 @@ class Kind:
     dwells: bool = False
     stops: bool = False
     out: str = RAPID_OUT
+    needs: str = ""
+    """Words of it that LinuxCNC's interpreter wants, beside R and the depth."""
 
 
 KINDS = {
     "drill": Kind(),
-    "drill and dwell": Kind(dwells=True),
-    "peck": Kind("out", dwells=True),
-    "break chips": Kind("break", dwells=True),
+    "drill and dwell": Kind(dwells=True, needs="P"),
+    "peck": Kind("out", dwells=True, needs="Q"),
+    "break chips": Kind("break", dwells=True, needs="Q"),
     "tap": Kind(dwells=True, stops=True, out=FEED_OUT),
     "bore": Kind(out=FEED_OUT),
-    "bore and dwell": Kind(dwells=True, out=FEED_OUT),
-    "bore and stop": Kind(dwells=True, stops=True),
+    "bore and dwell": Kind(dwells=True, out=FEED_OUT, needs="P"),
+    "bore and stop": Kind(dwells=True, stops=True, needs="P"),
     "bore and orient": Kind(dwells=True, stops=True),
     "bore backwards": Kind(dwells=True, stops=True),
-    "bore by hand": Kind(dwells=True, stops=True),
+    "bore by hand": Kind(dwells=True, stops=True, needs="P"),
 }
+FED_BACK = ("tap", "bore and dwell")
+"""Cycles in which LinuxCNC's interpreter feeds out to the level that is gone back to."""
 
 
 class Holes:
@@ -51,7 +55,8 @@ class Holes:
         self.repeats = controller.option("repeats", "K")
         self.clearance = controller.option("peck_clearance_mm", 1.0) * MILLIMETRE
         self.chip_break = controller.option("chip_break_mm", 1.0) * MILLIMETRE
-        self.drills_again = controller.option("cycle_without_axes_drills", False)
+        self.rs274 = controller.option("rs274_cycles", False)
+        """Whether cycles are those of LinuxCNC's interpreter."""
         self.words: dict[str, float] = {}
         self.level: float | None = None
         """Along the drill axis, where the cycle began [m]."""
@@ -59,6 +64,11 @@ class Holes:
     def begin(self) -> None:
         """Forget the words of the cycle before."""
         self.words, self.level = {}, None
+
+    def change(self) -> None:
+        """Another cycle follows without an end of the one before."""
+        if self.rs274:
+            self.words = {}
 
     def execute(self, numbers: dict[str, float], dwell: float | None) -> None:
         """A block under a cycle: its words, its repeats, and a hole where it names an axis.
@@ -70,12 +80,16 @@ class Holes:
             raise WordError("canned cycles need feeds per minute: write G94 before them")
         letter = "XYZ"[state.drill_axis]
         plane = [axis for axis in numbers if axis in control.slots and axis != letter]
-        repeats = numbers.pop(self.repeats, 1.0)
-        if repeats != int(repeats) or not 0 <= repeats <= MOST_HOLES:
-            raise WordError(f"{self.repeats}{repeats:g} counts holes: write a whole number from 0 to {MOST_HOLES}")
+        repeats, fewest = numbers.pop(self.repeats, 1.0), int(self.rs274)
+        if repeats != int(repeats) or not fewest <= repeats <= MOST_HOLES:
+            raise WordError(
+                f"{self.repeats}{repeats:g} counts holes: write a whole number from {fewest} to {MOST_HOLES}"
+            )
         if self.level is None:
             self.level = control.words[state.drill_axis]
-        drills = bool(plane) or letter in numbers or (state.cycle_word and self.drills_again)
+        drills = bool(plane) or letter in numbers
+        if self.rs274:
+            self._refuse_in_rs274(plane, drills)
         for name in (letter, *"RQIJK"):
             if name in numbers:
                 self.words[name] = numbers.pop(name)
@@ -88,16 +102,40 @@ class Holes:
             target, _ = self.motion.target(dict(numbers))
             if state.cycle == "bore backwards":
                 control.straight([*target[:2], control.words[2], *target[3:]], 7, rapid=True)
-            drill(control, cycle, target)
+            drill(control, self._arriving(cycle) if self.rs274 else cycle, target)
+
+    def _arriving(self, cycle: Drilling) -> Drilling:
+        """The cycle with the level at which LinuxCNC's interpreter (`convert_cycle_xy`) has the tool over the hole.
+
+        Where the cycle began below R, the tool first goes to R; it arrives at the level that is gone back to, or from
+        its own without lowering it.
+        """
+        control, axis = self.control, cycle.axis
+        assert self.level is not None
+        if self.level < cycle.top:
+            control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
+        begins = self.level if self.state.to_initial else control.words[axis]
+        return replace(cycle, over=max(begins, cycle.top))
+
+    def _refuse_in_rs274(self, plane: list[str], drills: bool) -> None:
+        """ "All axes missing with motion code", "Cannot put an A in canned cycle"."""
+        if self.state.cycle_word and not drills:
+            raise WordError("a cycle without an axis drills nothing: write where, like G81 X1 Y1 Z-5 R2")
+        turned = next((axis for axis in plane if axis in "ABC"), None)
+        if turned is not None:
+            raise WordError(f"{turned} in a block of a cycle: turn the axis in a block before it")
 
     def _cycle(self, letter: str) -> Drilling:
         """The cycle in force, with the words in force."""
         state, words, unit = self.state, self.words, self.state.unit
         assert state.cycle is not None and self.level is not None
         kind = KINDS[state.cycle]
-        missing = next((name for name in (letter, "R") if name not in words), None)
-        if missing is not None and (missing != "R" or state.absolute):
+        wanted = (letter, "R", *kind.needs) if self.rs274 else (letter, "R") if state.absolute else (letter,)
+        missing = next((name for name in wanted if name not in words), None)
+        if missing in (letter, "R"):
             raise WordError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
+        if missing is not None:
+            raise WordError(f"the cycle lacks {missing}: write the depth of a peck as Q, and a dwell as P")
         top = words.get("R", 0.0) * unit + (0.0 if state.absolute else self.level)
         bottom = words[letter] * unit + (0.0 if state.absolute else top)
         back = max(self.level, top) if state.to_initial or state.cycle == "bore backwards" else top
@@ -109,7 +147,7 @@ class Holes:
             back=back,
             axis=state.drill_axis,
             dwell=words.get("P", 0.0) if kind.dwells else 0.0,
-            out=kind.out,
+            out=FEED_BACK if self.rs274 and state.cycle in FED_BACK else kind.out,
             stops=kind.stops,
         )
         return self._with_pecks(made, kind) if kind.pecks else made

@@ -71,6 +71,8 @@ class Modes:
         def chosen(numbers: Numbers, word: str) -> None:
             if self.state.cycle is None:
                 self.holes.begin()
+            elif self.state.cycle != meaning:
+                self.holes.change()
             self.state.cycle, self.state.cycle_word = meaning, True
             if not self.cycles_apart:
                 self.state.motion = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.program.words import Numbers
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
 from toolpace.reading.options import PROGRAM, ReadOptions
 
 
@@ -27,6 +27,13 @@ class Tools:
         self.control.change_tool(self.state.next_tool)
         if self.with_tool:
             self.control.set_length(self.state.next_tool)
+
+    def take(self, numbers: Numbers, word: str) -> None:
+        """M61: the tool in the spindle is this one, without a change."""
+        number = numbers.pop("Q", None)
+        if number is None or number != int(number) or number < 0:
+            raise WordError(f"{word} needs the number of the tool as Q: write it like {word} Q5")
+        self.control.change_tool(f"{number:g}")
 
     def compensation(self, numbers: Numbers, word: str) -> None:
         """G41, G42: where the radius is zero the programmed contour is what is followed."""
@@ -57,7 +64,56 @@ class Tools:
         if given is not None or not self.h_stays:
             state.length_word = None if given is None else f"{given:g}"
         control.findings.ignored(word)
-        control.set_length(state.length_word or control.tool or "")
+        tool = state.length_word or control.tool or ""
+        # no tool, or number 0 of a table: its length is zero
+        without = tool in ("", "0") and control.setup.tools and control.setup.tool(tool) is None
+        control.set_length(None if without else tool)
+
+    def told_offset(self, numbers: Numbers, word: str) -> None:
+        """G43.1: the offset of the axes that are named, in place of the present one."""
+        self._need_tools(word)
+        offset = list(self.control.coordinates.tool_offset(self.control.tool))
+        given = self._offset_words(numbers, word)
+        if not given:
+            raise WordError(f"{word} needs the offset of an axis: write it like {word} Z50.5")
+        for slot, value in given.items():
+            offset[slot] = value
+        self._offset(offset)
+
+    def added_offset(self, numbers: Numbers, word: str) -> None:
+        """G43.2: the length of H, or the axes that are named, added to the present one."""
+        self._need_tools(word)
+        control = self.control
+        offset = list(control.coordinates.tool_offset(control.tool))
+        tool = numbers.pop("H", None)
+        given = self._offset_words(numbers, word)
+        if tool is None and not given:
+            raise WordError(f"{word} needs the number of a tool as H: write it like {word} H5")
+        if tool:
+            found = control.setup.tool(f"{tool:g}")
+            if found is None:
+                raise WordError(f"{word} H{tool:g} is not on the set-up sheet: list the tool there")
+            offset[2] += found.length
+        for slot, value in given.items():
+            offset[slot] += value
+        self._offset(offset)
+
+    def _offset_words(self, numbers: Numbers, word: str) -> dict[int, float]:
+        """X, Y and Z of an offset [m], by their slots."""
+        turned = next((letter for letter in numbers if letter in "ABCUVW"), None)
+        if turned is not None:
+            raise RefusedError(f"{word} with {turned}", "offsets of X, Y and Z are read: write them alone")
+        unit = self.state.unit
+        return {slot: numbers.pop(letter) * unit for slot, letter in enumerate("XYZ") if letter in numbers}
+
+    def _need_tools(self, word: str) -> None:
+        if not self.control.setup.tools:
+            raise RefusedError(word, "it counts from the spindle: list the tools on the set-up sheet (--setup)")
+
+    def _offset(self, offset: list[float]) -> None:
+        x, y, length = offset
+        self.control.set_tool_offset(x, y, length)
+        self._tip(self.state.switched_tip_mode, False)
 
     def tip_mode(self, numbers: Numbers, word: str) -> None:
         """G43.4: X, Y, Z are the tip."""

@@ -160,11 +160,9 @@ class Flow:
         self.call(statement.name, 1.0, given, sub=True)
 
     def _result(self, statement: Statement) -> None:
-        if statement.value is not None:
-            self.variables.common["_VALUE"] = self.value(statement.value)
-            self.variables.common["_VALUE_RETURNED"] = 1.0
-        else:
-            self.variables.common["_VALUE_RETURNED"] = 0.0
+        returned = statement.value is not None
+        self.variables.common["_VALUE"] = self.value(statement.value) if returned else 0.0
+        self.variables.common["_VALUE_RETURNED"] = float(returned)
 
     def _branch(self, statement: Statement, line: int) -> None:
         layout, frame = self.frame.text.layout, self.frame
