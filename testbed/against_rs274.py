@@ -118,7 +118,8 @@ class Walk:
     def __init__(self, ours: ToolPath, theirs: Judged) -> None:
         assert ours.rotary is not None
         self.ours, self.theirs = ours, theirs
-        turned, nose = ours.rotary / DEGREE, ours.tip + [0.0, 0.0, Cartesian.tool_length]
+        turned = ours.rotary / DEGREE
+        nose = ours.tip + np.array([0.0, 0.0, Cartesian.tool_length])
         self.points = np.column_stack([nose / MILLIMETRE, turned[:, 0], np.zeros(len(turned)), turned[:, 1]])
         lengths = np.linalg.norm(np.diff(ours.tip, axis=0), axis=1)
         self.times = np.maximum(np.append(0.0, lengths / ours.feed[1:]), ours.least_time)
@@ -193,6 +194,7 @@ class _Way:
             self.u = spoke - self.height * self.axis
             self.w = np.cross(self.axis, self.u)
             self.rise = float(self.way[:3] @ self.axis)
+            self.radius = motion.radius()
 
     def off(self, point: Floats) -> float:
         """Distance of a place from the way; progress goes on to it."""
@@ -210,6 +212,9 @@ class _Way:
         turn = 2 * math.pi / abs(sweep)
         # the same angle one turn later, where it lies behind what was gone
         share += turn * math.ceil((self.progress - share) / turn - 1e-3)
+        beyond = (share - 1.0) * abs(sweep) * self.radius
+        if beyond > 4 * PRINTED * self.motion.unit + 1e-6 * self.radius:
+            return beyond  # of the way on the other side of the circle too
         self.progress = max(self.progress, share)
         wanted = self.motion.start + share * self.way
         turned = math.cos(share * sweep) * self.u + math.sin(share * sweep) * self.w
@@ -219,9 +224,8 @@ class _Way:
     def done(self, point: Floats, near: float) -> bool:
         """Whether a place is the end."""
         if self.motion.normal >= 0:
-            radius = float(np.linalg.norm(self.u))
-            missing = (1.0 - self.progress) * abs(self.motion.sweep) * radius
-            return missing < 4 * near + 1e-6 * radius and bool(np.abs(point - self.motion.end).max() <= 2 * near)
+            missing = (1.0 - self.progress) * abs(self.motion.sweep) * self.radius
+            return missing < 4 * near + 1e-6 * self.radius and bool(np.abs(point - self.motion.end).max() <= 2 * near)
         return bool(np.abs(point - self.motion.end).max() <= near)
 
 

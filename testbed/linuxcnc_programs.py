@@ -17,7 +17,7 @@ WRONG = (
     "G10 L2 P12 X1", "G10 L2 P1.3 X1", "M6 T1 T2", "#1=[1/0]", "G1 X[SQRT[-1]]", "G1 X#<never_set>", "G17 G18",
     "G2 X1 Y1", "G1 F-5 X2", "G28.7", "M3 M4", "o900 call", "G80 X1", "G83 X1 Y1 Z-2 R1 Q-1", "G82 X1 Y1 Z-2 R1 L-1",
     "G1 X1 Y", "X1 = 3", "G1 X[1+]", "G1 X[2", "G1 X1)", "G92", "G5 X1", "Q3", "G3 I0 J0", "T-1", "S-5", "G1 K3 X9",
-    "G53 X1 G2 I1", "G91 G53 X1 I3", "M61", "M61 Q1.5", "G64 P-1", "G1 X1 L2", "G2 X3 Y4 R10 I2", "G10 L20 P1",
+    "G53 X1 G2 I1", "G91 G53 X1 I3", "M61", "G64 P-1", "G1 X1 L2", "G2 X3 Y4 R10 I2", "G10 L20 P1",
     "G52", "G43.1", "D3", "G1 X1 P3", "G0 X1 R2", "G93 G1 X77", "G20 G21",
 )  # fmt: skip
 """Blocks that are, most of them, refused."""
@@ -32,6 +32,8 @@ class Writer:
         self.inch, self.absolute, self.plane, self.mode = False, True, "G17", "G94"
         self.labels = 100
         self.subs: list[list[str]] = []
+        self.told_tool = False
+        """Whether M61 has told the tool: the stand-alone interpreter then does not know its length."""
         self.named: list[str] = []
         """Variables that have a value."""
 
@@ -50,6 +52,8 @@ class Writer:
             text = text.lower()
         elif self.chance(0.03):
             text = text.replace(" ", "")
+        elif self.chance(0.06) and not any(mark in text for mark in "#[(;/"):
+            text = " ".join(self.random.sample(text.split(), len(text.split())))
         self.lines.append(text)
 
     def number(self, low: float, high: float) -> str:
@@ -61,6 +65,10 @@ class Writer:
             text = f"{value:.1f}"
         elif self.chance(0.05):
             text = f"{value:.0f}"
+        elif self.chance(0.05):
+            text = text.replace("0.", ".", 1) if abs(value) < 1 else f"{value:.0f}."
+        elif self.chance(0.03) and value > 0:
+            text = f"+{text}"
         return self.wrapped(text) if self.chance(0.15) else text
 
     def wrapped(self, text: str) -> str:
@@ -116,7 +124,9 @@ class Writer:
                 self.put(self.axes(0.4))
 
     def turn(self) -> None:
-        self.put("G1", f"A{self.number(-90, 90)}" if self.chance(0.5) else f"C{self.random.uniform(-200, 200):.2f}", self.f())
+        self.put(
+            "G1", f"A{self.number(-90, 90)}" if self.chance(0.5) else f"C{self.random.uniform(-200, 200):.2f}", self.f()
+        )
 
     def arc(self) -> None:
         place = self.to()
@@ -187,17 +197,19 @@ class Writer:
         self.put("G10", kind, f"P{number}", self.axes(0.6), turned)
 
     def length(self) -> None:
-        self.put(
-            self.random.choice([
-                "G43", "G43 H1", "G43 H2", "G43 H0", "G49", "G49", "G43.1 " + self.axes(0.3, "XYZ"), "G43.2 H1",
-                "G43.2 H3", "G43.1 Z" + self.number(-20, 20), "G43 H2 G0 Z" + self.number(-20, 20),
-            ])
-        )  # fmt: skip
+        known = "G43 H1" if self.told_tool else "G43"
+        offset = self.axes(0.3, turning=0.0)
+        lift = self.number(-20, 20)
+        words = [known, "G43 H1", "G43 H2", "G43 H0", "G49", "G49", f"G43.1 {offset}", "G43.2 H1", "G43.2 H3"]
+        self.put(self.random.choice([*words, f"G43.1 Z{lift}", f"G43 H2 G0 Z{lift}"]))
 
     def tool(self) -> None:
-        # G43 in the block of M6 is not tried: `rs274` then forgets the offset when it reads its position back
+        # `rs274` reads its position back behind M6, and forgets the offset: none is in force then
+        self.put("G49")
         self.put(self.random.choice(["T1 M6", "T2 M6", "M6 T3", "T3", "M6", "M61 Q1", "T0 M6"]))
-        self.put(self.random.choice(["G43", "G43 H1", "", "G1 " + self.axes(0.3, turning=0.0) + " " + self.f()]))
+        self.told_tool |= self.lines[-1].upper().startswith("M61")
+        move = f"G1 {self.axes(0.3, turning=0.0)} {self.f()}"
+        self.put(self.random.choice(["G43 H2" if self.told_tool else "G43", "G43 H1", "", move]))
 
     def machine(self) -> None:
         word = self.random.choice(["G0", "G1", "G0"])
@@ -228,7 +240,7 @@ class Writer:
         bottom = top - depth if self.absolute else -depth
         words = [f"{normal}{bottom:.4f}", f"R{top:.4f}"]
         if word in ("G83", "G73"):
-            words.append(f"Q{self.random.choice([1.3, 2.6, 20, 3.1]) / scale:.4f}")
+            words.append(f"Q{self.random.choice([1.37, 2.61, 20, 3.17]) / scale:.4f}")
         if word in ("G82", "G89", "G86", "G84", "G74"):
             words.append(f"P{self.random.choice(['.5', '1', '0'])}")
         if word in ("G86", "G84", "G74"):
@@ -249,7 +261,9 @@ class Writer:
         self.put(self.random.choice(["G80", "G80", "G0 " + self.axes(0.5)]))
 
     def mode_of_path(self) -> None:
-        self.put(self.random.choice(["G61", "G64", "G64 P.01", "G64 P.02 Q.01", "G61.1", "G40", "M8", "M9", "S500 M3", "M5"]))
+        self.put(
+            self.random.choice(["G61", "G64", "G64 P.01", "G64 P.02 Q.01", "G61.1", "G40", "M8", "M9", "S500 M3", "M5"])
+        )
         if self.lines[-1].upper().startswith("M5") and self.mode == "G95":
             self.put("M3")
 
@@ -260,12 +274,13 @@ class Writer:
             self.named.append(name)
 
     def system(self) -> None:
-        """Variables of the controller itself."""
+        """Variables of the controller itself, but those in units of the machine."""
         name = self.random.choice([
-            "#5420", "#5421", "#5422", "#5423", "#5425", "#<_x>", "#<_y>", "#<_z>", "#5220", "#5221", "#5161",
-            "#<_metric>", "#<_absolute>", "#<_incremental>", "#<_current_tool>", "#5400", "#<_coord_system>", "#<_a>",
-            "#5403", "#5211", "#5210", "#<_feed>", "#<_plane>", "#<_line>", "#<_selected_tool>", "#<_imperial>",
-            "#<_motion_mode>", "#<_rpm>", "#5401",
+            "#5420", "#5421", "#5422", "#5423", "#5425", "#<_x>", "#<_y>", "#<_z>", "#<_a>", "#5220", "#5400",
+            "#<_metric>", "#<_imperial>", "#<_absolute>", "#<_incremental>", "#<_current_tool>", "#<_coord_system>",
+            "#<_feed>", "#<_plane>", "#<_line>", "#<_selected_tool>", "#<_motion_mode>", "#<_rpm>",
+            "#<_inverse_time>", "#<_units_per_minute>", "#<_units_per_rev>", "#<_retract_r_plane>",
+            "#<_ijk_absolute_mode>", "#<_tool_offset>",
         ])  # fmt: skip
         self.put("G1", f"X[{name}/10]", self.f())
 

@@ -1,4 +1,4 @@
-"""Which tests run: long sweeps only where asked for, and in CI none that needs a browser or LinuxCNC may be left out."""
+"""Which tests run: long sweeps only where asked for; in CI none that needs a browser or LinuxCNC is left out."""
 
 from __future__ import annotations
 

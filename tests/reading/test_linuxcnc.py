@@ -65,5 +65,95 @@ def test_g92_3_restores_what_was_set_last():
 
 @pytest.mark.parametrize("block", ["G92", "G52", "G10 L20 P1 X1 R0", "G10 L2 P1.5 X1"])
 def test_offsets_that_cannot_be_set(block):
-    with pytest.raises(ProgramError, match="part.nc:3"):
+    with pytest.raises(ProgramError, match=r"part\.nc:3"):
         read_for("linuxcnc", START + block + "\nG1 X1\nM2")
+
+
+# --- tools ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        ("G43 H1", [101, 0, 51]), ("T2 M6\nG43", [101, 0, 81]), ("G43", [101, 0, 1]), ("G43 H2\nG43 H0", [101, 0, 1]),
+        ("M61 Q2\nG43", [101, 0, 81]), ("G43.1 Z7", [101, 0, 8]), ("G43 H1\nG43.1 X2 Y3", [103, 3, 51]),
+        ("G43 H1\nG43.2 H2", [101, 0, 131]), ("G43.1 Z7\nG43.2 H1\nG43.2 Z.5", [101, 0, 58.5]),
+        ("G43.1 Z7\nG49", [101, 0, 1]), ("G43.1 Z7\nG43 H1", [101, 0, 51]), ("G20\nG43.1 Z1\nG21", [101, 0, 26.4]),
+    ],
+)  # fmt: skip
+def test_tool_offsets(words, wanted):
+    """ "G43", "G43.1", "G43.2", "G49", "M61"; without a machine places are those of the spindle nose."""
+    assert ends(f"{words}\nG1 X1 Y0 Z1", setup=SHEET) == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("block", ["G43.1 Z1", "G43.2 H1"])
+def test_tool_offsets_in_numbers_need_the_tools_of_a_sheet(block):
+    with pytest.raises(ProgramError, match="list the tools on the set-up sheet"):
+        ends(f"{block}\nG1 X1")
+
+
+@pytest.mark.parametrize("block", ["M61", "M61 Q1.5", "G43.2", "G43.2 H9", "G91 G53 G0 X1", "G2 G53 X1 I3", "S-5", "T-1"])
+def test_blocks_that_its_interpreter_refuses(block):
+    with pytest.raises(ProgramError, match=r"part\.nc:3"):
+        ends(f"{block}\nG1 X1", setup=SHEET)
+
+
+# --- cycles ---------------------------------------------------------------------------------------------------------
+
+
+def cycle(body: str) -> list[list[float]]:
+    """X and Z of the places behind the first [mm]."""
+    return [[x, z] for x, _, z in tips("linuxcnc", "G90 G21 G94 G17 F100\nG0 X0 Y0 Z10\n" + body + "\nM2")[1:]]
+
+
+def test_cycles_go_back_to_r_until_g98_is_written():
+    assert cycle("G81 X1 Z-3 R2") == [[1, 10], [1, 2], [1, -3], [1, 2]]
+
+
+def test_under_g98_the_tool_arrives_over_the_next_hole_at_the_initial_level():
+    assert cycle("G99 G81 X1 Z-3 R2\nG98 X2")[4:] == [[2, 10], [2, 2], [2, -3], [2, 10]]
+
+
+def test_a_cycle_that_began_below_r_goes_to_r_first():
+    assert cycle("G0 Z1\nG98 G81 X1 Z-3 R2\nX2 R3")[1:] == [
+        [0, 2], [1, 2], [1, -3], [1, 2], [1, 3], [2, 3], [2, -3], [2, 3],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("word", ["G84", "G74", "G89"])
+def test_taps_and_g89_feed_out_to_the_initial_level(word):
+    assert cycle(f"G98 {word} X1 Z-3 R2 P1") == [[1, 10], [1, 2], [1, -3], [1, 10]]
+
+
+@pytest.mark.parametrize(
+    "block",
+    ["G81 X1 Z-3", "G81 X1 R2", "G82 X1 Z-3 R2", "G83 X1 Z-3 R2", "G81 X1 Z-3 R2\nG85 X2 Z-3", "G81 X1 Z-3 R2 L0",
+     "G81 X1 Z-3 R2\nG81", "G81 X1 Z-3 R2 P1\nG82 X2 Z-3 R2"],
+)  # fmt: skip
+def test_each_cycle_names_all_its_words_and_an_axis(block):
+    """ "All axes missing with motion code", "R clearance plane unspecified in cycle" and their like."""
+    with pytest.raises(ProgramError, match=r"part\.nc:[34]"):
+        ends(block)
+
+
+# --- variables ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "name", "wanted"),
+    [
+        ("G18", "_plane", 180), ("G55", "_coord_system", 550), ("G59.3", "_coord_system", 593), ("", "_feed", 100),
+        ("G20", "_feed", 100 / 25.4), ("S500 M3", "_rpm", 500), ("T7", "_selected_tool", 7), ("", "_motion_mode", 0),
+        ("G80", "_motion_mode", 800), ("G95", "_units_per_rev", 1), ("G43 H1", "_tool_offset", 1), ("", "_line", 5),
+        ("G90.1", "_ijk_absolute_mode", 1), ("", "_retract_r_plane", 1),
+    ],
+)  # fmt: skip
+def test_named_variables_of_the_controller(words, name, wanted):
+    """ "Predefined Named Parameters"."""
+    assert ends(f"{words}\n\n#1=#<{name}>\nG21 G94 F100\nG1 X[#1] Y1")[0] == pytest.approx(wanted)
+
+
+def test_a_subprogram_without_a_value_returns_zero():
+    """ "#<_value>": zero where the last subprogram returned none."""
+    body = "o1 sub\no1 endsub [5]\no2 sub\no2 endsub\no1 call\n#1=#<_value>\no2 call\nG1 X#1 Y[#<_value>]"
+    assert ends(body) == [5, 0, 0]

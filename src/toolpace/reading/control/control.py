@@ -126,7 +126,7 @@ class Control:
         self._replaced()
 
     def words_in(self, offset: str, frame: Matrix, turn: tuple[float, ...]) -> list[float]:
-        """Words (3 + rotary) that the place of the machine has in another work offset, with a frame and rotary shift."""
+        """Words (3 + rotary) that the machine's place has in another work offset, with a frame and a rotary shift."""
         other = replace(self.coordinates, offset=offset, frame=frame, turn=turn).placement(self.tool)
         return other.words(self.placement.place(self.words))
 

@@ -18,7 +18,7 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers, bounded
+from toolpace.reading.gcode.program.words import Numbers, WordError, bounded
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -43,6 +43,7 @@ class Executor:
         self.modes = Modes(control, state, self.holes, by)
         self.calls = Calls(flow, by)
         self.least_increment = by.option("whole_numbers", "as written") == "least increment"
+        self.rs274 = by.option("rs274_checks", False)
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
         self.after: Callable[[], None] | None = None
@@ -141,15 +142,19 @@ class Executor:
         if number is not None:
             control.feed.set(number, state.unit, control.line)
         if "S" in numbers:
+            if self.rs274 and numbers["S"] < 0.0:
+                raise WordError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
             control.feed.spindle = numbers["S"] / 60.0
         if "T" in numbers:
+            if self.rs274 and numbers["T"] < 0.0:
+                raise WordError(f"T{numbers['T']:g} is below zero: write the number of a tool")
             state.next_tool = f"{numbers['T']:g}"
         self.after = None
         for action in actions[block.before_feed :]:
             handlers[action.meaning](numbers, action.word)
         for word in block.ignored:
             control.findings.ignored(word)
-        if numbers:
+        if numbers or (state.cycle_word and self.rs274):
             if block.ignored:
                 self._idle(numbers)
             self._rest(numbers, number, bool(block.ignored or actions))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.variables import Key
-from toolpace.units import DEGREE, INCH
+from toolpace.units import DEGREE, INCH, MINUTE
 
 _MOTIONS = {"rapid": 0.0, "feed": 1.0, "arc clockwise": 2.0, "arc counter-clockwise": 3.0}
 _AXES = "XYZABCUVW"
@@ -65,16 +66,39 @@ class System:
     def _by_name(self, name: str) -> float | None:
         if len(name) == 2 and name[0] == "_" and name[1] in _AXES:
             return self._coordinate(name[1])
-        inch = self.state.unit == INCH
+        control, state = self.control, self.state
+        inch, feed = state.unit == INCH, control.feed
+        offset = control.coordinates.offset
+        moves = state.cycle is None
         known = {
             "_METRIC": float(not inch),
             "_IMPERIAL": float(inch),
-            "_ABSOLUTE": float(self.state.absolute),
-            "_INCREMENTAL": float(not self.state.absolute),
-            "_COORD_SYSTEM": None,
-            "_CURRENT_TOOL": float(self.control.tool) if self.control.tool.isdigit() else 0.0,
+            "_ABSOLUTE": float(state.absolute),
+            "_INCREMENTAL": float(not state.absolute),
+            "_IJK_ABSOLUTE_MODE": float(state.arc_absolute),
+            "_INVERSE_TIME": float(feed.mode == INVERSE),
+            "_UNITS_PER_MINUTE": float(feed.mode == PER_MINUTE),
+            "_UNITS_PER_REV": float(feed.mode == PER_REVOLUTION),
+            "_RETRACT_R_PLANE": float(not state.to_initial),
+            "_RETRACT_OLD_Z": float(state.to_initial),
+            "_PLANE": (170.0, 180.0, 190.0)[state.plane],
+            "_MOTION_MODE": 10.0 * _MOTIONS.get(state.motion or "", 80.0) if moves else None,
+            "_COORD_SYSTEM": round(10.0 * float((offset if offset in _OFFSETS else "G54")[1:]), 6),
+            "_TOOL_OFFSET": float(control.coordinates.compensated),
+            "_CURRENT_TOOL": float(control.tool) if control.tool.isdigit() else 0.0,
+            "_SELECTED_TOOL": float(state.next_tool) if state.next_tool.isdigit() else None,
+            "_FEED": self._feed(),
+            "_RPM": round(60.0 * feed.spindle, 9),
+            "_LINE": float(control.line),
             "_VALUE": 0.0,
             "_VALUE_RETURNED": 0.0,
             "_TASK": 0.0,
         }
         return known.get(name)
+
+    def _feed(self) -> float | None:
+        """F in force, in units."""
+        feed = self.control.feed
+        if feed.mode == INVERSE:
+            return None
+        return (feed.value or 0.0) * (MINUTE if feed.mode == PER_MINUTE else 1.0) / self.state.unit

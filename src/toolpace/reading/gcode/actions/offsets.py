@@ -14,6 +14,7 @@ from toolpace.units import DEGREE
 
 FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
 
+
 class Offsets:
     """Carries out G54 to G59.3, G54.1 P, G154 P and G10 L2, L20."""
 

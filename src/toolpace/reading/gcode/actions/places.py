@@ -25,6 +25,8 @@ class Places:
         self, control: Control, state: Modal, motion: MotionReader, frames: Frames, variables: Variables, by: Controller
     ) -> None:
         self.control, self.state, self.motion, self.frames, self.variables = control, state, motion, frames, variables
+        self.rs274 = by.option("rs274_checks", False)
+        """Whether blocks are refused that LinuxCNC's interpreter refuses."""
         self.all_axes = by.option("reference_without_axes_is_all", True)
 
     def _named(self, numbers: Numbers) -> Numbers:
@@ -78,6 +80,8 @@ class Places:
     def in_machine(self, numbers: Numbers, *, rapid: bool) -> None:
         """Move to machine coordinates."""
         control, unit = self.control, self.state.unit
+        if self.rs274 and (self.state.motion not in ("rapid", "feed") or not self.state.absolute):
+            raise WordError("G53 stands with G0 or G1, and under G90: write it like G90 G53 G0 Z0")
         given = self._named(numbers)
         slots = control.slots
         places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in given.items()}

@@ -74,8 +74,6 @@ class Tools:
         self._need_tools(word)
         offset = list(self.control.coordinates.tool_offset(self.control.tool))
         given = self._offset_words(numbers, word)
-        if not given:
-            raise WordError(f"{word} needs the offset of an axis: write it like {word} Z50.5")
         for slot, value in given.items():
             offset[slot] = value
         self._offset(offset)
