@@ -13,7 +13,7 @@ PLANES = {"G17": ("X", "Y", "Z", "I", "J"), "G18": ("Z", "X", "Y", "K", "I"), "G
 """First and second axis, the normal, and the words of the centre."""
 OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 WRONG = (
-    "G1 X1 X2", "G2 X900 R1", "G4", "G4 P-1", "G0 G1 X1", "G81 X1 Y1", "G1 X", "X1 G90 G91", "G54 G55", "G43 H77",
+    "G1 X1 X2", "G2 X900 R1", "G4", "G4 P-1", "G0 G1 X1", "G81 X1 Y1", "G1 X", "X1 G90 G91", "G54 G55", "H2",
     "G10 L2 P12 X1", "G10 L2 P1.3 X1", "M6 T1 T2", "#1=[1/0]", "G1 X[SQRT[-1]]", "G1 X#<never_set>", "G17 G18",
     "G2 X1 Y1", "G1 F-5 X2", "G28.7", "M3 M4", "o900 call", "G80 X1", "G83 X1 Y1 Z-2 R1 Q-1", "G82 X1 Y1 Z-2 R1 L-1",
     "G1 X1 Y", "X1 = 3", "G1 X[1+]", "G1 X[2", "G1 X1)", "G92", "G5 X1", "Q3", "G3 I0 J0", "T-1", "S-5", "G1 K3 X9",
@@ -204,8 +204,9 @@ class Writer:
         self.put(self.random.choice([*words, f"G43.1 Z{lift}", f"G43 H2 G0 Z{lift}"]))
 
     def tool(self) -> None:
-        # `rs274` reads its position back behind M6, and forgets the offset: none is in force then
+        # `rs274` reads its position back behind M6, as it was told it last: offsets of tools would be forgotten
         self.put("G49")
+        self.to()
         self.put(self.random.choice(["T1 M6", "T2 M6", "M6 T3", "T3", "M6", "M61 Q1", "T0 M6"]))
         self.told_tool |= self.lines[-1].upper().startswith("M61")
         move = f"G1 {self.axes(0.3, turning=0.0)} {self.f()}"

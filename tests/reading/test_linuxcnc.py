@@ -92,7 +92,7 @@ def test_tool_offsets_in_numbers_need_the_tools_of_a_sheet(block):
         ends(f"{block}\nG1 X1")
 
 
-@pytest.mark.parametrize("block", ["M61", "M61 Q1.5", "G43.2", "G43.2 H9", "G91 G53 G0 X1", "G2 G53 X1 I3", "S-5", "T-1"])
+@pytest.mark.parametrize("block", ["M61", "M61 Q1.5", "G43.2", "G43.2 H9", "G91 G53 G0 X1", "G2 G53 X1 I3", "S-5", "T-1", "D3", "H1"])
 def test_blocks_that_its_interpreter_refuses(block):
     with pytest.raises(ProgramError, match=r"part\.nc:3"):
         ends(f"{block}\nG1 X1", setup=SHEET)

@@ -191,6 +191,8 @@ class Executor:
         state, control, slots = self.state, self.control, self.control.slots
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
+                if self.rs274 and letter in "HD":
+                    raise WordError(f"{letter} stands without the word that it belongs to, G43, G41 or G42: remove it")
                 control.findings.ignored(letter)
         if state.in_machine:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))

@@ -86,7 +86,7 @@ class System:
             "_COORD_SYSTEM": round(10.0 * float((offset if offset in _OFFSETS else "G54")[1:]), 6),
             "_TOOL_OFFSET": float(control.coordinates.compensated),
             "_CURRENT_TOOL": float(control.tool) if control.tool.isdigit() else 0.0,
-            "_SELECTED_TOOL": float(state.next_tool) if state.next_tool.isdigit() else None,
+            "_SELECTED_TOOL": float(state.next_tool or 0.0),
             "_FEED": self._feed(),
             "_RPM": round(60.0 * feed.spindle, 9),
             "_LINE": float(control.line),

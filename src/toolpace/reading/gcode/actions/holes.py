@@ -107,15 +107,15 @@ class Holes:
     def _arriving(self, cycle: Drilling) -> Drilling:
         """The cycle with the level at which LinuxCNC's interpreter (`convert_cycle_xy`) has the tool over the hole.
 
-        Where the cycle began below R, the tool first goes to R; it arrives at the level that is gone back to, or from
-        its own without lowering it.
+        Where the cycle began below R, the tool first goes to R, up or down; it arrives at the level that is gone back
+        to, but never lower than it is.
         """
         control, axis = self.control, cycle.axis
         assert self.level is not None
         if self.level < cycle.top:
             control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
-        begins = self.level if self.state.to_initial else control.words[axis]
-        return replace(cycle, over=max(begins, cycle.top))
+        begins = self.level if self.state.to_initial else cycle.top
+        return replace(cycle, over=max(begins, cycle.top, control.words[axis]))
 
     def _refuse_in_rs274(self, plane: list[str], drills: bool) -> None:
         """ "All axes missing with motion code", "Cannot put an A in canned cycle"."""
