@@ -32,6 +32,8 @@ class Writer:
         self.inch, self.absolute, self.plane, self.mode = False, True, "G17", "G94"
         self.labels = 100
         self.subs: list[list[str]] = []
+        self.behind: list[str] = []
+        """Programs that stand behind the end of the main one."""
         self.told_tool = False
         """Whether M61 has told the tool: the stand-alone interpreter then does not know its length."""
         self.named: list[str] = []
@@ -369,6 +371,67 @@ class Writer:
         if self.chance(0.3):
             self.put("G1 X[#<_value>/2]", self.f())
 
+    def deep(self) -> None:
+        """Calls within each other: variables of their own, values returned early and late, recursion that ends."""
+        self.labels += 2
+        inner, outer = f"o{self.labels}", f"o{self.labels - 1}"
+        here = "G91 G1 " + self.axes(0.4, turning=0.0) + (self.f() if self.mode == "G93" else "")
+        back = "G90" if self.absolute else ""
+        f = self.f() if self.mode == "G93" else ""
+        self.subs.append([
+            f"{inner} sub", "#3=[#1*2]", "#<a>=[#2+1]", "#<_wide>=[#<_wide>+1]", f"{outer} if [#1 GT 2.5]",
+            f"{inner} return [#3+#<a>]", f"{outer} endif", here, *([back] if back else []), f"{inner} call [#1+1] [#3]",
+            f"G1 X[#<_value>/9] Y#1 Z#<a> {f}".rstrip(), f"{inner} endsub [#<_value>-1]",
+        ])  # fmt: skip
+        self.put(f"#<_wide>={self.random.randint(0, 3)}", "#3=7")
+        self.put(f"{inner} call [{self.random.randint(0, 3)}] [#3]")
+        self.put(f"G1 X#3 Y#<_wide> Z[#<_value>/7] {self.f()}")
+
+    def by_number(self) -> None:
+        """Programs called by M98."""
+        if self.mode == "G93":
+            return
+        self.labels += 1
+        self.behind += [f"O{self.labels}", f"G1 {self.axes(0.4)}", "G1 X[#30+1]", "#30=[#30+2]", "M99"]
+        self.put(f"#30={self.random.randint(0, 5)}")
+        self.lines.append(" ".join([f"M98 P{self.labels}", self.random.choice(["", "L2", "L3"])]))
+
+    def at_once(self) -> None:
+        """Many words in one block."""
+        self.mode, self.absolute, self.plane, self.inch = "G94", True, "G17", self.chance(0.5)
+        unit = "G20" if self.inch else "G21"
+        self.put(
+            f"{unit} G90 G94 G17 G64 G1 {self.axes(0.6)} {self.f()} S900 M3 M8", self.random.choice(["", "G54", "G55"])
+        )
+
+    def together(self) -> None:
+        """Variables set in the block that uses them keep their old values in it."""
+        self.put(f"#1={self.number(-9, 9)}", f"#2={self.number(-9, 9)}")
+        self.put(f"G1 X#1 #1=[#1+5] Y[#2*#1] #2=#1 {self.f()}")
+        self.put(f"G1 X##3 Y#[#3+1] #3=1 {self.f()}" if self.chance(0.3) else f"G1 X#1 Y#2 {self.f()}")
+
+    def modes_kept(self) -> None:
+        """M70 and M72, or M73 in a subprogram."""
+        was = self.inch, self.absolute, self.plane, self.mode
+        changes = [self.unit, self.distance, self.planes, self.mode_of_path, self.line, self.offset, self.line]
+        in_sub = self.chance(0.5)
+        if in_sub:
+            self.labels += 1
+            lines, self.lines = self.lines, []
+            self.put(f"o{self.labels} sub")
+        self.put("M73" if in_sub else "M70")
+        for _ in range(4):
+            self.random.choice(changes)()
+        if in_sub:
+            self.put(f"o{self.labels} endsub")
+            self.subs.append(self.lines)
+            self.lines = lines
+            self.put(f"o{self.labels} call")
+        else:
+            self.put("M72")
+        self.inch, self.absolute, self.plane, self.mode = was
+        self.put("G1", self.axes(0.5), self.f())
+
     def wrong(self) -> None:
         self.put(self.random.choice(WRONG))
 
@@ -379,7 +442,8 @@ class Writer:
         rare = [
             self.unit, self.distance, self.planes, self.feed, self.dwell, self.offset, self.position, self.origin,
             self.length, self.tool, self.machine, self.reference, self.mode_of_path, self.assign, self.system,
-            self.deleted, self.loop, self.call, self.turn,
+            self.deleted, self.loop, self.call, self.turn, self.deep, self.by_number, self.at_once, self.together,
+            self.modes_kept,
         ]  # fmt: skip
         # few kinds in each program: a difference is told by what it stands among
         kinds = common + [self.random.choice(rare) for _ in range(10)]
@@ -390,7 +454,7 @@ class Writer:
             self.wrong()
             self.line()
         self.put(self.random.choice(["M2", "M30"]))
-        whole = [line for body in self.subs for line in body] + self.lines
+        whole = [line for body in self.subs for line in body] + self.lines + self.behind
         return "".join(_numbered(number, line) + "\n" for number, line in enumerate(whole, start=1))
 
     def tables(self) -> tuple[dict[str, dict[str, float]], dict[int, dict[str, float]], dict[int, float]]:

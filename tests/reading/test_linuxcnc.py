@@ -92,7 +92,9 @@ def test_tool_offsets_in_numbers_need_the_tools_of_a_sheet(block):
         ends(f"{block}\nG1 X1")
 
 
-@pytest.mark.parametrize("block", ["M61", "M61 Q1.5", "G43.2", "G43.2 H9", "G91 G53 G0 X1", "G2 G53 X1 I3", "S-5", "T-1", "D3", "H1"])
+@pytest.mark.parametrize(
+    "block", ["M61", "M61 Q1.5", "G43.2", "G43.2 H9", "G91 G53 G0 X1", "G2 G53 X1 I3", "S-5", "T-1", "D3", "H1"]
+)
 def test_blocks_that_its_interpreter_refuses(block):
     with pytest.raises(ProgramError, match=r"part\.nc:3"):
         ends(f"{block}\nG1 X1", setup=SHEET)
@@ -157,3 +159,42 @@ def test_a_subprogram_without_a_value_returns_zero():
     """ "#<_value>": zero where the last subprogram returned none."""
     body = "o1 sub\no1 endsub [5]\no2 sub\no2 endsub\no1 call\n#1=#<_value>\no2 call\nG1 X#1 Y[#<_value>]"
     assert ends(body) == [5, 0, 0]
+
+
+def test_values_of_a_block_are_those_before_it_sets_variables():
+    """ "Parameters": a setting does not take effect until after all parameter values of the line have been found."""
+    assert ends("#1=3 #2=4\nG1 X#1 #1=[#2+1] Y#2 #2=#1\nG1 Z[#1*10+#2]") == [3, 4, 53]
+
+
+def test_blanks_change_nothing():
+    """ "Format of a Line": g0x +0. 12 34y 7 is g0 x+0.1234 y7."""
+    assert ends("g0x +0. 12 34y 7") == [0.1234, 7, 0]
+
+
+# --- saved modes ----------------------------------------------------------------------------------------------------
+
+
+def test_m70_saves_modes_and_m72_restores_them():
+    path = read_for("linuxcnc", START + "M70\nG91 G20 F5\nG55\nM72\nG1 X1\nX2\nM2", setup=SHEET)
+    assert path.tip[-1].tolist() == pytest.approx([102 * MM, 0, 0])
+    assert path.feed[-1] == pytest.approx(0.1 / 60)
+
+
+def test_m73_restores_modes_on_return():
+    body = "o1 sub\nM73\nG91 G20 G18\nG1 X1\no1 endsub\no1 call\nG1 X1\nG2 X3 I1"
+    assert ends(body)[0] == 3
+    with pytest.raises(ProgramError, match="off its circle"):
+        ends(body.replace("M73\n", ""))
+
+
+def test_m72_needs_modes_that_were_saved_at_its_level():
+    for body in ("M72", "M70\nM71\nM72", "M70\no1 sub\nM72\no1 endsub\no1 call"):
+        with pytest.raises(ProgramError, match="write M70 before it"):
+            ends(body + "\nG1 X1")
+
+
+def test_local_variables_begin_at_zero_in_the_main_program_too():
+    """ "Subroutine Parameters"; others that nothing has set may be in the controller's file."""
+    assert ends("G1 X#1 Y1") == [0, 1, 0]
+    with pytest.raises(ProgramError, match="#31"):
+        ends("G1 X#31 Y1")

@@ -12,6 +12,7 @@ from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.actions.modes import Handler, Modes
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.actions.places import Places
+from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
 from toolpace.reading.gcode.program.blocks import Block
@@ -53,6 +54,7 @@ class Executor:
             self.modes.handlers()
             | self._of_tools(Tools(control, state, options, by))
             | self._of_frames(frames)
+            | self._of_saved_modes(SavedModes(control, state, frames.offsets, flow))
             | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
             | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
             | {
@@ -81,6 +83,14 @@ class Executor:
             "added offset": tools.added_offset,
             "tip mode on": tools.switch_on,
             "tip mode off": tools.switch_off,
+        }
+
+    def _of_saved_modes(self, saved: SavedModes) -> dict[str, Handler]:
+        return {
+            "save modes": saved.save,
+            "save modes for return": saved.save_for_return,
+            "forget modes": saved.forget,
+            "restore modes": saved.restore,
         }
 
     def _of_frames(self, frames: Frames) -> dict[str, Handler]:

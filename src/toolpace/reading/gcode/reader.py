@@ -54,9 +54,13 @@ class WordAddressReader:
             system_from=int(by("system_variables_from", 1000.0)),
             letter=by("variable_letter", "#"),
         )
+        if by("local_variables_begin_at_zero", False):
+            self.variables.local = dict.fromkeys(range(1, self.variables.locals_to + 1), 0.0)
         self.flow = Flow(source, self.variables)
         self.compiler = Compiler(controller)
         self.executor = Executor(self.control, self.state, self.flow, controller, options)
+        self.assignments_last = by("assignments_last", False)
+        """Whether the values of a block are those before it sets variables."""
         self.blocks: dict[str, Block] = {}
         self.tape_line, self.tape_closed = 0, False
 
@@ -144,14 +148,15 @@ class WordAddressReader:
             for word, cure in block.refused:
                 self.findings.refused(word, line, cure)
             return
-        if block.assignments:
-            self._assign(
-                [(place.key(self.variables), value_of(node, self.variables)) for place, node in block.assignments]
-            )
+        values = [(place.key(self.variables), value_of(node, self.variables)) for place, node in block.assignments]
+        if not self.assignments_last:
+            self._assign(values)
         if any(action.meaning == "macro call" for action in block.actions):
             self.executor.calls.macro(block.arguments)
         elif block.fixed or block.computed or block.actions or block.ignored:
             self.executor.execute(block)
+        if self.assignments_last:
+            self._assign(values)
 
     def _resolved(self, block: Block) -> Block:
         """The block with its G and M words worked out."""

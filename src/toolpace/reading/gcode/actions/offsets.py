@@ -38,24 +38,25 @@ class Offsets:
     def work_offset(self, numbers: Numbers, word: str) -> None:
         """G54 to G59.3; Fanuc's G54 P3 is G54.1 P3."""
         number = numbers.pop("P", None) if word == "G54" else None
-        self._take_offset(word if number is None else f"G54.1 P{number:g}")
+        self.take(word if number is None else f"G54.1 P{number:g}")
 
     def numbered_offset(self, numbers: Numbers, word: str) -> None:
         """G54.1 P, G154 P."""
         if "P" not in numbers:
             raise WordError(f"{word} needs the number of its offset as P: write it like {word} P1")
-        self._take_offset(f"{word} P{numbers.pop('P'):g}")
+        self.take(f"{word} P{numbers.pop('P'):g}")
 
     def indexed_offset(self, numbers: Numbers, word: str) -> None:
         """MillPlus: I tells the line of the table."""
         index = numbers.pop("I", None)
-        self._take_offset(word if index is None else f"{word} I{index:g}")
+        self.take(word if index is None else f"{word} I{index:g}")
 
     def no_offset(self, numbers: Numbers, word: str) -> None:
         """The stand-in of an offset."""
-        self._take_offset("")
+        self.take("")
 
-    def _take_offset(self, name: str) -> None:
+    def take(self, name: str) -> None:
+        """Put an offset in force."""
         control = self.control
         if not control.setup.offsets and name:
             control.findings.assumed("without a set-up sheet the origin of the part stands for every work offset")

@@ -15,6 +15,7 @@ _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
 _EQUALS = re.compile(r"[ \t]*+=")
 _OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
+_SPLIT_NUMBER = re.compile(r"[A-FH-LN-Z][ \t]*+[-+]?[ \t]*+[0-9.]++(?:[ \t]++[0-9.]++)++")
 _CORNER = "let the CAM system write the corner out as blocks"
 
 
@@ -53,6 +54,7 @@ class Compiler:
         self.vocabulary = Vocabulary(controller)
         self.nested = controller.option("nested_comments", False)
         self.semicolon_ends = controller.option("semicolon_ends_block", False)
+        self.blanks = controller.option("blanks_mean_nothing", False)
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
         self.indexed = controller.option("indexed_words", False)
@@ -77,6 +79,8 @@ class Compiler:
         if text and text[0] in "OIWDEGSPB:":
             block.statement = statement(text, self.parser, self.assignments)
         if text and block.statement is None:
+            if self.blanks and (" " in text or "\t" in text):
+                block.text = _SPLIT_NUMBER.sub(lambda match: "".join(match[0].split()), text)
             self._words(block)
             self.arrange(block)
         return block

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NoReturn
 
@@ -34,6 +35,10 @@ class Frame:
     """Local variables with which each run begins."""
     counts: dict[int, int] = field(default_factory=dict)
     """Of `repeat`: rounds left, by line."""
+    saved: Callable[[], None] | None = None
+    """Restores the modes that were saved at this level."""
+    restores: bool = False
+    """Whether it does so on return."""
     arrived: int = -1
     """The branch that a false condition led to."""
 
@@ -106,6 +111,8 @@ class Flow:
         self.frames.pop()
         if frame.outer is not None:
             self.variables.local = frame.outer
+        if frame.restores and frame.saved is not None:
+            frame.saved()
 
     # Jumps
 

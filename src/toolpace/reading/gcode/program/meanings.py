@@ -8,6 +8,7 @@ from toolpace.errors import UsageError
 from toolpace.reading.controllers.controller import Controller
 
 GROUPS: dict[str, tuple[str, ...]] = {
+    "saved modes": ("save modes", "save modes for return", "forget modes", "restore modes"),
     "feed mode": ("inverse time", "feed per minute", "feed per revolution"),
     "unit": ("inch", "millimetre"),
     "function": ("stop", "tool change", "tool at hand", "tip mode on", "tip mode off"),

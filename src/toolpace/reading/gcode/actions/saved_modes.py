@@ -1,0 +1,59 @@
+"""M70 to M73 of LinuxCNC: modes saved at a level of calls, and restored there.
+
+After its manual, "M70 Save Modal State", "M72 Restore Modal State" and "M73 Save and Autorestore Modal State".
+"""
+
+from __future__ import annotations
+
+from toolpace.reading.control.control import Control
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.actions.offsets import Offsets
+from toolpace.reading.gcode.program.flow import Flow
+from toolpace.reading.gcode.program.words import Numbers, WordError
+
+MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial", "length_word")
+"""Of `Modal`; the motion in force is not among them."""
+
+
+class SavedModes:
+    """Carries out M70, M71, M72 and M73."""
+
+    def __init__(self, control: Control, state: Modal, offsets: Offsets, flow: Flow) -> None:
+        self.control, self.state, self.offsets, self.flow = control, state, offsets, flow
+
+    def save(self, numbers: Numbers, word: str) -> None:
+        """M70."""
+        control = self.control
+        feed, coordinates = control.feed, control.coordinates
+        modes = {name: getattr(self.state, name) for name in MODES}
+        rates = feed.mode, feed.value, feed.turn, feed.unit, feed.spindle
+        tool = coordinates.compensated, coordinates.length_of, coordinates.told
+        offset = self.offsets.offset
+
+        def restore() -> None:
+            for name, value in modes.items():
+                setattr(self.state, name, value)
+            feed.mode, feed.value, feed.turn, feed.unit, feed.spindle = rates
+            coordinates.compensated, coordinates.length_of, coordinates.told = tool
+            if offset != self.offsets.offset:
+                self.offsets.take(offset)
+            else:
+                self.offsets.changed()
+
+        self.flow.frame.saved = restore
+
+    def save_for_return(self, numbers: Numbers, word: str) -> None:
+        """M73: restored where this level returns."""
+        self.save(numbers, word)
+        self.flow.frame.restores = True
+
+    def forget(self, numbers: Numbers, word: str) -> None:
+        """M71."""
+        self.flow.frame.saved = None
+
+    def restore(self, numbers: Numbers, word: str) -> None:
+        """M72."""
+        restore = self.flow.frame.saved
+        if restore is None:
+            raise WordError(f"{word} restores modes, and none were saved at this level: write M70 before it")
+        restore()
