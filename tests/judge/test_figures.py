@@ -83,7 +83,7 @@ def test_a_peak_may_lie_between_set_points_by_what_half_a_step_can_add(factor, g
 
 
 def usage_of(jerk, limit):
-    """Checks of usage where plan.json says so much of each jerk, and the machine has such jerk limits; and the shares."""
+    """Checks of usage where plan.json says so much of each jerk, with limits that are so many peaks; and the shares."""
     peaks = motions.peaks(POINTS)
     machine = motions.with_limits(motions.machine(), **{kind: 1.3 * peak for kind, peak in peaks.items()})
     machine = motions.with_limits(machine, jerk=limit * peaks["jerk"])

@@ -28,10 +28,12 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
 
     Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
     acceleration whose slope is at most J. Where the jerk is too high (which is said already), accelerations may jump:
-    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2.
+    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2. Where
+    nothing limits the jerk, twice that is granted: several jumps may lie side by side, and hide one another in part.
+
     Where nothing limits acceleration nor jerk, velocities may jump: by V, by which the mean velocity changes from the
-    step before to that behind (before and behind the motion it is zero), and then a velocity is off by at most V dt / 2. The acceleration at a set-point says
-    nothing there, and is not judged.
+    step before to that behind (before and behind the motion it is zero), and then a velocity is off by at most V dt / 2.
+    The acceleration at a set-point says nothing there, and is not judged.
     """
     checks = []
     jumpy = ~np.isfinite(limits.acceleration) & ~np.isfinite(limits.jerk)
@@ -43,8 +45,10 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
     ):
         for j, joint in enumerate(points.joints):
             jerk = float(limits.jerk[j])
-            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share if math.isfinite(jerk) else 0.0
-            if shown[j] > jerk * (1.0 + TOLERANCE) or not math.isfinite(jerk):
+            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share
+            if not math.isfinite(jerk):
+                allowed = 2.0 * shown[j] * dt**power / of_shown
+            elif shown[j] > jerk * (1.0 + TOLERANCE):
                 allowed = max(allowed, shown[j] * dt**power / of_shown)
             if not len(steps) or (jumpy[j] and name == "acceleration"):
                 continue
