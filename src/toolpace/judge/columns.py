@@ -32,8 +32,8 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
     nothing limits the jerk, twice that is granted: several jumps may lie side by side, and hide one another in part.
 
     Where nothing limits acceleration nor jerk, velocities may jump: by V, by which the mean velocity changes from the
-    step before to that behind (before and behind the motion it is zero), and then a velocity is off by at most V dt / 2.
-    The acceleration at a set-point says nothing there, and is not judged.
+    step before to that behind (it is zero before and behind the motion), and a velocity is off by at most V dt / 2. The
+    acceleration at a set-point says nothing there, and is not judged.
     """
     checks = []
     jumpy = ~np.isfinite(limits.acceleration) & ~np.isfinite(limits.jerk)
