@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 import shutil
 from types import SimpleNamespace
 
@@ -360,6 +361,35 @@ def test_any_changed_column_fails(again, capsys, seed):
     again.arrays(change)
     code, said = again.verdict(capsys)
     assert code == 1 and "FAILED" in said
+
+
+def test_a_plan_of_a_file_whose_ending_is_none_is_verified(tmp_path, capsys):
+    """The copy of the program has no ending then, and is the right one all the same."""
+    program = tmp_path / "part.n-c"
+    program.write_text("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X3 F3000\nM30\n")
+    out = tmp_path / "out"
+    options = ["--dialect", "gcode", "--no-report"]
+    assert main(["plan", str(program), "-m", "xyzac-trunnion", "-o", str(out), *options]) == 0
+    code, said = Tamper(out).verdict(capsys)
+    assert code == 0 and "VERIFIED" in said
+
+
+@pytest.mark.parametrize("planner", ["optimal", "second-order"])
+def test_what_is_planned_without_jerk_limits_is_verified(planner, tmp_path, capsys):
+    """On a machine that limits no jerk, none is used, and `null` says too much; nor does a plan fail of it."""
+    machine = tmp_path / "free.toml"
+    assert main(["machines", "xyzac-trunnion", "--toml"]) == 0
+    machine.write_text(re.sub(r"jerk = \S+", "jerk = inf", capsys.readouterr().out))
+    program = tmp_path / "part.ngc"
+    program.write_text("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X3 F3000\nG1 Y2 A2\nM30\n")
+    out = tmp_path / "out"
+    assert main(["plan", str(program), "-m", str(machine), "-o", str(out), "--no-report", "--planner", planner]) == 0
+    again = Tamper(out)
+    code, said = again.verdict(capsys)
+    assert code == 0 and "VERIFIED" in said
+    for value in (None, 1e-3, 0.9):
+        again.figures(put("usage/jerk/A", value))
+        fails(again, capsys, "usage jerk of A")
 
 
 def test_exit_code_is_1_above_a_limit():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from tests.support import motions
@@ -79,3 +80,32 @@ def test_a_peak_may_lie_between_set_points_by_what_half_a_step_can_add(factor, g
     assert all(check.ok for check in found) == good
     shown = motions.peaks(coarse)
     assert min((shown[kind] / peaks[kind]).min() for kind in ("velocity", "acceleration")) < 0.999
+
+
+def usage_of(jerk, limit):
+    """Checks of usage where plan.json says so much of each jerk, with limits that are so many peaks; and the shares."""
+    peaks = motions.peaks(POINTS)
+    machine = motions.with_limits(motions.machine(), **{kind: 1.3 * peak for kind, peak in peaks.items()})
+    machine = motions.with_limits(machine, jerk=limit * peaks["jerk"])
+    said = {kind: dict.fromkeys(machine.joints, 1.0 / 1.3) for kind in ("velocity", "acceleration")}
+    given = {"usage": {**said, "jerk": dict.fromkeys(machine.joints, jerk), "feed": 0.0}}
+    found = UsageFigures(given, POINTS, machine, None, None, 1e-3)
+    known = ["feed", *(f"{kind} {joint}" for kind in ("velocity", "acceleration", "jerk") for joint in machine.joints)]
+    return found.of_usage(), found.shares(known)
+
+
+def test_of_a_jerk_limit_that_is_none_nothing_is_used():
+    for said, good in ((0.0, True), (1e-3, False), (1.0, False), (None, False)):
+        checks, shares = usage_of(said, np.inf)
+        assert all(check.ok for check in checks) == good, said
+        assert not sum(shares.values())
+
+
+def test_jerks_that_no_number_bounds_fail_and_hold_nothing_back():
+    """What a plan without jerk limits says, `null`, is above any limit; its jerks are not what binds."""
+    for limit in (0.1, 1.0, 10.0):
+        checks, shares = usage_of(None, limit)
+        assert {(check.what, check.ok, check.value) for check in checks} == {("plan.json usage jerk", False, np.inf)}
+        assert {check.joint for check in checks} == set(motions.machine().joints)
+        assert not sum(shares.values())
+    assert sum(usage_of(1.0, 0.1)[1].values()) > 0.1

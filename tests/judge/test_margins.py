@@ -108,6 +108,24 @@ def test_a_column_of_accelerations_that_jump_is_right_where_jerk_has_no_limit(sh
     assert not failed(joint(t, q, qd, acceleration * ramp), limits)
 
 
+@pytest.mark.parametrize("begin", [0.0, 5.0, 5.1, 5.5, 5.9])
+def test_columns_of_velocities_that_jump_are_right_where_nothing_limits_acceleration(begin):
+    """There and back at full speed: the acceleration at a set-point says nothing, the velocity still must fit."""
+    n, speed = 50, 0.5
+    t = np.arange(2 * n + 8) * DT
+    since = (t - begin * DT) / (n * DT)
+    q = speed * n * DT * np.clip(np.minimum(since, 2.0 - since), 0.0, None)
+    up, down = (since > 1e-9) & (since < 1.0 - 1e-9), (since > 1.0 + 1e-9) & (since < 2.0 - 1e-9)
+    qd = speed * (up.astype(float) - down)
+    limits = Limits([1.0], [np.inf], [np.inf], ("X",))
+    assert not failed(joint(t, q, qd, 0.0 * t), limits)
+    found = verify(joint(t, q, qd, 0.0 * t), limits)
+    assert [check.note for check in found.checks if check.what == "acceleration column"] == [
+        "not judged: nothing limits acceleration nor jerk"
+    ]
+    assert "velocity column" in failed(joint(t, q, -qd, 0.0 * t), limits)
+
+
 def test_what_a_column_is_off_by_has_its_unit_and_size():
     found = failed(replace(POINTS, qd=0.99 * POINTS.qd))
     for what, per in (("velocity column", ""), ("acceleration column", "/s")):

@@ -80,10 +80,12 @@ def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadO
 def program_in(folder: Path, record: PlanRecord) -> Path | None:
     """The copy of the program in the folder of a plan; None where plan.json names none. Raises UsageError where it
     names a file elsewhere, or another than the copy."""
+    from toolpace.write.result import copy_name
+
     name = record.program_file
     if not name:
         return None
-    right = f"program{Path(record.program).suffix}"
+    right = copy_name(Path(record.program))
     if name != right:
         raise UsageError(
             f"{folder / 'plan.json'}: program_file is {name!r}, where the copy of {record.program!r} is {right!r}; "

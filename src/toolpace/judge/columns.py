@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, Ints
 from toolpace.judge.motion import TOLERANCE, largest_difference, position_noise, unit_of
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
@@ -28,9 +28,15 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
 
     Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
     acceleration whose slope is at most J. Where the jerk is too high (which is said already), accelerations may jump:
-    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2.
+    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2. Where
+    nothing limits the jerk, twice that is granted: several jumps may lie side by side, and hide one another in part.
+
+    Where nothing limits acceleration nor jerk, velocities may jump: by V, by which the mean velocity changes from the
+    step before to that behind (it is zero before and behind the motion), and a velocity is off by at most V dt / 2. The
+    acceleration at a set-point says nothing there, and is not judged.
     """
     checks = []
+    jumpy = ~np.isfinite(limits.acceleration) & ~np.isfinite(limits.jerk)
     steps = np.diff(points.t)
     shown = [largest_difference(points.q[:, j], points.t, 3, dt)[0] for j in range(len(points.joints))]
     for name, below, above, power, share, of_shown in (
@@ -39,12 +45,17 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
     ):
         for j, joint in enumerate(points.joints):
             jerk = float(limits.jerk[j])
-            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share if math.isfinite(jerk) else 0.0
-            if shown[j] > jerk * (1.0 + TOLERANCE) or not math.isfinite(jerk):
+            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share
+            if not math.isfinite(jerk):
+                allowed = 2.0 * shown[j] * dt**power / of_shown
+            elif shown[j] > jerk * (1.0 + TOLERANCE):
                 allowed = max(allowed, shown[j] * dt**power / of_shown)
-            if not len(steps):
+            if not len(steps) or (jumpy[j] and name == "acceleration"):
                 continue
             off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))
+            if jumpy[j]:
+                change = np.abs(np.diff(np.diff(below[:, j]) / steps, prepend=0.0, append=0.0))
+                off -= steps * (change[:-1] + change[1:])
             worst = int(np.argmax(off))
             scale = float(np.abs(below[:, j]).max())
             noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max()))
@@ -55,10 +66,13 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
                 unit = unit_of(units[j], 0 if name == "velocity" else 1)
                 note = f"the {name} column is not the derivative of its neighbour"
                 checks.append(Check(f"{name} column", float(off[worst]), allowed, unit, ok, time, block, joint, note))
-    return checks + _jerk_columns(points, units, steps)
+    note = "not judged: nothing limits acceleration nor jerk"
+    free = [points.joints[j] for j in np.flatnonzero(jumpy)]
+    checks += [Check("acceleration column", math.nan, 0.0, "", True, joint=joint, note=note) for joint in free]
+    return checks + _jerk_columns(points, np.flatnonzero(~jumpy), units, steps)
 
 
-def _jerk_columns(points: SetPoints, units: Sequence[str], steps: Floats) -> list[Check]:
+def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: Floats) -> list[Check]:
     """Whether the accelerations change as the jerks say.
 
     A jerk may jump between two set-points, and then the mean of both is not that of the step. By how much, the means
@@ -68,7 +82,8 @@ def _jerk_columns(points: SetPoints, units: Sequence[str], steps: Floats) -> lis
     checks: list[Check] = []
     if len(steps) < 2:
         return checks
-    for j, joint in enumerate(points.joints):
+    for j in judged:
+        joint = points.joints[j]
         mean = np.diff(points.qdd[:, j]) / steps
         off = np.abs(mean - 0.5 * (points.qddd[1:, j] + points.qddd[:-1, j]))
         change = np.abs(np.diff(mean, prepend=mean[0]))

@@ -63,16 +63,18 @@ class UsageFigures:
                 # Between two set-points a value changes by half a step of the next one, at most.
                 room = math.inf
                 if order < 2:
-                    following = getattr(limits, KINDS[order + 1])[j] * float(_number(usage[KINDS[order + 1]], joint))
-                    room = 0.5 * dt * following if math.isfinite(following) else math.inf
-                least = shown / limit * (1.0 - LOOK) - 1e-12
-                most = min((shown + room) / limit * (1.0 + TOLERANCE) + 1e-9, 1.0 + TOLERANCE)
+                    next_kind = KINDS[order + 1]
+                    next_limit = float(getattr(limits, next_kind)[j])
+                    if math.isfinite(next_limit):
+                        room = 0.5 * dt * next_limit * _number(usage[next_kind], joint)
+                # Of a limit that is none, nothing is used; of one that no number of the plan bounds, too much.
+                peak, hidden = (shown / limit, room / limit) if math.isfinite(limit) else (0.0, 0.0)
+                least = peak * (1.0 - LOOK) - 1e-12
+                most = min((peak + hidden) * (1.0 + TOLERANCE) + 1e-9, 1.0 + TOLERANCE)
                 above.append(said)
                 if not least <= said <= most:
                     note = f"by the set-points {least:.6g} to {most:.6g}"
-                    checks.append(
-                        Check(f"plan.json usage {kind}", said, shown / limit, "", False, joint=joint, note=note)
-                    )
+                    checks.append(Check(f"plan.json usage {kind}", said, peak, "", False, joint=joint, note=note))
         checks += self.of_feed()
         if not checks:
             worst = max([*above, float(usage["feed"])])
@@ -128,6 +130,7 @@ class UsageFigures:
         kinds = zip((points.qd, points.qdd, points.qddd), (limits.velocity, limits.acceleration, limits.jerk))
         ratio = np.column_stack([*ratios, *(np.abs(value) / limit for value, limit in kinds)])
         if None in self.said["usage"]["jerk"].values():
+            # Where accelerations jump, jerk limits are not held, and hold nothing back.
             ratio = ratio[:, : 1 + 2 * len(limits)]
         first = ratio.argmax(axis=1)
         binds = ratio[np.arange(len(first)), first] >= BINDING

@@ -24,7 +24,8 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     velocity: dict[str, float]
     acceleration: dict[str, float]
     jerk: dict[str, float | None]
-    """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk."""
+    """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk, so its limit is passed.
+    0 where the machine has no limit of it."""
 
     @property
     def worst(self) -> float:
