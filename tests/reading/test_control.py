@@ -296,6 +296,7 @@ def test_a_start_on_the_sheet_is_where_the_path_begins():
     machine = Machine.load("xyzac-trunnion")
     made = control(machine, SetUp(machine_zero=ZERO, start={"X": -0.1, "Y": -0.1, "Z": -0.1, "C": 0.5}))
     made.straight([0.0, *made.words[1:]], 1, rapid=True)
+    assert made.toolpath().block[0] == 1
     found = joints(made, machine)
     assert found[0] == pytest.approx([0.3, 0.2, 0.1, 0.0, 0.5], abs=1e-12)
     assert len(found) == 2 and found[1][1:] == pytest.approx(found[0][1:], abs=1e-12)

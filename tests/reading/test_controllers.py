@@ -54,6 +54,7 @@ def test_a_controller_like_another_says_only_what_differs():
         (OWN.replace("own", "fanuc"), "like = 'fanuc' is no built-in controller"),
         (OWN + 'language = "sinumerik"\n', "language 'sinumerik' is not that of fanuc"),
         ('name = "own"\n', "language '' is not known"),
+        (f'name = "own"\nlanguage = "{"x" * 3000}"\n', f"language '{'x' * 40}' is not known"),
         (OWN + "meaning = 3\n", "meaning"),
         (OWN + '[[signs]]\npattern = "("\nreason = "x"\n', "own.toml"),
     ],

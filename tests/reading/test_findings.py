@@ -64,3 +64,13 @@ def test_a_file_of_too_many_kinds_is_told_in_a_message_of_bounded_length():
         findings.refused(f"W{number}", number, "remove it")
     with pytest.raises(ProgramError, match=f"{MOST_LISTED + 5} kinds.*; and 5 more$"):
         findings.raise_if_refused(SOURCE)
+
+
+def test_what_is_found_can_be_printed():
+    findings = Findings()
+    findings.ignored("PAINT\x1b")
+    findings.assumed("tool \u2028 is long")
+    findings.refused("FEDRAT/\x1a", 1, "remove it")
+    assert [*findings.skipped, *findings.assumptions, *(each.word for each in findings.refusals)] == [
+        "PAINT\\x1b", "tool \\u2028 is long", "FEDRAT/\\x1a",
+    ]  # fmt: skip

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 
 from toolpace.description import counted
-from toolpace.errors import ProgramError
+from toolpace.errors import ProgramError, printable
 from toolpace.reading.source import Source
 
 MOST_LISTED = 60
@@ -74,14 +74,15 @@ class Findings:
 
     def ignored(self, word: str) -> None:
         """Count a word that has no meaning for motion."""
-        self.skipped[word] += 1
+        self.skipped[printable(word)] += 1
 
     def assumed(self, sentence: str) -> None:
         """Note what the program leaves open and how it was taken; a sentence said before is not said again."""
-        self._assumed.setdefault(sentence)
+        self._assumed.setdefault(printable(sentence))
 
     def refused(self, word: str, line: int, cure: str) -> None:
         """Note a word that is not read; later ones are counted, with the line and the cure of the first."""
+        word = printable(word)
         known = self._refusals.get(word)
         if known is None:
             self._refusals[word] = Refusal(word, line, 1, cure)

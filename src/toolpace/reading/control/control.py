@@ -85,6 +85,7 @@ class Control:
         self.words = self.placement.words(self.datum.joints_of(coordinates, [0.0] * len(self.words)))
         self.named = sum(1 << self.slots[letter] for letter in coordinates if self.slots.get(letter, 3) < 3)
         if self.named == ALL:
+            self.line = 1  # lines count from there; no block leads to the start
             self.begin_here()
 
     def begin_block(self, line: int) -> None:

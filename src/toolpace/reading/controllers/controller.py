@@ -87,7 +87,9 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if found.like:
             found = _upon(found, source)
         if found.language not in LANGUAGES:
-            raise UsageError(f"{source}: language '{found.language}' is not known: use one of {', '.join(LANGUAGES)}")
+            raise UsageError(
+                f"{source}: language '{found.language[:40]}' is not known: use one of {', '.join(LANGUAGES)}"
+            )
         return msgspec.structs.replace(found, source=source)
 
     def to_toml(self) -> str:
@@ -116,7 +118,7 @@ def _upon(own: Controller, source: str) -> Controller:
         )
     base = Controller.load(own.like)
     if own.language not in ("", base.language):
-        raise UsageError(f"{source}: language '{own.language}' is not that of {base.name}; leave the line out")
+        raise UsageError(f"{source}: language '{own.language[:40]}' is not that of {base.name}; leave the line out")
     said = {*own.meanings, *own.ignored, *own.refused}
     return msgspec.structs.replace(
         own,
