@@ -80,6 +80,56 @@ def test_travel_keeps_machines_from_running_it(tmp_path, capsys):
     assert "\n" not in found["not_on"]["xyzac-trunnion"]
 
 
+POLE = """\
+G21 G90 G94
+G43.4 H1
+G0 X0 Y0 Z0 B0.03 C0
+G1 X10 F1000
+X10.5 C-359.9
+X20
+M30
+"""
+"""Beside its pole C turns by nearly a turn and stands: a smooth path swings beyond, and the axis hardly feels it."""
+
+
+def test_a_machine_is_named_only_where_the_smooth_path_stays_in_travel_too(tmp_path, capsys):
+    path = tmp_path / "pole.nc"
+    path.write_text(POLE)
+    as_fanuc = [str(path), "--controller", "fanuc", "--machine", "xyzbc-head"]
+    _, (found,) = inspected(capsys, *as_fanuc)
+    assert found["machines"] == []
+    assert "line 6: joint C would have to go to -37" in found["not_on"]["xyzbc-head"]
+    # and that is what a plan says, before it plans
+    assert main(["plan", *as_fanuc, "--out", str(tmp_path / "plan")]) == 2
+    said = capsys.readouterr()
+    assert "pole.nc:6: joint C would have to go to -37" in said.err and "planning" not in said.out
+    path.write_text(POLE.replace("C-359.9", "C-300"))
+    _, (found,) = inspected(capsys, *as_fanuc)
+    assert found["machines"] == ["xyzbc-head"], "the points themselves are far from the end"
+
+
+def test_only_what_is_close_to_the_ends_of_travel_is_fitted(tmp_path, capsys, monkeypatch):
+    from toolpace.path.path import Path
+
+    fitted = []
+    fit = Path.fit
+    monkeypatch.setattr(Path, "fit", lambda toolpath, *given: fitted.append(len(toolpath)) or fit(toolpath, *given))
+    path = tmp_path / "long.nc"
+    path.write_text("G21 G90\nG0 X0 Y0 Z0\n" + "".join(f"G1 X{x / 10} F900\n" for x in range(4990)))
+    _, (found,) = inspected(capsys, str(path), "--machine", "xyzac-trunnion")
+    assert found["machines"] == ["xyzac-trunnion"]
+    assert 0 < sum(fitted) < 300
+
+
+def test_a_cure_stands_once_on_the_page(tmp_path, capsys):
+    path = tmp_path / "inches.nc"
+    path.write_text("G20 G90 G94\nG0 X0 Y0 Z0\nG1 X400 F100\nM30\n")
+    assert main(["inspect", str(path)]) == 0
+    page = " ".join(capsys.readouterr().out.split())
+    assert page.count("see whether the program is in the unit that it says (inches, mm)") == 1
+    assert "the program uses 10160 mm of X, which has 1000 mm" in page
+
+
 def test_all_refused_words_are_told_with_first_line_count_and_cure(tmp_path, capsys):
     path = tmp_path / "part.cls"
     path.write_text(CLSF)

@@ -126,6 +126,21 @@ def test_columns_of_velocities_that_jump_are_right_where_nothing_limits_accelera
     assert "velocity column" in failed(joint(t, q, -qd, 0.0 * t), limits)
 
 
+@pytest.mark.parametrize("period", [0.97, 1.0093, 1.05])
+def test_a_jerk_that_swings_once_a_step_is_known_by_its_velocities(period):
+    """Seen once a step, the phase creeps on, and the column shows one side of the swing for long."""
+    t, swing = np.arange(2000) * DT, 10.0
+    w = 2.0 * np.pi / (period * DT)
+    of_swing = (-swing / w**3 * np.sin(w * t), -swing / w**2 * np.cos(w * t), swing / w * np.sin(w * t))
+    limits = Limits([1.0], [2.0], [100.0], ("X",))
+    jerk = swing * np.cos(w * t)
+    assert "jerk column" not in failed(joint(t, *of_swing, jerk), limits)
+    # the same column beside a motion that does not swing so
+    assert "jerk column" in failed(joint(t, 0.0, 0.0, 0.0, jerk), limits)
+    calm = tuple(0.2 * each for each in of_swing)
+    assert "jerk column" in failed(joint(t, *calm, jerk), limits)
+
+
 def test_what_a_column_is_off_by_has_its_unit_and_size():
     found = failed(replace(POINTS, qd=0.99 * POINTS.qd))
     for what, per in (("velocity column", ""), ("acceleration column", "/s")):

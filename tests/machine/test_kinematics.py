@@ -134,6 +134,22 @@ def test_linuxcnc_xyzac_closed_forms() -> None:
     np.testing.assert_allclose(machine.joints_at(tip, rotary), expected, atol=1e-14)
 
 
+def test_linuxcnc_bridge_mill_closed_forms() -> None:
+    """5axiskins of LinuxCNC: tip = joints + s2r(L, C, 180 - B) + (0, 0, L), L being the pivot's 250 mm and the tool."""
+    machine = Machine.load("linuxcnc-xyzbc-bridgemill")
+    rng = np.random.default_rng(5)
+    q = np.zeros((500, 5))
+    place = {name: machine.joints.index(name) for name in "XYZBC"}
+    q[:, [place["X"], place["Y"], place["Z"]]] = linear = rng.uniform(-0.1, 0.1, (500, 3))
+    q[:, place["B"]], q[:, place["C"]] = b, c = rng.uniform(-2, 2, (2, 500))
+    length = 0.25 + machine.tool_length
+    polar = np.pi - b
+    r = length * np.stack([np.sin(polar) * np.cos(c), np.sin(polar) * np.sin(c), np.cos(polar)], axis=1)
+    tip, axis = machine.forward(q)
+    np.testing.assert_allclose(tip, linear + r + [0.0, 0.0, length], atol=1e-15)
+    np.testing.assert_allclose(axis, -r / length, atol=1e-15)
+
+
 def test_singular_linear_joints_are_an_error() -> None:
     machine = Machine.load("paper-ab")
     with pytest.raises(ReachError, match=r"B = 90.000 deg.*linear joints cannot move"):

@@ -52,3 +52,23 @@ def test_the_worst_joint_is_named_with_figures_and_the_other_lines():
     q[0, 3], q[1, 0] = math.radians(-140.0), 0.501
     with pytest.raises(ReachError, match=r":3: joint A would have to go to -140\.000 deg, below its limit of -130 deg"):
         MACHINE.check_travel(q, BLOCK, "part.ngc")
+
+
+@pytest.mark.parametrize("span, units", [(1.1, False), (2.9, False), (3.1, True), (300.0, True)])
+def test_where_more_than_the_whole_travel_is_asked_for_no_moving_of_the_part_is_proposed(span, units):
+    there = float(np.ptp(MACHINE.travel[0]))
+    q = np.zeros((3, 5))
+    q[2, 0] = span * there
+    with pytest.raises(
+        ReachError, match=f"the program uses {span * there * 1e3:.0f} mm of X, which has 1000 mm; "
+    ) as e:
+        MACHINE.check_travel(q, BLOCK, "part.ngc")
+    assert ("inches" in str(e.value)) == units
+    assert str(e.value).endswith("take a larger machine") and "move the part" not in str(e.value)
+
+
+def test_where_the_travel_would_do_moving_the_part_is_proposed():
+    q = np.zeros((3, 5))
+    q[2, 0] = 0.99 * float(np.ptp(MACHINE.travel[0]))
+    with pytest.raises(ReachError, match="move the part"):
+        MACHINE.check_travel(q, BLOCK, "part.ngc")

@@ -32,6 +32,22 @@ def test_every_controller_of_words_reads_the_plainest_program(name):
     assert path.controller == name and path.tip[-1].tolist() == pytest.approx([0.01, 0, 0])
 
 
+def test_a_machine_may_start_with_kinematics_that_hold_the_tip(tmp_path):
+    """What is switched at the start is switched off by M429, and not by G49, as if M428 stood before the program."""
+    head = tmp_path / "head.toml"
+    head.write_text('name = "head"\nnote = "holds the tip"\nlike = "linuxcnc"\n[options]\ntip_mode_at_start = true\n')
+    machine = Machine.load("linuxcnc-xyzbc-bridgemill")
+    body = "G49\nG0 X10 Y5 Z-20 B0 C0\nG1 B30 C90 F500\nM429\nB0\n"
+    started = read_text(body, machine, controller=head)
+    switched = read_text("M428\n" + body, machine, controller="linuxcnc")
+    assert started.tip.tolist() == switched.tip.tolist() and started.rotary.tolist() == switched.rotary.tolist()
+    tips = started.tip[started.block == 3]
+    assert abs(tips - [0.01, 0.005, -0.02]).max() < 1e-12, "it stays while the head turns"
+    assert abs(started.tip[-1] - [0.01, 0.005, -0.02]).max() > 0.1, "it does not once M429 has said so"
+    plain = read_text(body, machine, controller="linuxcnc")
+    assert abs(plain.tip[plain.block == 3] - [0.01, 0.005, -0.02]).max() > 0.1
+
+
 OWN = 'name = "own"\nlike = "fanuc"\nnote = "a mill of our own"\n'
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.cli.following import follow_as_planned
 from toolpace.cli.steps import new_console
 from toolpace.description import counted
 from toolpace.errors import ToolpaceError, UsageError, printable
@@ -54,7 +55,7 @@ def run_inspect(
         except ToolpaceError as error:
             found.append(unreadable(program, error))
             continue
-        found.append(inspect_source(source, options, machines, dialect, feed))
+        found.append(inspect_source(source, options, machines, dialect, feed, follow_as_planned))
     if as_json:
         import msgspec
 
@@ -187,15 +188,25 @@ def page(found: Inspection) -> Table:
     rows.append(("refused", [str(each) for each in found.refused] or ["nothing: it is read whole"]))
     rows.append(("assumed", list(found.assumed[:SHOWN]) or ["nothing"]))
     rows.append(("runs on", [", ".join(found.machines) or "none of the machines that were tried"]))
-    alike: dict[str, list[str]] = {}
-    for name, why in found.not_on.items():
-        alike.setdefault(why, []).append(name)
-    rows.append(("not on", [f"{', '.join(names)}: {why}" for why, names in alike.items()]))
+    reasons, cures = _why_not(found.not_on)
+    rows += [("not on", reasons), ("cures", cures)]
     for name, lines in rows:
         for k, line in enumerate(lines):
             style = "bold red" if name == "refused" and found.refused else ""
             grid.add_row(name if k == 0 else "", Text(printable(line), style=style))
     return grid
+
+
+def _why_not(not_on: Mapping[str, str]) -> tuple[list[str], list[str]]:
+    """Why machines cannot run a program, those with one reason together; and what to do about it, each once."""
+    alike: dict[str, list[str]] = {}
+    cures: dict[str, None] = {}
+    for name, why in not_on.items():
+        reason, _, cure = why.rpartition("; ")
+        alike.setdefault(reason or cure, []).append(name)
+        if reason:
+            cures[cure] = None
+    return [f"{', '.join(names)}: {reason}" for reason, names in alike.items()], list(cures)
 
 
 def _some(words: Iterable[str]) -> str:

@@ -133,12 +133,14 @@ def fit_path(job: Job, steps: Steps, toolpath: ToolPath) -> SmoothPath:
 def plan_motion(job: Job, steps: Steps, path: SmoothPath) -> Trajectory:
     """The fastest motion along it, and its lower bounds: of any motion where that is cheap, proved where asked for."""
     from toolpace.axispath.axispath import AxisPath
+    from toolpace.axispath.travel import check_travel
     from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.planner import plan
 
     with steps.step("planning") as step:
         axis_path = AxisPath.follow(path, job.machine)
+        check_travel(axis_path, job.source.name if job.source is not None else str(job.program))
         trajectory = plan(axis_path, job.machine, planner=job.planner, progress=step)
         if job.prove_within is None and is_cheap(trajectory):
             trajectory = with_continuous_bound(trajectory)

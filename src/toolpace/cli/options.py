@@ -24,6 +24,8 @@ MachineName = Annotated[
         help="Name of a built-in machine (see `toolpace machines`) or a machine file (.toml). Required.",
     ),
 ]
+TIP_TOLERANCE, AXIS_TOLERANCE = "0.01mm", "0.05deg"
+"""Where no others are given."""
 TipTolerance = Annotated[
     str, Parameter(help="How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in.")
 ]

@@ -21,6 +21,9 @@ JUMPS = 2.0
 """Jumps of a jerk by its largest value that may hide between set-points in one window."""
 CHANGE = 2.0
 """Share of the change of the mean jerk from step to step by which the jerk may stray from its mean."""
+SAG = 12.0
+"""By how much a jerk that swings within a step may stray from its mean at the ends, for each unit by which the mean
+acceleration is off that of both ends, a step: 6 for a triangle of the length of a step, 2 pi for a sine."""
 
 
 def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
@@ -77,7 +80,9 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
 
     A jerk may jump between two set-points, and then the mean of both is not that of the step. By how much, the means
     of the steps tell: summed over a window, what is off is at most half of what they change, unless the jerk jumps
-    there and back within a step. A column of another motion, of no motion, or turned round, is off by all of the jerk.
+    there and back within a step. Then accelerations sag between set-points, and velocities tell by how much: also
+    where the jerk swings once a step, and its column shows one side of the swing for long, as the phase creeps on.
+    A column of another motion, of no motion, or turned round, is off by all of the jerk.
     """
     checks: list[Check] = []
     if len(steps) < 2:
@@ -87,6 +92,8 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
         mean = np.diff(points.qdd[:, j]) / steps
         off = np.abs(mean - 0.5 * (points.qddd[1:, j] + points.qddd[:-1, j]))
         change = np.abs(np.diff(mean, prepend=mean[0]))
+        between = np.diff(points.qd[:, j]) / steps - 0.5 * (points.qdd[1:, j] + points.qdd[:-1, j])
+        swing = SAG * np.abs(between) / steps
         noise = COLUMN_ROUNDING * float(np.abs(points.qdd[:, j]).max()) / steps + COLUMN_ROUNDING * np.abs(mean).max()
         largest = float(np.abs(mean).max())
         starts = np.arange(0, len(steps), WINDOW)
@@ -94,7 +101,7 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
         # What changes just before and behind a window may belong to a step in it.
         total = np.concatenate(([0.0], np.cumsum(change)))
         around = total[np.minimum(starts + WINDOW + 2, len(steps))] - total[np.maximum(starts - 2, 0)]
-        allowed = CHANGE * around + JUMPS * largest + np.add.reduceat(noise, starts)
+        allowed = CHANGE * around + JUMPS * largest + np.add.reduceat(swing + noise, starts)
         worst = int(np.argmax(found - allowed))
         if found[worst] > allowed[worst]:
             k, count = int(starts[worst]), min(WINDOW, len(steps) - int(starts[worst]))

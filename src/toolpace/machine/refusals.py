@@ -13,6 +13,8 @@ from toolpace.machine.geometry import Geometry
 TURN = 2.0 * math.pi
 SLACK = 1e-9
 """How far a position may pass the end of travel, rounding aside [m or rad]."""
+UNLIKELY = 3.0
+"""How many times its travel a joint must be asked for to make a slip of units more likely than a machine too small."""
 
 
 def check_travel(geometry: Geometry, q: Floats, block: Ints, source: str = "") -> None:
@@ -35,7 +37,8 @@ def check_travel(geometry: Geometry, q: Floats, block: Ints, source: str = "") -
     raise ReachError(
         f"{place(source, block[point])}joint {geometry.joints[joint]} would have to go to "
         f"{q[point, joint] * scale:.3f} {unit}, {'above' if high else 'below'} its limit of "
-        f"{limit * scale:g} {unit}{_others(lines)}{_mirrored(geometry, joint, q[:, joint])}; {_cure(geometry, joint)}"
+        f"{limit * scale:g} {unit}{_others(lines)}{_mirrored(geometry, joint, q[:, joint])}; "
+        f"{_cure(geometry, joint, q[:, joint])}"
     )
 
 
@@ -165,7 +168,17 @@ def _others(lines: Ints) -> str:
     return f" ({len(lines)} lines leave the travel: {shown}{', ...' if len(lines) > 3 else ''})"
 
 
-def _cure(geometry: Geometry, joint: int) -> str:
+def _cure(geometry: Geometry, joint: int, positions: Floats) -> str:
+    """What to do about a joint that leaves its travel at some of its positions (n,)."""
     if geometry.is_rotary[joint]:
         return "mount the part otherwise, split the program there, or correct the travel in the machine file"
+    used, there = float(np.ptp(positions)), float(np.ptp(geometry.travel[joint]))
+    if used > there:
+        units = (
+            "see whether the program is in the unit that it says (inches, mm), or " if used > UNLIKELY * there else ""
+        )
+        return (
+            f"the program uses {used * 1e3:.0f} mm of {geometry.joints[joint]}, which has {there * 1e3:g} mm; "
+            f"{units}take a larger machine"
+        )
     return "move the part (workpiece_origin), change the tool length, or correct the travel in the machine file"

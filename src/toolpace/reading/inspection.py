@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -32,6 +32,15 @@ class Candidate(Kinematics, Protocol):
 
     def choose_rotary(self, toolpath: ToolPath, /) -> Floats:
         """Rotary positions along a tool path, within travel. Raises ReachError."""
+
+
+Follow = Callable[[Candidate, ToolPath], object]
+"""Raises ToolpaceError where a machine cannot follow a tool path."""
+
+
+def follow_points(machine: Candidate, toolpath: ToolPath) -> None:
+    """The least that can be asked of a machine: that it can be at each point."""
+    machine.choose_rotary(toolpath)
 
 
 @dataclass(frozen=True)
@@ -74,10 +83,11 @@ class Inspection:
 
 @dataclass(frozen=True)
 class _Asked:
-    """What was said of the program."""
+    """What was said of the program, and what is asked of machines."""
 
     dialect: str | None
     feed: str | None
+    follow: Follow
 
 
 @dataclass(frozen=True)
@@ -108,9 +118,11 @@ def inspect_source(
     machines: Sequence[Candidate],
     dialect: str | None = None,
     feed: str | None = None,
+    follow: Follow = follow_points,
 ) -> Inspection:
     """Read a program on each of the machines, as far as it goes, and tell what was found.
 
+    follow: how it is tried whether a machine can follow what was read.
     Nothing that a program does wrong is raised: it is in `refused`, with its cure. UsageError is raised where options
     exclude each other.
     """
@@ -119,7 +131,7 @@ def inspect_source(
     except ProgramError as error:
         return unreadable(source.name, error)
     options = dataclasses.replace(options, controller=found.controller)
-    readings = _readings(source, options, machines, found, _Asked(dialect, feed))
+    readings = _readings(source, options, machines, found, _Asked(dialect, feed, follow))
     best = max(readings, key=lambda reading: reading.rank)
     runs = tuple(r.machine.name for r in readings if r.machine is not None and r.fault is None)
     name = found.controller.name if found.controller is not None else found.dialect
@@ -150,8 +162,8 @@ def _readings(
         once = _read(source, None, asked, lenient)
         if once.toolpath is None or not machines:
             return [once]
-        return [_followed(dataclasses.replace(once, machine=machine)) for machine in machines]
-    return [_followed(_read(source, machine, asked, lenient)) for machine in machines]
+        return [_followed(dataclasses.replace(once, machine=machine), asked.follow) for machine in machines]
+    return [_followed(_read(source, machine, asked, lenient), asked.follow) for machine in machines]
 
 
 def _read(source: Source, machine: Candidate | None, asked: _Asked, options: ReadOptions) -> _Reading:
@@ -167,12 +179,12 @@ def _read(source: Source, machine: Candidate | None, asked: _Asked, options: Rea
     return _Reading(machine, findings, toolpath)
 
 
-def _followed(reading: _Reading) -> _Reading:
+def _followed(reading: _Reading, follow: Follow) -> _Reading:
     """With what keeps the machine from following it."""
     if reading.toolpath is None or reading.machine is None:
         return reading
     try:
-        reading.machine.choose_rotary(reading.toolpath)
+        follow(reading.machine, reading.toolpath)
     except ToolpaceError as error:
         return dataclasses.replace(reading, fault=error)
     return reading

@@ -45,7 +45,11 @@ class WordAddressReader:
         feed = FeedRules(by("turning", "xyz"), by("inverse_seconds", False), by("feed_kept", False))
         rules = Rules(feed, by("tip_frame_where_switched", False))
         self.control = Control(source, machine, controller, options, findings, rules)
-        self.state = Modal(to_initial=by("cycles_go_back_to_initial", True))
+        self.state = Modal(
+            to_initial=by("cycles_go_back_to_initial", True), switched_tip_mode=by("tip_mode_at_start", False)
+        )
+        if self.state.switched_tip_mode:
+            self.control.set_tip_mode(True)
         self.variables = Variables(
             options.setup.variables,
             System(self.control, self.state, named=by("named_system_variables", False)),

@@ -1,0 +1,29 @@
+"""Whether joints stay within travel all along a path: a smooth one swings about the points that it was fitted to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
+
+PARTS = 4
+"""Looks at each piece of a path, and at the way from one hint to the next."""
+
+
+def check_travel(path: AxisPath, source: str = "") -> None:
+    """Raise ReachError where a joint of the path's machine leaves its travel, naming the worst one and its line."""
+    if path.machine is None:
+        return
+    places = [_places(run) for run in path.runs]
+    positions = [run.evaluate(s)[0] for run, s in zip(path.runs, places)]
+    blocks = [run.block_at(s) for run, s in zip(path.runs, places)]
+    path.machine.check_travel(np.concatenate(positions), np.concatenate(blocks), source)
+
+
+def _places(run: AxisRun) -> Floats:
+    """Parameters at which a run is looked at, ascending."""
+    knots = np.unique(np.concatenate([[run.s0], run.hints, run.breaks, [run.s1]]))
+    between = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(PARTS) / PARTS
+    return np.append(between.ravel(), knots[-1])
