@@ -140,6 +140,9 @@ class WordAddressReader:
             return
         if block.codes:
             block = self._resolved(block)
+        if self.state.in_data and not any(action.meaning == "end of data" for action in block.actions):
+            self.findings.ignored("data of G10")
+            return
         if block.refused:
             for word, cure in block.refused:
                 self.findings.refused(word, line, cure)

@@ -9,6 +9,10 @@ from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
+DATA = (50.0, 52.0)
+"""Kinds of G10 that begin a table of the controller's parameters (Fanuc B-63944EN, chapter 16.2, "Programmable
+parameter input")."""
+
 
 class Offsets:
     """Carries out G54 to G59.3, G54.1 P, G154 P and G10 L2, L20."""
@@ -53,6 +57,9 @@ class Offsets:
     def set_offset(self, numbers: Numbers, word: str) -> None:
         """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
         kind, number = numbers.pop("L", 0.0), int(numbers.pop("P", 0.0))
+        if kind in DATA:
+            self._data(numbers, f"{word} L{kind:g}")
+            return
         if kind not in (2.0, 20.0):
             raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
         name = self.offset or "G54"
@@ -79,6 +86,16 @@ class Offsets:
         if kind == 2.0 and not self.control.setup.offsets:
             self.control.findings.assumed(f"the first offsets that {word} L2 sets are where the part's origin is")
         self.changed()
+
+    def _data(self, numbers: Numbers, word: str) -> None:
+        """G10 L50 and L52: what follows up to G11 are parameters of the controller, N their numbers."""
+        numbers.clear()
+        self.state.in_data = True
+        self.control.findings.assumed(f"the parameters of the controller that {word} sets change no motion")
+
+    def end_of_data(self, numbers: Numbers, word: str) -> None:
+        """G11."""
+        self.state.in_data = False
 
     def _offset_name(self, number: int, kind: float) -> str:
         if kind == 20.0 and self.offset[:4] in ("G54.", "G154"):

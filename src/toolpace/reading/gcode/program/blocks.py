@@ -56,6 +56,7 @@ class Compiler:
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
         self.indexed = controller.option("indexed_words", False)
+        self.tool_behind = controller.option("second_tool_is_next", False)
         first = controller.option("feed_before_units", False)
         self.last_before_feed = ORDER["inverse time" if first else "inch"]
 
@@ -123,6 +124,9 @@ class Compiler:
         block.whole = frozenset(whole)
 
     def _twice(self, block: Block, letter: str) -> None:
+        if letter == "T" and self.tool_behind:
+            block.ignored.append("second T")
+            return
         # a macro takes I, J and K several times
         if not any(action.meaning == "macro call" for action in block.actions):
             raise WordError(f"word {letter} stands twice in one block: remove one")

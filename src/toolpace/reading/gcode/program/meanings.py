@@ -10,7 +10,7 @@ from toolpace.reading.controllers.controller import Controller
 GROUPS: dict[str, tuple[str, ...]] = {
     "feed mode": ("inverse time", "feed per minute", "feed per revolution"),
     "unit": ("inch", "millimetre"),
-    "function": ("stop", "tool change", "tip mode on", "tip mode off"),
+    "function": ("stop", "unknown function", "tool change", "tip mode on", "tip mode off"),
     "plane": ("plane XY", "plane ZX", "plane YZ"),
     "distance": ("absolute", "incremental"),
     "arc centre": ("arc centre absolute", "arc centre incremental"),
@@ -27,12 +27,14 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "dwell", "reference", "second reference", "from reference", "set offset", "local shift", "set position",
         "clear position", "suspend position", "restore position", "turn to plane", "macro call",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
+        "end of data",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",
     ),
     "machine coordinates": ("machine coordinates",),
     "exact stop": ("exact stop",),
+    "end of cycle": ("end cycle",),
     "motion": (
-        "rapid", "feed", "arc clockwise", "arc counter-clockwise", "end cycle", "drill", "drill and dwell", "peck",
+        "rapid", "feed", "arc clockwise", "arc counter-clockwise", "drill", "drill and dwell", "peck",
         "break chips", "tap", "bore", "bore and dwell", "bore and stop", "bore and orient", "bore backwards",
         "bore by hand",
     ),
@@ -85,7 +87,7 @@ class Vocabulary:
         if letter == "G":
             return UNKNOWN_G
         if self.unknown_stops and value == int(value) and 0 <= value < 1000:
-            return Action("stop", word)
+            return Action("unknown function", word)
         return UNKNOWN_M
 
 

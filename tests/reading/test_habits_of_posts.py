@@ -1,0 +1,60 @@
+"""What posts for mills commonly write: heads, tool calls, data. Each test says where the habit stands."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.support.controllers import read_for, tips
+from toolpace.reading.controllers.recognise import recognise
+from toolpace.reading.dialect import is_conversational
+from toolpace.reading.source import Source
+
+START = "G90 G21 G94 G17 F100\nG0 X0 Y0 Z10.\n"
+
+
+@pytest.mark.parametrize("controller", ["fanuc", "haas", "mazak", "iso", "linuxcnc"])
+def test_one_block_ends_cycles_and_begins_a_motion(controller):
+    """Fanuc B-63944EN, list of G codes: G80 is of group 09, G0 of group 01. Heads of most posts rely on it."""
+    body = START + "G99 G81 X1. Z-3. R2.\nG0 G17 G40 G49 G80 G90\nX5.\nM30"
+    assert tips(controller, body)[-1] == [5, 0, 2]
+
+
+def test_the_second_t_of_a_block_is_the_tool_made_ready():
+    """Autodesk's post for Mazak, tool calls: T12 T13 M6 changes to 12."""
+    path = read_for("mazak", START + "T12 T13 M6\nG1 X1.\nM30")
+    assert path.operations[-1].tool == "12"
+
+
+def test_parameters_that_a_program_sets_are_no_motion():
+    """Fanuc B-63944EN, chapter 16.2: G10 L52, lines N (parameter) P (axis) R (value), ended by G11."""
+    path = read_for("fanuc", START + "G10 L52\nN1401 R1\nN1020 P1 R88\nG11\nN10 G1 X1.\nM30")
+    assert (path.tip[-1] * 1e3).tolist() == [1, 0, 10]
+    assert any("G10 L52" in said for said in path.assumed)
+
+
+def test_an_m_word_of_the_builder_is_said():
+    assert any("M250" in said for said in read_for("fanuc", START + "M250\nG1 X1.\nM30").assumed)
+
+
+def test_rigid_tapping_of_the_format_of_the_15():
+    """Fanuc 0i operator's manual, 13.2: G84.2 is rigid tapping in the tape format of the series 15."""
+    body = START + "G99 G84.2 X1. Z-3. R2. F100\nG80\nM30"
+    assert tips("fanuc", body) == tips("fanuc", body.replace("G84.2", "G84"))
+
+
+def test_a_comment_ends_with_its_line_where_no_controller_is_told():
+    """Fadal user manual, "Comments": an opening bracket alone makes the rest of the line a comment."""
+    assert tips("iso", "N1 O1 (PART\n" + START + "G1 X1\nM30")[-1] == [1, 0, 10]
+
+
+def test_klartext_without_block_numbers_is_klartext():
+    """TNC 640 Klartext Programming, 3.4: BEGIN PGM opens a program; files of posts may lack the numbers."""
+    assert is_conversational(Source.from_text("BEGIN PGM A MM\nL X+1 Y+1 FMAX\nEND PGM A MM\n", "a.txt"))
+    assert not is_conversational(Source.from_text("%\n(BEGIN PGM A)\nG0 X1\nM30\n", "a.txt"))
+
+
+def test_ending_contour_control_is_no_sign_of_mazak():
+    """Fanuc B-63944EN, 20.4: G05 P10000 begins contour control, G05 P0 ends it; G05 P2 is Mazak's."""
+    text = "%\nO1000\nG5 P10000\nG1 X1.\nG5 P0\nG91 G28 Z0.\nM30\n%\n"
+    assert recognise(Source.from_text(text, "a.nc"))[0].name == "fanuc"
+    assert recognise(Source.from_text(text.replace("P10000", "P2"), "a.nc"))[0].name == "mazak"
