@@ -12,6 +12,7 @@ from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.actions.modes import Handler, Modes
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.actions.places import Places
+from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
 from toolpace.reading.gcode.program.blocks import Block
@@ -40,6 +41,7 @@ class Executor:
         self.control, self.state, self.variables = control, state, flow.variables
         self.motion = MotionReader(control, state, by)
         self.holes = Holes(control, state, self.motion, by)
+        self.splines = Splines(control, state, self.motion)
         self.modes = Modes(control, state, self.holes, by)
         self.calls = Calls(flow, by)
         self.least_increment = by.option("whole_numbers", "as written") == "least increment"
@@ -52,6 +54,7 @@ class Executor:
             self.modes.handlers()
             | self._of_tools(Tools(control, state, options, by))
             | self._of_frames(frames)
+            | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
             | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
             | {
@@ -60,6 +63,7 @@ class Executor:
                 "return": self.calls.back,
                 "program stop": self._program_stop,
                 "end": self._end,
+                "end of nurbs": self._end_of_nurbs,
             }
         )
 
@@ -132,6 +136,8 @@ class Executor:
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         numbers = self._numbers(block)
         if actions:
+            if self.splines.opened is not None:
+                self.splines.close()
             ways = [action.meaning for action in actions if action.meaning in WAYS]
             state.arc_here = (ways[0] if ways else state.motion) in ARCS
         for action in actions[: block.before_feed]:
@@ -192,6 +198,9 @@ class Executor:
             dwell = numbers.pop("P", None)
             self.holes.execute(numbers, None if dwell is None else self.modes.seconds(dwell))
             return
+        if state.motion in SPLINES:
+            self.splines.execute(numbers, number)
+            return
         if not any(letter in slots or letter in "XYZABCUVW" for letter in numbers):
             self._without_axes(numbers, free)
         if numbers:
@@ -211,6 +220,12 @@ class Executor:
         for letter in FREE if free or self.indexed else ():
             if numbers.pop(letter, None) is not None:
                 self.control.findings.ignored(letter)
+
+    def _spline(self, meaning: str) -> Handler:
+        return lambda numbers, word: self.splines.begin(meaning)
+
+    def _end_of_nurbs(self, numbers: Numbers, word: str) -> None:
+        self.state.motion = None
 
     def _program_stop(self, numbers: Numbers, word: str) -> None:
         self.after = self.control.stop

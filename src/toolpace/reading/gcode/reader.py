@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from toolpace.reading.arcs import ArcError
+from toolpace.reading.beziers import CurveError
 from toolpace.reading.control.control import Control, Rules
 from toolpace.reading.control.feed import FeedRules
 from toolpace.reading.controllers.controller import Controller
@@ -78,6 +79,7 @@ class WordAddressReader:
                 self._tape(frame)
                 continue
             self._line(frame, text)
+        self.executor.splines.close()
         self._refuse_cut_off()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()
@@ -116,7 +118,7 @@ class WordAddressReader:
             if block is not None and block.statement is not None:
                 fail(str(error), number)  # where the program goes from here is not known
             self.findings.refused(error.word, line, error.cure)
-        except (WordError, ArcError) as error:
+        except (WordError, ArcError, CurveError) as error:
             fail(str(error), number)
 
     def _compiled(self, text: str) -> Block:

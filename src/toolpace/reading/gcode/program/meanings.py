@@ -36,7 +36,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "motion": (
         "rapid", "feed", "arc clockwise", "arc counter-clockwise", "drill", "drill and dwell", "peck",
         "break chips", "tap", "bore", "bore and dwell", "bore and stop", "bore and orient", "bore backwards",
-        "bore by hand",
+        "bore by hand", "cubic spline", "quadratic spline", "nurbs", "nurbs by knots", "end of nurbs",
     ),
     "call": ("call program", "call here", "return"),
     "ends": ("program stop", "end"),
