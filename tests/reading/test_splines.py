@@ -7,6 +7,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from tests.support.controllers import read_for
+from tests.support.sinumerik import read
 from toolpace.errors import ProgramError
 
 START = "G90 G21 G94 G17 F600\nG0 X0 Y0 Z0\n"
@@ -135,3 +136,42 @@ def test_a_spline_keeps_the_feed_and_its_time_under_g93():
 def test_splines_that_cannot_be_are_refused_with_what_to_write(controller, body, message):
     with pytest.raises(ProgramError, match=message):
         read_for(controller, START + body + "\nM30")
+
+
+def test_bspline_of_sinumerik_goes_between_its_control_points():
+    """Siemens NC Programming, "Spline interpolation": control points; SD the degree, PW weights; the ends are met."""
+    text = "G1 X0 Y0\nBSPLINE SD=2 X0 Y10\nX20 Y20 PW=2\nX20 Y0\nX30 Y5\nG1 X40"
+    path = read(text)
+    got = path.tip[:-1] * 1e3
+    control = np.array([[0, 0], [0, 10], [20, 20], [20, 0], [30, 5]], dtype=float)
+    weights = np.array([1, 1, 2, 1, 1.0])[:, None]
+    spline = BSpline([0, 0, 0, 1, 2, 3, 3, 3], np.hstack([control * weights, weights]), 2)
+
+    def curve(t):
+        found = spline(np.clip(t * 3, 0, 3 - 1e-12))
+        return found[:, :2] / found[:, 2:]
+
+    assert chord_gap(got, curve) < MOST and got[-1].tolist() == [30, 5, 0]
+    assert any("knots of BSPLINE" in said for said in path.assumed)
+
+
+def test_distances_of_control_points_count_from_the_last():
+    """Siemens NC Programming, "Incremental dimensions": G91 counts from the last programmed position."""
+    both = [read(f"BSPLINE {body}\nG1 G90 X9").tip for body in ("X1 Y1\nX2 Y3\nX4 Y4", "G91 X1 Y1\nX1 Y2\nX2 Y1")]
+    assert np.allclose(both[0], both[1], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("BSPLINE X1 PL=1\nX2 PL=2\nX3 Y2 PL=1", "PL= is not read"),
+        ("BSPLINE SD=5 X1\nX2\nX3 Y2", "SD=5"),
+        ("BSPLINE X1 PW=0\nX2", "PW is the weight"),
+        ("CSPLINE X1\nX2 Y2", "CSPLINE is not read: its tangents"),
+        ("ASPLINE X1\nX2 Y2", "ASPLINE is not read: its tangents"),
+        ("POLY PO[X]=(1,2,3) X1", "POLY"),
+    ],
+)
+def test_splines_of_sinumerik_that_are_not_read(body, message):
+    with pytest.raises(ProgramError, match=message):
+        read(body + "\nG1 X50")

@@ -73,7 +73,9 @@ def _raised(curve: Bezier, degree: int) -> Floats:
     return np.asarray(control)
 
 
-def curves_of(order: int, knots: Sequence[float], points: Sequence[Sequence[float]], weights: Sequence[float]) -> list[Bezier]:
+def curves_of(
+    order: int, knots: Sequence[float], points: Sequence[Sequence[float]], weights: Sequence[float]
+) -> list[Bezier]:
     """The Bezier curves of a NURBS, one for each span of its knots; CurveError where its numbers do not fit.
 
     knots: (n + order,), not falling, of which the first and the last `order` are equal. Each control point of a span is

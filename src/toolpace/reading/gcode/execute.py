@@ -221,6 +221,11 @@ class Executor:
             if numbers.pop(letter, None) is not None:
                 self.control.findings.ignored(letter)
 
+    def close(self) -> None:
+        """The program ends: what waits for a further block is not to come."""
+        self.splines.close()
+        self.motion.corners.refuse()
+
     def _spline(self, meaning: str) -> Handler:
         return lambda numbers, word: self.splines.begin(meaning)
 

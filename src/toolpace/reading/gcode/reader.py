@@ -7,6 +7,7 @@ import re
 from toolpace.reading.arcs import ArcError
 from toolpace.reading.beziers import CurveError
 from toolpace.reading.control.control import Control, Rules
+from toolpace.reading.control.corners import CornerError
 from toolpace.reading.control.feed import FeedRules
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
@@ -79,7 +80,7 @@ class WordAddressReader:
                 self._tape(frame)
                 continue
             self._line(frame, text)
-        self.executor.splines.close()
+        self.executor.close()
         self._refuse_cut_off()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()
@@ -118,7 +119,7 @@ class WordAddressReader:
             if block is not None and block.statement is not None:
                 fail(str(error), number)  # where the program goes from here is not known
             self.findings.refused(error.word, line, error.cure)
-        except (WordError, ArcError, CurveError) as error:
+        except (WordError, ArcError, CurveError, CornerError) as error:
             fail(str(error), number)
 
     def _compiled(self, text: str) -> Block:

@@ -15,7 +15,7 @@ _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
 _EQUALS = re.compile(r"[ \t]*+=")
 _OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
-_CORNER = "let the CAM system write the corner out as blocks"
+CORNER = "let the CAM system write the corner out as blocks"
 
 
 @dataclass(slots=True)
@@ -56,6 +56,7 @@ class Compiler:
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
         self.indexed = controller.option("indexed_words", False)
+        self.corners = controller.option("corner_words", False)
         self.tool_behind = controller.option("second_tool_is_next", False)
         first = controller.option("feed_before_units", False)
         self.last_before_feed = ORDER["inverse time" if first else "inch"]
@@ -159,9 +160,8 @@ class Compiler:
             if letter == "#" or (indexed and letter == self.letter and indexed[2]):
                 self._assignment(block, parser)
             elif letter == ",":
-                block.refused.append((text[at : at + 2], _CORNER))
                 parser.at = at + 2
-                parser.value()
+                self._corner(block, text[at : at + 2], parser.value())
             elif not ("A" <= letter <= "Z"):
                 raise WordError(fault(text[at:]))
             else:
@@ -175,6 +175,13 @@ class Compiler:
                     whole.append(key)
                 self._word(block, key, node)
         block.whole = frozenset(whole)
+
+    def _corner(self, block: Block, word: str, size: Node) -> None:
+        """,R and ,C: a corner at the end of the block."""
+        if word in (",R", ",C") and self.corners:
+            self._word(block, word, size)
+        else:
+            block.refused.append((word, CORNER))
 
     def _assignment(self, block: Block, parser: Parser) -> None:
         reference = parser.value()
