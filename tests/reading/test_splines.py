@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from math import comb
+
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
@@ -31,7 +34,7 @@ def chord_gap(tips, curve, fine=200_001):
     nearest = [0, *inner, fine - 1]
     assert nearest == sorted(nearest)
     worst = 0.0
-    for (a, b), (i, j) in zip(zip(ends, ends[1:]), zip(nearest, nearest[1:])):
+    for (a, b), (i, j) in zip(pairwise(ends), pairwise(nearest)):
         way = (b - a) / max(np.linalg.norm(b - a), 1e-12)
         off = places[i : j + 1] - a
         worst = max(worst, np.abs(off[:, 0] * way[1] - off[:, 1] * way[0]).max(initial=0.0))
@@ -40,8 +43,6 @@ def chord_gap(tips, curve, fine=200_001):
 
 def bezier(*control):
     """Points of a Bezier curve by Bernstein's polynomials."""
-    from math import comb
-
     degree = len(control) - 1
 
     def curve(t):

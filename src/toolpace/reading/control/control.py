@@ -249,12 +249,13 @@ class Control:
         length = math.dist(words[:3], before[:3]) if length is None else length
         return self.feed.rate(number, self.line, length, math.dist(words[3:], before[3:]))
 
-    def shorten(self, words: list[float]) -> None:
-        """End the last motion, which was straight, at words (3 + rotary) that lie on its way."""
-        place = self.placement.place(words)
-        last = self.moves.rows[-1]
-        self.moves.rows[-1] = (*place, *last[len(place) :])
-        self.words = words
+    def redirect(self, places: list[list[float]]) -> None:
+        """End the last motions, which were straight, elsewhere: at words (3 + rotary) each."""
+        rows = self.moves.rows
+        for k, words in enumerate(places, start=len(rows) - len(places)):
+            place = self.placement.place(words)
+            rows[k] = (*place, *rows[k][len(place) :])
+        self.words = places[-1]
 
     def begin_here(self) -> None:
         """Take the place where the machine is, as far as it is known, for the start of the path."""

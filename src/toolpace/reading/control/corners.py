@@ -65,7 +65,7 @@ def lay(control: Control, corner: Corner, target: list[float], plane: int) -> bo
     for k, axis in enumerate((first, second)):
         start[axis] -= along[k] * cut / lengths[0]
         end[axis] += ahead[k] * cut / lengths[1]
-    control.shorten(start)
+    control.redirect([start])
     with control.feed.held(*corner.feed) if corner.feed else nullcontext():
         if corner.kind != ROUND:
             control.straight(end, 0, rapid=False)

@@ -28,6 +28,8 @@ class Moves:
 
     def __init__(self, rotary: int) -> None:
         self.rotary = rotary
+        self.kind = 3 + rotary + 4
+        """Column of the kind."""
         self.operation = 0
         """Of the motions that are added from now on."""
         self.rows: list[tuple[float, ...]] = []

@@ -2,8 +2,8 @@
 
 Two things are curved in the workpiece frame although the program's words move in proportion: the tool axis
 while rotary joints turn, and the tip while they turn with tool-centre-point mode off. Their curvature is not
-known beforehand, nor simply that of splines with weights, so the pieces are measured, against the chord and the great circle at three places inside, and cut
-into more until all agree; the gap falls with the square of their number.
+known beforehand, nor simply that of splines with weights, so the pieces are measured, against the chord and the
+great circle at three places inside, and cut into more until all agree; the gap falls with the square of their number.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.reading.arcs import ArcTable
-from toolpace.reading.beziers import BezierTable
+from toolpace.reading.arcs import Arc, ArcTable
+from toolpace.reading.beziers import Bezier, BezierTable
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.reading.coordinates.kinematics import Poses
 from toolpace.reading.points import SAME, ProgramFacts, ProgramPoints, assemble
@@ -59,9 +59,10 @@ class Unroll:
         self.curves = BezierTable(list(table.curves.values()))
         self.curve = np.full(len(self.end), -1)
         self.curve[list(table.curves)] = np.arange(len(table.curves))
-        for row, line in (*table.arcs.items(), *table.curves.items()):
-            self.length[row] = line.length()
-            self.pieces[row] = line.pieces()
+        round_ways: list[tuple[int, Arc | Bezier]] = [*table.arcs.items(), *table.curves.items()]
+        for row, way in round_ways:
+            self.length[row] = way.length()
+            self.pieces[row] = way.pieces()
 
     def evaluate(self, move: Ints, t: Floats) -> tuple[Floats, Floats, Floats]:
         """Tip, tool axis and rotary joints at fractions t (k,) of moves (k,)."""

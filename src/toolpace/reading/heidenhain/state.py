@@ -39,6 +39,8 @@ class State:
     """F of TOOL CALL, which FAUTO means."""
     calls_everywhere: bool = False
     """Whether each positioning block calls the cycle (M89)."""
+    side: str = "R0"
+    """R0, RL or RR."""
     pole: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """CC, in the program's coordinates [m]."""
     pole_known: bool = False

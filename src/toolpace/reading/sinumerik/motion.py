@@ -8,10 +8,10 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Corners
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.control.joint_moves import straight_in_machine
-from toolpace.reading.sinumerik import circles
+from toolpace.reading.sinumerik.contour import circles
+from toolpace.reading.sinumerik.contour.splines import BSplines
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
 from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
-from toolpace.reading.sinumerik.splines import BSplines
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 from toolpace.units import DEGREE
