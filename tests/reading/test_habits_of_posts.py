@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.support.controllers import read_for, tips
+from toolpace.errors import ProgramError
 from toolpace.reading.controllers.recognise import recognise
 from toolpace.reading.dialect import is_conversational
 from toolpace.reading.source import Source
@@ -58,3 +59,47 @@ def test_ending_contour_control_is_no_sign_of_mazak():
     text = "%\nO1000\nG5 P10000\nG1 X1.\nG5 P0\nG91 G28 Z0.\nM30\n%\n"
     assert recognise(Source.from_text(text, "a.nc"))[0].name == "fanuc"
     assert recognise(Source.from_text(text.replace("P10000", "P2"), "a.nc"))[0].name == "mazak"
+
+
+MODAL = "G66 P9200 Z-5. R2.\nX10. Y10.\nM8\nX20. Y10.\nG67\nX30.\nM30\nO9200\n#3=#5003\nG0 Z#18\nG1 Z#26\nG0 Z#3\nM99"
+
+
+def test_a_modal_macro_is_called_behind_each_motion():
+    """Fanuc B-63944EN, chapter "Modal call (G66)": behind blocks that move, with the arguments of G66, until G67."""
+    got = tips("fanuc", START + MODAL)
+    hole = [2, -5, 10]
+    assert got == [
+        [0, 0, 10], [10, 10, 10], *([10, 10, z] for z in hole), [20, 10, 10], *([20, 10, z] for z in hole), [30, 10, 10],
+    ]  # fmt: skip
+
+
+def test_local_variables_of_a_modal_macro_stay_from_call_to_call():
+    """Fanuc B-63944EN, "Modal call": local variables are set in the block of G66 only."""
+    body = "G66 P9200 A1.\nX10.\nX20.\nG67\nM30\nO9200\nG1 Z#1\n#1=#1+1.\nM99"
+    assert [row[2] for row in tips("fanuc", START + body)] == [10, 10, 1, 1, 2]
+
+
+PROBING = "G65 P9832\nG65 P9810 X5. Z2. F3000.\nG65 P9811 Z0. S1.\nG65 P9833\nG1 X7.\nM30"
+
+
+def test_probing_moves_between_its_measurements_and_those_are_refused_in_one_run():
+    """Renishaw Inspection Plus: O9810 moves straight at F, O9832 and O9833 switch; O9811 measures."""
+    path = read_for("fanuc", START + PROBING, skip_unknown=True)
+    assert (path.tip * 1e3).tolist() == [[0, 0, 10], [5, 0, 2], [7, 0, 2]]
+    assert (path.feed[1:] * 60e3).round(9).tolist() == [3000, 100]
+    with pytest.raises(ProgramError, match=r"G65 P9811 is not read: .*--skip-unknown"):
+        read_for("fanuc", START + PROBING)
+
+
+def test_repeats_of_the_older_format_are_read_too():
+    """Fanuc B-63944EN, appendix on the tape format of the series 15: L for K."""
+    body = START + "G91 G99 G81 X4. Z-5. R-8. {}3\nG80\nM30"
+    assert tips("fanuc", body.format("L")) == tips("fanuc", body.format("K"))
+
+
+@pytest.mark.parametrize("word", ["G54.2", "G54.4"])
+def test_p0_ends_what_is_not_read(word):
+    """Fanuc B-63944EN, "Rotary table dynamic fixture offset": P0 cancels it, as heads of programs do."""
+    assert tips("fanuc", START + f"{word} P0\nG1 X1.\nM30")[-1] == [1, 0, 10]
+    with pytest.raises(ProgramError, match=f"{word} P1 is not read"):
+        read_for("fanuc", START + f"{word} P1\nG1 X1.\nM30")

@@ -16,10 +16,10 @@ from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
 from toolpace.reading.gcode.program.blocks import Block
-from toolpace.reading.gcode.program.calls import Calls
+from toolpace.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers, bounded
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, bounded
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -27,6 +27,10 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
+NO_MACRO = (
+    "its blocks are neither in this file nor in one beside it: give them with the program; where it measures and comes "
+    "back to where it began, --skip-unknown passes over it"
+)
 WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
@@ -47,6 +51,7 @@ class Executor:
         self.least_increment = by.option("whole_numbers", "as written") == "least increment"
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
+        self.controller = by
         self.after: Callable[[], None] | None = None
         """What is left to do behind the motion of the block."""
         frames = Frames(control, state, by.option("scale_of_whole", 1.0))
@@ -58,6 +63,8 @@ class Executor:
             | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
             | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
             | {
+                "modal macro off": self.calls.modal_off,
+                "only off": self._only_off,
                 "call program": self.calls.program,
                 "call here": self.calls.here,
                 "return": self.calls.back,
@@ -220,6 +227,38 @@ class Executor:
         for letter in FREE if free or self.indexed else ():
             if numbers.pop(letter, None) is not None:
                 self.control.findings.ignored(letter)
+
+    def macro(self, block: Block, word: str, *, modal: bool) -> None:
+        """G65 and G66. Raises RefusedError where what is called is not at hand, and moves in no way that is known."""
+        missing = (self.calls.modal_macro if modal else self.calls.macro)(block.arguments, word)
+        if missing is None:
+            return
+        if missing.word in self.controller.ignored:
+            self.control.findings.ignored(missing.word)
+        elif self.controller.meanings.get(missing.word) == "feed":
+            self._protected(missing)
+        else:
+            raise RefusedError(missing.word, NO_MACRO)
+
+    def _protected(self, missing: Missing) -> None:
+        """Probing's way between its measurements: straight to X, Y, Z, at the feed F that it is given."""
+        state, control, given = self.state, self.control, missing.given
+        before = state.motion, control.feed.value, control.feed.turn
+        found = {letter: given.get(ARGUMENTS[letter]) for letter in "XYZ"}
+        feed = given.get(ARGUMENTS["F"])
+        if feed is not None:
+            control.feed.set(feed, state.unit, control.line)
+        state.motion = "feed"
+        self.motion.execute({key: value for key, value in found.items() if value is not None}, None, control.line)
+        state.motion, control.feed.value, control.feed.turn = before
+
+    def _only_off(self, numbers: Numbers, word: str) -> None:
+        """A word whose P0 (or X0) switches off what is not read."""
+        letter = "P" if "P" in numbers else "X"
+        number = numbers.pop(letter, 0.0)
+        if number:
+            raise RefusedError(f"{word} {letter}{number:g}", "what it shifts is data of the machine: remove it")
+        self.control.findings.ignored(word)
 
     def close(self) -> None:
         """The program ends: what waits for a further block is not to come."""

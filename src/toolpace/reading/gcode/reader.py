@@ -27,6 +27,7 @@ from toolpace.toolpath import ToolPath
 
 MOST_KEPT = 5000
 """Lines that are kept taken apart: those of loops come again, those of long programs do not."""
+MACROS = ("macro call", "modal macro call")
 ALARM, PAUSE = 3000, 3006
 _CODE = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[GXYZ][ \t]*+[-+.#\[0-9]", re.IGNORECASE)
 
@@ -154,10 +155,14 @@ class WordAddressReader:
             self._assign(
                 [(place.key(self.variables), value_of(node, self.variables)) for place, node in block.assignments]
             )
-        if any(action.meaning == "macro call" for action in block.actions):
-            self.executor.calls.macro(block.arguments)
+        macro = next((action for action in block.actions if action.meaning in MACROS), None)
+        if macro is not None:
+            self.executor.macro(block, macro.word, modal=macro.meaning == "modal macro call")
         elif block.fixed or block.computed or block.actions or block.ignored:
+            moves = len(self.control.moves)
             self.executor.execute(block)
+            if self.executor.calls.modal is not None and len(self.control.moves) > moves:
+                self.executor.calls.behind_motion()
 
     def _resolved(self, block: Block) -> Block:
         """The block with its G and M words worked out."""

@@ -70,7 +70,8 @@ class Holes:
             raise WordError("canned cycles need feeds per minute: write G94 before them")
         letter = "XYZ"[state.drill_axis]
         plane = [axis for axis in numbers if axis in control.slots and axis != letter]
-        repeats = numbers.pop(self.repeats, 1.0)
+        # L is how they are repeated in the tape format of Fanuc's 15, and nothing else in cycles
+        repeats = numbers.pop(self.repeats, numbers.pop("L", 1.0))
         if repeats != int(repeats) or not 0 <= repeats <= MOST_HOLES:
             raise WordError(f"{self.repeats}{repeats:g} counts holes: write a whole number from 0 to {MOST_HOLES}")
         if self.level is None:

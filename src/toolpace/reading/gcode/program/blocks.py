@@ -129,7 +129,7 @@ class Compiler:
             block.ignored.append("second T")
             return
         # a macro takes I, J and K several times
-        if not any(action.meaning == "macro call" for action in block.actions):
+        if not any(action.meaning in ("macro call", "modal macro call") for action in block.actions):
             raise WordError(f"word {letter} stands twice in one block: remove one")
 
     def code(self, block: Block, letter: str, value: float) -> None:

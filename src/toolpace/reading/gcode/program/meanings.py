@@ -26,6 +26,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "action": (
         "dwell", "reference", "second reference", "from reference", "set offset", "local shift", "set position",
         "clear position", "suspend position", "restore position", "turn to plane", "macro call",
+        "modal macro call", "modal macro off", "only off",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
         "end of data",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",
