@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from tests.support.controllers import read_for, tips
 from toolpace.errors import ProgramError
+from toolpace.machine.machine import Machine
 from toolpace.reading.controllers.recognise import recognise
 from toolpace.reading.dialect import is_conversational
 from toolpace.reading.source import Source
@@ -68,9 +70,8 @@ def test_a_modal_macro_is_called_behind_each_motion():
     """Fanuc B-63944EN, chapter "Modal call (G66)": behind blocks that move, with the arguments of G66, until G67."""
     got = tips("fanuc", START + MODAL)
     hole = [2, -5, 10]
-    assert got == [
-        [0, 0, 10], [10, 10, 10], *([10, 10, z] for z in hole), [20, 10, 10], *([20, 10, z] for z in hole), [30, 10, 10],
-    ]  # fmt: skip
+    first, second = ([[x, 10, z] for z in hole] for x in (10, 20))
+    assert got == [[0, 0, 10], [10, 10, 10], *first, [20, 10, 10], *second, [30, 10, 10]]
 
 
 def test_local_variables_of_a_modal_macro_stay_from_call_to_call():
@@ -103,3 +104,34 @@ def test_p0_ends_what_is_not_read(word):
     assert tips("fanuc", START + f"{word} P0\nG1 X1.\nM30")[-1] == [1, 0, 10]
     with pytest.raises(ProgramError, match=f"{word} P1 is not read"):
         read_for("fanuc", START + f"{word} P1\nG1 X1.\nM30")
+
+
+def test_a_slash_within_a_block_leaves_its_last_words_to_the_operator():
+    """Fanuc B-63944EN, "Optional block skip": what follows / up to the end of the block is skipped, if so switched."""
+    body = START + "G1 X1. /M8\nX2.5 /2 Y1.\nM30"
+    assert tips("fanuc", body)[-1] == [2.5, 0, 10]
+    assert tips("fanuc", body, block_delete=False)[-1] == [2.5, 1, 10]
+    assert tips("fanuc", START + "#1=[4/2]\nG1 X[#1/2]\nM30")[-1] == [1, 0, 10]
+
+
+def test_holes_on_a_circle_and_on_an_arc():
+    """Haas mill operator's manual 96-8000, G70 (I radius, J first angle, L holes) and G71 (K from hole to hole)."""
+    body = START + "G99 G81 Z-1. R2. F100. L0\n{}\nG80\nM30"
+    holes = [row for row in tips("haas", body.format("G70 X10. Y0 I5. J90. L4")) if row[2] == -1]
+    assert holes == [[10, 5, -1], [5, 0, -1], [10, -5, -1], [15, 0, -1]]
+    holes = [row for row in tips("haas", body.format("G71 X0 Y0 I5. J0. K90. L2")) if row[2] == -1]
+    assert holes == [[5, 0, -1], [0, 5, -1]]
+    with pytest.raises(ProgramError, match="G70 drills with the cycle in force"):
+        read_for("haas", START + "G70 I5. J0 L4\nM30")
+
+
+def test_the_tilted_frame_of_haas_turns_about_fixed_axes_in_the_order_of_q():
+    """haascnc.com, G268 "Feature coordinate system" and G253; Q123 as Autodesk's post writes it (EULER_ZYX)."""
+    body = "G90 G21 G17 F600.\nG0 X0 Y0 Z50. B0 C0\nG268 X10. Y0 Z0 I0 J30. K45. Q123\nG253\nG0 X0 Y0 Z20.\nG1 Z0\nM30"
+    path = read_for("haas", body, Machine.load("xyzbc-trunnion"))
+    normal = np.array([np.sin(np.pi / 6) * np.cos(np.pi / 4), np.sin(np.pi / 6) * np.sin(np.pi / 4), np.cos(np.pi / 6)])
+    assert np.allclose(path.axis[-1], normal) and np.allclose(path.tip[-1] * 1e3, [10, 0, 0])
+    assert np.allclose((path.tip[-2] - path.tip[-1]) * 1e3, 20 * normal)
+    for words, message in (("J30. K45.", "G268 without Q"), ("I1. J30. K45. Q313", "G268 Q313")):
+        with pytest.raises(ProgramError, match=message):
+            read_for("haas", body.replace("I0 J30. K45. Q123", words), Machine.load("xyzbc-trunnion"))

@@ -19,7 +19,7 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers, RefusedError, bounded
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError, bounded
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -54,6 +54,8 @@ class Executor:
         self.controller = by
         self.after: Callable[[], None] | None = None
         """What is left to do behind the motion of the block."""
+        self.pattern = ""
+        """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by.option("scale_of_whole", 1.0))
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
@@ -63,6 +65,8 @@ class Executor:
             | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
             | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
             | {
+                "hole circle": self._hole_circle,
+                "hole arc": self._hole_circle,
                 "modal macro off": self.calls.modal_off,
                 "only off": self._only_off,
                 "call program": self.calls.program,
@@ -118,6 +122,7 @@ class Executor:
         self.places = places
         return {
             "tilt plane": places.tilt_plane,
+            "tilt plane by order": places.tilt_plane_by_order,
             "carried frame": places.carried_frame,
             "tilt by axes": places.tilt_by_axes,
             "turn to plane": places.turn_to_plane,
@@ -156,7 +161,7 @@ class Executor:
             control.feed.spindle = numbers["S"] / 60.0
         if "T" in numbers:
             state.next_tool = f"{numbers['T']:g}"
-        self.after = None
+        self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
             handlers[action.meaning](numbers, action.word)
         for word in block.ignored:
@@ -203,6 +208,10 @@ class Executor:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))
         elif state.cycle is not None:
             dwell = numbers.pop("P", None)
+            if self.pattern:
+                numbers["I"], numbers["J"] = numbers.get("I", 0.0), numbers.get("J", 0.0)
+                self.holes.on_circle(numbers, each=self.pattern == "G71")
+                return
             self.holes.execute(numbers, None if dwell is None else self.modes.seconds(dwell))
             return
         if state.motion in SPLINES:
@@ -251,6 +260,12 @@ class Executor:
         state.motion = "feed"
         self.motion.execute({key: value for key, value in found.items() if value is not None}, None, control.line)
         state.motion, control.feed.value, control.feed.turn = before
+
+    def _hole_circle(self, numbers: Numbers, word: str) -> None:
+        """Haas G70 and G71: the cycle in force on a circle about the place at hand."""
+        if self.state.cycle is None:
+            raise WordError(f"{word} drills with the cycle in force: write one before it, with L0 for its own hole")
+        self.pattern = word
 
     def _only_off(self, numbers: Numbers, word: str) -> None:
         """A word whose P0 (or X0) switches off what is not read."""

@@ -58,7 +58,7 @@ class WordAddressReader:
             letter=by("variable_letter", "#"),
         )
         self.flow = Flow(source, self.variables)
-        self.compiler = Compiler(controller)
+        self.compiler = Compiler(controller, deletes=options.block_delete)
         self.executor = Executor(self.control, self.state, self.flow, controller, options)
         self.blocks: dict[str, Block] = {}
         self.tape_line, self.tape_closed = 0, False

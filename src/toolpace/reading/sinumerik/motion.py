@@ -12,7 +12,7 @@ from toolpace.reading.sinumerik.contour import circles
 from toolpace.reading.sinumerik.contour.splines import BSplines
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
 from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
-from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.state import GREAT_CIRCLE, State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 from toolpace.units import DEGREE
 
@@ -193,6 +193,8 @@ class Motion:
         if vector is not None:
             self.vectors.straight(target, named, vector, rapid=rapid, number=self._number())
         else:
+            if control.coordinates.tip_mode and target[3:] != start[3:] and not rapid and state.turning == GREAT_CIRCLE:
+                control.findings.assumed("rotary words under TRAORI move in proportion, also under ORIWKS")
             control.straight(target, named, rapid=rapid, number=self._number())
         if named:
             way = (target[0] - start[0], target[1] - start[1], target[2] - start[2])

@@ -13,6 +13,8 @@ from toolpace.reading.gcode.program.words import WordError, bounded, fault, plai
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
+_COMPUTES = re.compile(r"[\[#=<]")
+_LATE = re.compile(r"(?<=[0-9.])[ \t]*+/[1-9]?[ \t]*+(?=[A-Z])")
 _EQUALS = re.compile(r"[ \t]*+=")
 _OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
 CORNER = "let the CAM system write the corner out as blocks"
@@ -49,7 +51,8 @@ class Block:
 class Compiler:
     """Makes blocks of lines, for one controller."""
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: Controller, *, deletes: bool = True) -> None:
+        """deletes: whether what stands behind a `/` is left out."""
         self.vocabulary = Vocabulary(controller)
         self.nested = controller.option("nested_comments", False)
         self.semicolon_ends = controller.option("semicolon_ends_block", False)
@@ -75,6 +78,8 @@ class Compiler:
         if text.startswith("N"):
             match = _NUMBERED.match(text)
             text = text[match.end() :] if match else text
+        if "/" in text and not _COMPUTES.search(text):
+            text = self._late(block, text)
         block.text, block.empty = text, not text
         if text and text[0] in "OIWDEGSPB:":
             block.statement = statement(text, self.parser, self.assignments)
@@ -82,6 +87,14 @@ class Compiler:
             self._words(block)
             self.arrange(block)
         return block
+
+    def _late(self, block: Block, text: str) -> str:
+        """The words of a block of which the last stand behind a `/`."""
+        found = _LATE.search(text)
+        if found is None:
+            return text
+        block.ignored.append("/")
+        return text[: found.start()] if self.deletes else _LATE.sub(" ", text)
 
     def arrange(self, block: Block) -> None:
         """Bring the actions into their order. Raises WordError where two exclude each other."""

@@ -22,11 +22,11 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "polar": ("polar", "cartesian"),
     "scale": ("scale", "scale off"),
     "mirror": ("mirror", "mirror off"),
-    "rotation": ("rotate", "tilt plane", "carried frame", "rotation off"),
+    "rotation": ("rotate", "tilt plane", "tilt plane by order", "carried frame", "rotation off"),
     "action": (
         "dwell", "reference", "second reference", "from reference", "set offset", "local shift", "set position",
         "clear position", "suspend position", "restore position", "turn to plane", "macro call",
-        "modal macro call", "modal macro off", "only off",
+        "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
         "end of data",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",
