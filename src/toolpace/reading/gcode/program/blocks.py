@@ -53,7 +53,7 @@ class Compiler:
 
     def __init__(self, controller: Controller, *, deletes: bool = True) -> None:
         """deletes: whether what stands behind a `/` is left out."""
-        self.vocabulary = Vocabulary(controller)
+        self.vocabulary, self.deletes = Vocabulary(controller), deletes
         self.nested = controller.option("nested_comments", False)
         self.semicolon_ends = controller.option("semicolon_ends_block", False)
         self.bits = controller.option("logic_on_bits", False)
