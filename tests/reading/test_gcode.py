@@ -265,7 +265,7 @@ START = "G0 X0 Y0 Z0\n"
         ("G1 X1 I5 F1", "I has no use in this block"),
         ("G80\nX1", "axis words without a motion"),
         ("G41 D1", "cutter compensation"),
-        ("G5 X1", "splines"),
+        ("G5 X1", "write P and Q"),
         ("G33 Z1 K1", "spindle-synchronised"),
         ("G68 R30", "rotated coordinates"),
         ("G70", "write G20"),

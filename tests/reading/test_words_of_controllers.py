@@ -354,9 +354,3 @@ def test_arcs_of_millplus_take_the_centre_that_fits():
         assert np.abs(radii - 10).max() < 1e-6
     with pytest.raises(ProgramError, match="equally far from both ends"):
         read_for("millplus", f"{start}G3 X20. Y31.5 I-10. J0.\nM30")
-
-
-def test_corners_written_with_a_comma_are_refused():
-    """Fanuc 16i, 14.8 "Optional angle chamfering and corner rounding": ,C and ,R."""
-    with pytest.raises(ProgramError, match=",C is not read: let the CAM system write the corner out"):
-        read_for("fanuc", START + "G1 X1. ,C2.\nY1.\nM30")

@@ -33,7 +33,8 @@ _GCODE = re.compile(
     rf"^{_BLANK}(?:%|/?(?:N{_BLANK}[0-9]++{_BLANK})?[GM][ \t]*+[0-9]|O[0-9]++\b)", re.IGNORECASE | re.MULTILINE
 )
 _CONVERSATIONAL = re.compile(
-    rf"^{_BLANK}[0-9]++{_BLANK}(?<=\s)(?:BEGIN PGM|L{_BLANK}(?<=\s)[XYZ]|TOOL CALL)", re.IGNORECASE | re.MULTILINE
+    rf"^{_BLANK}(?:(?:[0-9]++{_BLANK}(?<=\s))?BEGIN PGM\b|[0-9]++{_BLANK}(?<=\s)(?:L{_BLANK}(?<=\s)[XYZ]|TOOL CALL))",
+    re.IGNORECASE | re.MULTILINE,
 )
 HEAD = 200
 """Lines by which a program without a known suffix is told."""

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 from toolpace.reading.arcs import Arc
+from toolpace.reading.beziers import Bezier
 from toolpace.reading.control.feed import Feed, FeedRules
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, Rate
 from toolpace.reading.control.operations import Operations
@@ -224,6 +225,24 @@ class Control:
         self.moves.arcs[len(self.moves)] = arc if frame is affine.IDENTITY else affine.carried(frame, arc)
         self._move(words, named, rapid, number, length)
 
+    def spline(self, curves: list[Bezier], named: int, number: float | None = None) -> None:
+        """Move along Bezier curves that follow each other, in the program's coordinates; rotary words stay."""
+        placement, turned = self.placement, self.words[3:]
+        if not len(self.moves):
+            self.source.fail("a spline cannot be the first motion, its start is not known: position with G0", self.line)
+        if not placement.tip_mode:
+            self.need_linear_joints()
+        lengths = [curve.length() for curve in curves]
+        total = max(math.fsum(lengths), math.ulp(0.0))
+        rate = self._rate([*curves[-1].points[-1], *turned], number, total)
+        self.named |= named
+        for curve, length in zip(curves, lengths):
+            self.words = [*curve.points[-1], *turned]
+            self.moves.curves[len(self.moves)] = affine.carried_curve(placement.matrix, curve)
+            part = rate._replace(time=rate.time * (length / total))
+            place = placement.place(self.words)
+            self.moves.add(place, part, self.line, FEED, placement.tip_mode, self.named, placement.longer)
+
     def _move(
         self, words: list[float], named: int, rapid: bool, number: float | None, length: float | None = None
     ) -> None:
@@ -242,12 +261,13 @@ class Control:
         length = math.dist(words[:3], before[:3]) if length is None else length
         return self.feed.rate(number, self.line, length, math.dist(words[3:], before[3:]))
 
-    def shorten(self, words: list[float]) -> None:
-        """End the last motion, which was straight, at words (3 + rotary) that lie on its way."""
-        place = self.placement.place(words)
-        last = self.moves.rows[-1]
-        self.moves.rows[-1] = (*place, *last[len(place) :])
-        self.words = words
+    def redirect(self, places: list[list[float]]) -> None:
+        """End the last motions, which were straight, elsewhere: at words (3 + rotary) each."""
+        rows = self.moves.rows
+        for k, words in enumerate(places, start=len(rows) - len(places)):
+            place = self.placement.place(words)
+            rows[k] = (*place, *rows[k][len(place) :])
+        self.words = places[-1]
 
     def begin_here(self) -> None:
         """Take the place where the machine is, as far as it is known, for the start of the path."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.reading.arcs import Arc
+from toolpace.reading.beziers import Bezier
 
 RAPID, FEED, JUMP = 0.0, 1.0, 2.0
 """Kinds of rows. A jump is no motion: it re-reads the same place in the other mode (tip or joints)."""
@@ -27,10 +28,13 @@ class Moves:
 
     def __init__(self, rotary: int) -> None:
         self.rotary = rotary
+        self.kind = 3 + rotary + 4
+        """Column of the kind."""
         self.operation = 0
         """Of the motions that are added from now on."""
         self.rows: list[tuple[float, ...]] = []
         self.arcs: dict[int, Arc] = {}
+        self.curves: dict[int, Bezier] = {}
         self.stops: set[int] = set()
         self.dwells: dict[int, float] = {}
 
@@ -78,7 +82,8 @@ class Moves:
             if index >= first:
                 dwell[index - first] = seconds
         arcs = {i - first: arc for i, arc in self.arcs.items() if i > first}
-        return MoveTable(array[:, :width], array[:, width:], stop, dwell, arcs)
+        curves = {i - first: curve for i, curve in self.curves.items() if i > first}
+        return MoveTable(array[:, :width], array[:, width:], stop, dwell, arcs, curves)
 
     @staticmethod
     def _start(kind: Floats, named: np.ndarray[tuple[int], np.dtype[np.int64]]) -> int:
@@ -107,3 +112,4 @@ class MoveTable(NamedTuple):
     stop: np.ndarray[tuple[int], np.dtype[np.bool_]]
     dwell: Floats
     arcs: dict[int, Arc]
+    curves: dict[int, Bezier]

@@ -2,8 +2,8 @@
 
 Two things are curved in the workpiece frame although the program's words move in proportion: the tool axis
 while rotary joints turn, and the tip while they turn with tool-centre-point mode off. Their curvature is not
-known beforehand, so the pieces are measured, against the chord and the great circle at three places inside, and cut
-into more until all agree; the gap falls with the square of their number.
+known beforehand, nor simply that of splines with weights, so the pieces are measured, against the chord and the
+great circle at three places inside, and cut into more until all agree; the gap falls with the square of their number.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.reading.arcs import ArcTable
+from toolpace.reading.arcs import Arc, ArcTable
+from toolpace.reading.beziers import Bezier, BezierTable
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.reading.coordinates.kinematics import Poses
 from toolpace.reading.points import SAME, ProgramFacts, ProgramPoints, assemble
@@ -55,9 +56,13 @@ class Unroll:
         self.rotation = np.linalg.norm((self.end - self.start)[:, 3:], axis=1)
         self.length = np.linalg.norm((self.end - self.start)[:, :3], axis=1)
         self.pieces = np.ones(len(self.end), dtype=np.int64)
-        for row, arc in table.arcs.items():
-            self.length[row] = arc.length()
-            self.pieces[row] = arc.pieces()
+        self.curves = BezierTable(list(table.curves.values()))
+        self.curve = np.full(len(self.end), -1)
+        self.curve[list(table.curves)] = np.arange(len(table.curves))
+        round_ways: list[tuple[int, Arc | Bezier]] = [*table.arcs.items(), *table.curves.items()]
+        for row, way in round_ways:
+            self.length[row] = way.length()
+            self.pieces[row] = way.pieces()
 
     def evaluate(self, move: Ints, t: Floats) -> tuple[Floats, Floats, Floats]:
         """Tip, tool axis and rotary joints at fractions t (k,) of moves (k,)."""
@@ -66,6 +71,8 @@ class Unroll:
         position[done] = self.end[move[done]]
         curved = (self.arc[move] >= 0) & ~done
         position[curved, :3] = self.arcs.evaluate(self.arc[move[curved]], t[curved])
+        curved = (self.curve[move] >= 0) & ~done
+        position[curved, :3] = self.curves.evaluate(self.curve[move[curved]], t[curved])
         tip, axis = self.poses.place(position, self.tip_mode[move], self.longer[move])
         return tip, axis, position[:, 3:]
 
@@ -76,7 +83,7 @@ class Unroll:
         self._refuse_endless(turned)
         self.pieces = np.where(turning, np.maximum(self.pieces, turned.astype(np.int64)), self.pieces)
         self._refuse_endless(self.pieces)
-        todo = np.flatnonzero(turning) if self.poses.machine is not None else np.zeros(0, dtype=np.int64)
+        todo = np.flatnonzero((turning & (self.poses.machine is not None)) | (self.curve >= 0))
         for _ in range(8):
             if not len(todo):
                 break

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolpace.reading.arcs import Arc
+from toolpace.reading.beziers import Bezier
 
 Matrix = tuple[tuple[float, float, float, float], ...]
 """Three rows of a 4 by 4 matrix: rotation and shift; the fourth is (0, 0, 0, 1)."""
@@ -97,6 +98,11 @@ def scale_of(frame: Matrix) -> float:
 
 def _frozen(rows: Sequence[Sequence[float]]) -> Matrix:
     return tuple((row[0], row[1], row[2], row[3]) for row in rows)
+
+
+def carried_curve(frame: Matrix, curve: Bezier) -> Bezier:
+    """A Bezier curve in the coordinates that the frame stands in."""
+    return Bezier(tuple(apply(frame, point) for point in curve.points), curve.weights)
 
 
 def carried(frame: Matrix, arc: Arc) -> Arc:

@@ -13,13 +13,14 @@ from toolpace.reading.gcode.actions.modes import Handler, Modes
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.actions.places import Places
 from toolpace.reading.gcode.actions.saved_modes import SavedModes
+from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
 from toolpace.reading.gcode.program.blocks import Block
-from toolpace.reading.gcode.program.calls import Calls
+from toolpace.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers, WordError, bounded
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError, bounded
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -27,6 +28,10 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
+NO_MACRO = (
+    "its blocks are neither in this file nor in one beside it: give them with the program; where it measures and comes "
+    "back to where it began, --skip-unknown passes over it"
+)
 WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
@@ -41,28 +46,38 @@ class Executor:
         self.control, self.state, self.variables = control, state, flow.variables
         self.motion = MotionReader(control, state, by)
         self.holes = Holes(control, state, self.motion, by)
+        self.splines = Splines(control, state, self.motion)
         self.modes = Modes(control, state, self.holes, by)
         self.calls = Calls(flow, by)
         self.least_increment = by.option("whole_numbers", "as written") == "least increment"
         self.rs274 = by.option("rs274_checks", False)
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
+        self.controller = by
         self.after: Callable[[], None] | None = None
         """What is left to do behind the motion of the block."""
+        self.pattern = ""
+        """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by)
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
             | self._of_tools(Tools(control, state, options, by))
             | self._of_frames(frames)
             | self._of_saved_modes(SavedModes(control, state, frames.offsets, flow))
+            | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
             | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
             | {
+                "hole circle": self._hole_circle,
+                "hole arc": self._hole_circle,
+                "modal macro off": self.calls.modal_off,
+                "only off": self._only_off,
                 "call program": self.calls.program,
                 "call here": self.calls.here,
                 "return": self.calls.back,
                 "program stop": self._program_stop,
                 "end": self._end,
+                "end of nurbs": self._end_of_nurbs,
             }
         )
 
@@ -77,6 +92,7 @@ class Executor:
             "length off": tools.length_off,
             "tip mode ends": tools.tip_mode_off,
             "stop": tools.stop,
+            "unknown function": tools.unknown_function,
             "tool change": tools.change,
             "tool at hand": tools.take,
             "told offset": tools.told_offset,
@@ -100,6 +116,7 @@ class Executor:
             "numbered offset": offsets.numbered_offset,
             "no offset": offsets.no_offset,
             "set offset": offsets.set_offset,
+            "end of data": offsets.end_of_data,
             "local shift": frames.local_shift,
             "set position": frames.set_position,
             "clear position": frames.clear_position,
@@ -119,6 +136,7 @@ class Executor:
         self.places = places
         return {
             "tilt plane": places.tilt_plane,
+            "tilt plane by order": places.tilt_plane_by_order,
             "carried frame": places.carried_frame,
             "tilt by axes": places.tilt_by_axes,
             "turn to plane": places.turn_to_plane,
@@ -144,6 +162,8 @@ class Executor:
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         numbers = self._numbers(block)
         if actions:
+            if self.splines.opened is not None:
+                self.splines.close()
             ways = [action.meaning for action in actions if action.meaning in WAYS]
             state.arc_here = (ways[0] if ways else state.motion) in ARCS
         for action in actions[: block.before_feed]:
@@ -159,7 +179,7 @@ class Executor:
             if self.rs274 and numbers["T"] < 0.0:
                 raise WordError(f"T{numbers['T']:g} is below zero: write the number of a tool")
             state.next_tool = f"{numbers['T']:g}"
-        self.after = None
+        self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
             handlers[action.meaning](numbers, action.word)
         for word in block.ignored:
@@ -208,7 +228,14 @@ class Executor:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))
         elif state.cycle is not None:
             dwell = numbers.pop("P", None)
+            if self.pattern:
+                numbers["I"], numbers["J"] = numbers.get("I", 0.0), numbers.get("J", 0.0)
+                self.holes.on_circle(numbers, each=self.pattern == "G71")
+                return
             self.holes.execute(numbers, None if dwell is None else self.modes.seconds(dwell))
+            return
+        if state.motion in SPLINES:
+            self.splines.execute(numbers, number)
             return
         if not any(letter in slots or letter in "XYZABCUVW" for letter in numbers):
             self._without_axes(numbers, free)
@@ -229,6 +256,55 @@ class Executor:
         for letter in FREE if free or self.indexed else ():
             if numbers.pop(letter, None) is not None:
                 self.control.findings.ignored(letter)
+
+    def macro(self, block: Block, word: str, *, modal: bool) -> None:
+        """G65 and G66. Raises RefusedError where what is called is not at hand, and moves in no way that is known."""
+        missing = (self.calls.modal_macro if modal else self.calls.macro)(block.arguments, word)
+        if missing is None:
+            return
+        if missing.word in self.controller.ignored:
+            self.control.findings.ignored(missing.word)
+        elif self.controller.meanings.get(missing.word) == "feed":
+            self._protected(missing)
+        else:
+            raise RefusedError(missing.word, NO_MACRO)
+
+    def _protected(self, missing: Missing) -> None:
+        """Probing's way between its measurements: straight to X, Y, Z, at the feed F that it is given."""
+        state, control, given = self.state, self.control, missing.given
+        before = state.motion, control.feed.value, control.feed.turn
+        found = {letter: given.get(ARGUMENTS[letter]) for letter in "XYZ"}
+        feed = given.get(ARGUMENTS["F"])
+        if feed is not None:
+            control.feed.set(feed, state.unit, control.line)
+        state.motion = "feed"
+        self.motion.execute({key: value for key, value in found.items() if value is not None}, None, control.line)
+        state.motion, control.feed.value, control.feed.turn = before
+
+    def _hole_circle(self, numbers: Numbers, word: str) -> None:
+        """Haas G70 and G71: the cycle in force on a circle about the place at hand."""
+        if self.state.cycle is None:
+            raise WordError(f"{word} drills with the cycle in force: write one before it, with L0 for its own hole")
+        self.pattern = word
+
+    def _only_off(self, numbers: Numbers, word: str) -> None:
+        """A word whose P0 (or X0) switches off what is not read."""
+        letter = "P" if "P" in numbers else "X"
+        number = numbers.pop(letter, 0.0)
+        if number:
+            raise RefusedError(f"{word} {letter}{number:g}", "what it shifts is data of the machine: remove it")
+        self.control.findings.ignored(word)
+
+    def close(self) -> None:
+        """The program ends: what waits for a further block is not to come."""
+        self.splines.close()
+        self.motion.corners.refuse()
+
+    def _spline(self, meaning: str) -> Handler:
+        return lambda numbers, word: self.splines.begin(meaning)
+
+    def _end_of_nurbs(self, numbers: Numbers, word: str) -> None:
+        self.state.motion = None
 
     def _program_stop(self, numbers: Numbers, word: str) -> None:
         self.after = self.control.stop

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 
 from toolpace.reading.arcs import ArcError
+from toolpace.reading.beziers import CurveError
 from toolpace.reading.control.control import Control, Rules
+from toolpace.reading.control.corners import CornerError
 from toolpace.reading.control.feed import FeedRules
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
@@ -25,6 +27,7 @@ from toolpace.toolpath import ToolPath
 
 MOST_KEPT = 5000
 """Lines that are kept taken apart: those of loops come again, those of long programs do not."""
+MACROS = ("macro call", "modal macro call")
 ALARM, PAUSE = 3000, 3006
 _CODE = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[GXYZ][ \t]*+[-+.#\[0-9]", re.IGNORECASE)
 
@@ -61,7 +64,7 @@ class WordAddressReader:
         if by("local_variables_begin_at_zero", False):
             self.variables.local = dict.fromkeys(range(1, self.variables.locals_to + 1), 0.0)
         self.flow = Flow(source, self.variables)
-        self.compiler = Compiler(controller)
+        self.compiler = Compiler(controller, deletes=options.block_delete)
         self.executor = Executor(self.control, self.state, self.flow, controller, options)
         self.assignments_last = by("assignments_last", False)
         """Whether the values of a block are those before it sets variables."""
@@ -86,6 +89,7 @@ class WordAddressReader:
                 self._tape(frame)
                 continue
             self._line(frame, text)
+        self.executor.close()
         self._refuse_cut_off()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()
@@ -124,7 +128,7 @@ class WordAddressReader:
             if block is not None and block.statement is not None:
                 fail(str(error), number)  # where the program goes from here is not known
             self.findings.refused(error.word, line, error.cure)
-        except (WordError, ArcError) as error:
+        except (WordError, ArcError, CurveError, CornerError) as error:
             fail(str(error), number)
 
     def _compiled(self, text: str) -> Block:
@@ -148,6 +152,9 @@ class WordAddressReader:
             return
         if block.codes:
             block = self._resolved(block)
+        if self.state.in_data and not any(action.meaning == "end of data" for action in block.actions):
+            self.findings.ignored("data of G10")
+            return
         if block.refused:
             for word, cure in block.refused:
                 self.findings.refused(word, line, cure)
@@ -155,10 +162,14 @@ class WordAddressReader:
         values = [(place.key(self.variables), value_of(node, self.variables)) for place, node in block.assignments]
         if not self.assignments_last:
             self._assign(values)
-        if any(action.meaning == "macro call" for action in block.actions):
-            self.executor.calls.macro(block.arguments)
+        macro = next((action for action in block.actions if action.meaning in MACROS), None)
+        if macro is not None:
+            self.executor.macro(block, macro.word, modal=macro.meaning == "modal macro call")
         elif block.fixed or block.computed or block.actions or block.ignored:
+            moves = len(self.control.moves)
             self.executor.execute(block)
+            if self.executor.calls.modal is not None and len(self.control.moves) > moves:
+                self.executor.calls.behind_motion()
         if self.assignments_last:
             self._assign(values)
 

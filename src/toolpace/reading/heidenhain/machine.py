@@ -32,6 +32,10 @@ class Functions(NamedTuple):
     """In which coordinates the block is: "machine", "untilted", or "" for the program's."""
 
 
+OF_HEIDENHAIN = frozenset((0, 1, 2, 3, 4, 5, 6, 8, 9, 13, 14, 30))
+"""M functions up to M88 that the control itself has (TNC 640, Klartext, "M functions"); others are the builder's."""
+
+
 class MachineFunctions:
     """Compiles M functions by their meanings."""
 
@@ -88,7 +92,7 @@ class MachineFunctions:
         if word in self.controller.refused:
             return self.refused(word, self.controller.refused[word])
         code = int(word[1:])
-        if self.builder == "ignored" and not (code <= 30 or 89 <= code <= 149):
+        if self.builder == "ignored" and not (code in OF_HEIDENHAIN or 89 <= code <= 149):
             said = f"{word} is a function of the machine's builder, taken to move nothing"
 
             def run() -> None:

@@ -58,6 +58,7 @@ class HeidenhainReader:
             else:
                 self.source.must_be_ended("END PGM, M2 nor M30")
                 break
+        self.statements.approaches.refuse()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()
 

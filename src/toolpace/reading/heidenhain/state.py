@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from toolpace.reading.arcs import Arc
+from toolpace.reading.control.corners import Corner
 from toolpace.units import MILLIMETRE
 
 INCH = 25.4 * MILLIMETRE
@@ -15,20 +15,6 @@ OF_AXIS = ((1, 2), (2, 0), (0, 1))
 """First and second axis of the plane across each axis."""
 ARC_PLANE = (2, 1, 0)
 """Its number in `reading.arcs`."""
-
-
-class Corner(NamedTuple):
-    """A corner that waits for the line behind it."""
-
-    name: str
-    """RND or CHF."""
-    size: float
-    """[m]"""
-    feed: tuple[float, float] | None
-    """Its own speed [m/s] and rotation [rad/s]."""
-    moves: int
-    """How many motions there were before it."""
-    line: int
 
 
 @dataclass
@@ -53,6 +39,8 @@ class State:
     """F of TOOL CALL, which FAUTO means."""
     calls_everywhere: bool = False
     """Whether each positioning block calls the cycle (M89)."""
+    side: str = "R0"
+    """R0, RL or RR."""
     pole: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """CC, in the program's coordinates [m]."""
     pole_known: bool = False

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.heidenhain.contour.approach import Approaches, Form
 from toolpace.reading.heidenhain.contour.circles import Circles
 from toolpace.reading.heidenhain.contour.corners import Corners
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
@@ -20,7 +21,7 @@ from toolpace.reading.heidenhain.holes.patterns import Patterns
 from toolpace.reading.heidenhain.jumps import Jumps
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
-from toolpace.reading.heidenhain.klartext.words import AXES, VALUE, path_words, signed
+from toolpace.reading.heidenhain.klartext.words import AXES, VALUE, PathWords, path_words, signed
 from toolpace.reading.heidenhain.machine import MachineFunctions
 from toolpace.reading.heidenhain.state import INCH, State
 from toolpace.reading.heidenhain.tilting import Tilting
@@ -49,6 +50,7 @@ class Statements:
         self.motion = motion = Motion(control, state, frames, follow)
         self.circles = circles = Circles(control, state, motion)
         polar = Polar(circles)
+        self.approaches = approaches = Approaches(circles, polar)
         self.holes = holes = Holes(control, state)
         self.machine = machine = MachineFunctions(control, state, motion, frames, holes, controller)
         self.patterns = patterns = Patterns(control, holes, motion, parameters)
@@ -67,6 +69,8 @@ class Statements:
             "LP": lambda text: self.path(text, polar.polar_line),
             "CP": lambda text: self.path(text, polar.polar_arc),
             "CTP": lambda text: self.path(text, polar.polar_tangent),
+            "APPR": self.shaped(approaches.approach),
+            "DEP": self.shaped(approaches.departure),
             "RND": self.corner("RND", Corners(motion)),
             "CHF": self.corner("CHF", Corners(motion)),
             "M": lambda text: self.path("M" + text, motion.line),
@@ -140,6 +144,15 @@ class Statements:
                 call()
 
         return run
+
+    def shaped(self, make: Callable[[Form, PathWords], Step]) -> Callable[[str], Step]:
+        """APPR and DEP: the form comes first."""
+
+        def made(text: str) -> Step:
+            form, rest = Form.of(text)
+            return self.path(rest, lambda words: make(form, words))
+
+        return made
 
     def corner(self, name: str, corners: Corners) -> Callable[[str], Step]:
         """RND and CHF with their size; R may be missing."""

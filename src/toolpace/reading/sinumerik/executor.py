@@ -91,6 +91,8 @@ class Executor:
 
     def execute(self, block: Block) -> bool:
         """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""
+        if self.motion.splines.points and (block.calls or set(block.codes) - {"BSPLINE"}):
+            self.motion.splines.close()
         words = self._words(block)
         if block.assignments:
             self._assign(block)

@@ -5,17 +5,21 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Corners
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.control.joint_moves import straight_in_machine
-from toolpace.reading.sinumerik import circles
+from toolpace.reading.sinumerik.contour import circles
+from toolpace.reading.sinumerik.contour.splines import BSplines
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
 from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
-from toolpace.reading.sinumerik.state import State
+from toolpace.reading.sinumerik.state import GREAT_CIRCLE, State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 from toolpace.units import DEGREE
 
 OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
 """Addresses that only arcs take."""
+OF_CORNERS = {"RND": ROUND, "CHR": SIDES, "CHF": EDGE}
+"""Corners at the end of a block: radius, side of a chamfer, its edge (NC Programming, "Chamfer, rounding")."""
 LETTERS = "XYZABCUVW"
 AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
 """Addresses that ask for motion."""
@@ -27,6 +31,8 @@ class Motion:
     def __init__(self, control: Control, state: State) -> None:
         self.control, self.state = control, state
         self.vectors = Vectors(control, state)
+        self.splines = BSplines(control)
+        self.corners = Corners(control, "it is read between two straight lines of the plane: write the corner out")
         self.programmed = list(control.words)
         """End of the last motion, in the coordinates of then: IC() and G91 count from it, so that a new frame
         shifts them too (SD42440 = 1)."""
@@ -45,22 +51,71 @@ class Motion:
     def execute(self, words: Words, *, stop: bool) -> bool:
         """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
         control, state = self.control, self.state
-        target, named = self.target(words)
+        start = control.words
+        if self.splines.end:
+            control.words, present = self.splines.end, start
+            try:
+                target, named = self.target(words)
+            finally:
+                control.words = present
+        else:
+            target, named = self.target(words)
         path_axis = bool(named)
+        if state.motion == "BSPLINE":
+            if not len(control.moves):
+                control.begin_here()
+            self.splines.point(target, named, words, self._number())
+            self.programmed = target
+            return path_axis
+        corner = self._corner(words)
         vector = self.vectors.taken(words)
         arcs = state.motion in ("G2", "G3", "CIP", "CT")
         if not len(control.moves) and (arcs or not state.absolute):
             control.begin_here()
+        straight = state.motion == "G1" and vector is None
+        if self.corners.waiting is not None:
+            self._before(target, straight)
         if state.motion in ("G331", "G332"):
             self._tap(target, named, words)
         elif arcs:
             self._arc(target, named, words, vector)
         else:
             self._straight(target, named, vector, words)
+        if corner is not None:
+            self._put(*corner, start if straight else [])
         self.programmed = control.words
         if stop:
             control.stop()
         return path_axis
+
+    # Corners
+
+    def _corner(self, words: Words) -> tuple[str, str, float] | None:
+        """Name, kind and size [m] of the corner at the end of a block."""
+        state = self.state
+        modal = number(words, "RNDM")
+        if modal is not None:
+            state.rounding = modal * state.unit
+        for name, kind in OF_CORNERS.items():
+            size = number(words, name)
+            if size is not None:
+                return f"{name}=", kind, size * state.unit
+        return ("RNDM=", ROUND, state.rounding) if state.rounding and state.motion != "G0" else None
+
+    def _put(self, name: str, kind: str, size: float, came_from: list[float]) -> None:
+        try:
+            self.corners.put(name, kind, size, came_from)
+        except CornerError as error:
+            raise ValueFault(str(error)) from None
+
+    def _before(self, target: list[float], straight: bool) -> None:
+        try:
+            if straight:
+                self.corners.before(target, self.state.plane)
+            else:
+                self.corners.refuse()
+        except CornerError as error:
+            raise ValueFault(str(error)) from None
 
     # Where to
 
@@ -138,6 +193,8 @@ class Motion:
         if vector is not None:
             self.vectors.straight(target, named, vector, rapid=rapid, number=self._number())
         else:
+            if control.coordinates.tip_mode and target[3:] != start[3:] and not rapid and state.turning == GREAT_CIRCLE:
+                control.findings.assumed("rotary words under TRAORI move in proportion, also under ORIWKS")
             control.straight(target, named, rapid=rapid, number=self._number())
         if named:
             way = (target[0] - start[0], target[1] - start[1], target[2] - start[2])

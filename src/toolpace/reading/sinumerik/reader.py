@@ -47,6 +47,8 @@ class SinumerikReader:
             self.source, Library(self.source), executor, run.memory, self.options.block_delete
         )
         executor.interpreter.run()
+        run.motion.splines.close()
+        run.motion.corners.refuse()
         if not executor.interpreter.ended:
             self.source.must_be_ended("M2, M30, M17 nor RET")
         if not run.state.stop_told and len(self.control.moves):

@@ -34,6 +34,8 @@ class State:
     pole: Point = (0.0, 0.0, 0.0)
     polar_radius: float = 0.0
     """[m]"""
+    rounding: float = 0.0
+    """RNDM: radius of every corner [m], 0 for none."""
     polar_angle: float = 0.0
     """[deg]"""
     inverse: float | None = None
@@ -43,7 +45,7 @@ class State:
 
 
 SETS: dict[str, dict[str, object]] = {
-    **{code: {"motion": code} for code in ("G0", "G1", "G2", "G3", "CIP", "CT", "G331", "G332")},
+    **{code: {"motion": code} for code in ("G0", "G1", "G2", "G3", "CIP", "CT", "BSPLINE", "G331", "G332")},
     "G17": {"plane": 0},
     "G18": {"plane": 1},
     "G19": {"plane": 2},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from toolpace.reading.control.control import Control
@@ -11,8 +12,10 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.program.words import WordError
-from toolpace.units import MILLIMETRE
+from toolpace.units import DEGREE, MILLIMETRE
 
+PLANE = ((0, 1), (2, 0), (1, 2))
+"""First and second axis of the planes XY, ZX and YZ."""
 MOST_HOLES = 100_000
 """Repeats of one block."""
 
@@ -80,7 +83,8 @@ class Holes:
             raise WordError("canned cycles need feeds per minute: write G94 before them")
         letter = "XYZ"[state.drill_axis]
         plane = [axis for axis in numbers if axis in control.slots and axis != letter]
-        repeats, fewest = numbers.pop(self.repeats, 1.0), int(self.rs274)
+        # L is how they are repeated in the tape format of Fanuc's 15, and nothing else in cycles
+        repeats, fewest = numbers.pop(self.repeats, numbers.pop("L", 1.0)), int(self.rs274)
         if repeats != int(repeats) or not fewest <= repeats <= MOST_HOLES:
             raise WordError(
                 f"{self.repeats}{repeats:g} counts holes: write a whole number from {fewest} to {MOST_HOLES}"
@@ -124,6 +128,25 @@ class Holes:
         turned = next((axis for axis in plane if axis in "ABC"), None)
         if turned is not None:
             raise WordError(f"{turned} in a block of a cycle: turn the axis in a block before it")
+
+    def on_circle(self, numbers: dict[str, float], *, each: bool) -> None:
+        """Holes on a circle of radius I about the place at hand, the first at the angle J [deg], L of them.
+
+        each: K is the angle from one to the next; else they are evenly spaced (Haas mill operator's manual, G70, G71).
+        """
+        count = numbers.pop("L", 1.0)
+        if count != int(count) or not 1 <= count <= MOST_HOLES:
+            raise WordError(f"L{count:g} counts holes: write a whole number from 1 to {MOST_HOLES}")
+        radius, first = numbers.pop("I") * self.state.unit, numbers.pop("J") * DEGREE
+        step = numbers.pop("K", 0.0) * DEGREE if each else 2.0 * math.pi / count
+        centre, _ = self.motion.target(numbers)
+        a, b = PLANE[self.state.plane]
+        cycle = self._cycle("XYZ"[self.state.drill_axis])
+        for k in range(int(count)):
+            target = list(centre)
+            target[a] += radius * math.cos(first + k * step)
+            target[b] += radius * math.sin(first + k * step)
+            drill(self.control, cycle, target)
 
     def _cycle(self, letter: str) -> Drilling:
         """The cycle in force, with the words in force."""

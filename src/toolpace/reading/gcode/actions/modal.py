@@ -54,6 +54,8 @@ class Modal:
     between: list[float] | None = None
     """Words of the place over which the reference point was gone to."""
     ended: bool = False
+    in_data: bool = False
+    """Whether blocks are parameters of the controller, and no motion."""
     at_home: bool = False
     """Whether the last block went to a reference point."""
 

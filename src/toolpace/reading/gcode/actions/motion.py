@@ -9,6 +9,7 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.reading.arcs import Arc
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.corners import ROUND, SIDES, Corners
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.control.tool_axis import rotary_for
 from toolpace.reading.controllers.controller import Controller
@@ -38,6 +39,7 @@ class MotionReader:
         self.along = controller.option("letter_along_tool", "")
         self.stated: list[float] = []
         """(3,) X, Y, Z of the block as stated [m]."""
+        self.corners = Corners(control, "it is read between two straight lines of the plane: write the corner out")
         self.start_is_rapid = controller.option("starts_with_rapid", False)
 
     def execute(self, numbers: dict[str, float], number: float | None, line: int) -> None:
@@ -51,7 +53,9 @@ class MotionReader:
         if not state.absolute and not len(control.moves):
             # distances start somewhere: at zero, as on a controller that was never told its place
             control.begin_here()
-        start = self._stated() if state.stands else control.words
+        corner = self._corner(numbers)
+        before = control.words
+        start = self._stated() if state.stands else before
         target, named = self.target(numbers)
         if vector is not None:
             target[3:] = self._rotary_of(vector)
@@ -61,11 +65,23 @@ class MotionReader:
                 arc = self._carried(arc, target)
             if number is not None and self.by_radius:
                 number *= arc.r0 / max(arc.length(), 1e-12)
+            self.corners.refuse()
             control.arc(target, named, arc, number)
         else:
             if motion == "rapid" and number is not None and control.feed.mode == INVERSE:
                 control.findings.ignored("F with G0 under G93")
+            if self.corners.waiting is not None:
+                self.corners.before(target, state.plane)
             control.straight(target, named, rapid=motion == "rapid", number=number)
+        if corner is not None:
+            self.corners.put(*corner, before if motion == "feed" else [])
+
+    def _corner(self, numbers: dict[str, float]) -> tuple[str, str, float] | None:
+        """Name, kind and size [m] of the corner that a block asks for at its end."""
+        for word, kind in ((",R", ROUND), (",C", SIDES)):
+            if word in numbers:
+                return word, kind, numbers.pop(word) * self.state.unit
+        return None
 
     def _motion(self) -> str:
         motion = self.state.motion

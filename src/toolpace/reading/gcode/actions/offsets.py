@@ -13,6 +13,9 @@ from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordErro
 from toolpace.units import DEGREE
 
 FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
+DATA = (50.0, 52.0)
+"""Kinds of G10 that begin a table of the controller's parameters (Fanuc B-63944EN, chapter 16.2, "Programmable
+parameter input")."""
 
 
 class Offsets:
@@ -67,6 +70,9 @@ class Offsets:
     def set_offset(self, numbers: Numbers, word: str) -> None:
         """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
         kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
+        if kind in DATA:
+            self._data(numbers, f"{word} L{kind:g}")
+            return
         if kind not in (2.0, 20.0):
             raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
         if number != int(number):
@@ -114,6 +120,16 @@ class Offsets:
             off[slot] = present[slot] - value
         off[:3] = affine.direct(affine.rotation(2, self.turned.get(name, 0.0)), off[:3])
         self.moved[name] = [a + b for a, b in zip(self.moved[name], off)]
+
+    def _data(self, numbers: Numbers, word: str) -> None:
+        """G10 L50 and L52: what follows up to G11 are parameters of the controller, N their numbers."""
+        numbers.clear()
+        self.state.in_data = True
+        self.control.findings.assumed(f"the parameters of the controller that {word} sets change no motion")
+
+    def end_of_data(self, numbers: Numbers, word: str) -> None:
+        """G11."""
+        self.state.in_data = False
 
     def _offset_name(self, number: int, kind: float) -> str:
         if kind == 20.0 and self.offset[:4] in ("G54.", "G154"):

@@ -107,6 +107,26 @@ class Places:
         turned = affine.turns((2, angles[0]), (0, angles[1]), (2, angles[2]))
         self.frames.tilt(affine.product(at, turned))
 
+    def tilt_plane_by_order(self, numbers: Numbers, word: str) -> None:
+        """Haas G268 X Y Z I J K Q: turns about the fixed axes X, Y, Z by I, J, K, in the order of the digits of Q."""
+        self._need_machine(word)
+        unit = self.state.unit
+        at = affine.shift([numbers.pop(letter, 0.0) * unit for letter in "XYZ"])
+        angles = [numbers.pop(letter, 0.0) * DEGREE for letter in "IJK"]
+        order = numbers.pop("Q", None)
+        if order is None and sum(angle != 0.0 for angle in angles) > 1:
+            raise RefusedError(f"{word} without Q", "it tells the order of the turns: write Q123 with its angles")
+        digits = f"{order or 123.0:g}"
+        if sorted(digits) != ["1", "2", "3"]:
+            raise RefusedError(f"{word} Q{digits}", "write each of X, Y, Z once, like Q123, with their angles")
+        if sum(angle != 0.0 for angle in angles) > 1:
+            self.control.findings.assumed(f"{word} turns about the fixed axes X, Y and Z, in the order of Q")
+        turned = affine.IDENTITY
+        for digit in digits:
+            axis = int(digit) - 1
+            turned = affine.product(affine.rotation(axis, angles[axis]), turned)
+        self.frames.tilt(affine.product(at, turned))
+
     def turn_to_plane(self, numbers: Numbers, word: str) -> None:
         """G53.1: turn the rotary axes until the tool stands on the plane."""
         self._need_machine(word)

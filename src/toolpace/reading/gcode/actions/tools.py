@@ -21,6 +21,11 @@ class Tools:
         """Spindle, coolant, clamps: the motion comes to rest."""
         self.control.stop()
 
+    def unknown_function(self, numbers: Numbers, word: str) -> None:
+        """An M word of the machine's builder."""
+        self.control.findings.assumed(f"{word} is not known here: it is taken to switch something at rest")
+        self.control.stop()
+
     def change(self, numbers: Numbers, word: str) -> None:
         """M6: the tool that T named last."""
         numbers.pop("T", None)

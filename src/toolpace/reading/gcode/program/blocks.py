@@ -13,10 +13,12 @@ from toolpace.reading.gcode.program.words import WordError, bounded, fault, plai
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
+_COMPUTES = re.compile(r"[\[#=<]")
+_LATE = re.compile(r"(?<=[0-9.])[ \t]*+/[1-9]?[ \t]*+(?=[A-Z])")
 _EQUALS = re.compile(r"[ \t]*+=")
 _OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
 _SPLIT_NUMBER = re.compile(r"[A-FH-LN-Z][ \t]*+[-+]?[ \t]*+[0-9.]++(?:[ \t]++[0-9.]++)++")
-_CORNER = "let the CAM system write the corner out as blocks"
+CORNER = "let the CAM system write the corner out as blocks"
 
 
 @dataclass(slots=True)
@@ -50,14 +52,17 @@ class Block:
 class Compiler:
     """Makes blocks of lines, for one controller."""
 
-    def __init__(self, controller: Controller) -> None:
-        self.vocabulary = Vocabulary(controller)
+    def __init__(self, controller: Controller, *, deletes: bool = True) -> None:
+        """deletes: whether what stands behind a `/` is left out."""
+        self.vocabulary, self.deletes = Vocabulary(controller), deletes
         self.nested = controller.option("nested_comments", False)
         self.semicolon_ends = controller.option("semicolon_ends_block", False)
         self.blanks = controller.option("blanks_mean_nothing", False)
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
         self.indexed = controller.option("indexed_words", False)
+        self.corners = controller.option("corner_words", False)
+        self.tool_behind = controller.option("second_tool_is_next", False)
         first = controller.option("feed_before_units", False)
         self.last_before_feed = ORDER["inverse time" if first else "inch"]
 
@@ -75,6 +80,8 @@ class Compiler:
         if text.startswith("N"):
             match = _NUMBERED.match(text)
             text = text[match.end() :] if match else text
+        if "/" in text and not _COMPUTES.search(text):
+            text = self._late(block, text)
         block.text, block.empty = text, not text
         if text and text[0] in "OIWDEGSPB:":
             block.statement = statement(text, self.parser, self.assignments)
@@ -84,6 +91,14 @@ class Compiler:
             self._words(block)
             self.arrange(block)
         return block
+
+    def _late(self, block: Block, text: str) -> str:
+        """The words of a block of which the last stand behind a `/`."""
+        found = _LATE.search(text)
+        if found is None:
+            return text
+        block.ignored.append("/")
+        return text[: found.start()] if self.deletes else _LATE.sub(" ", text)
 
     def arrange(self, block: Block) -> None:
         """Bring the actions into their order. Raises WordError where two exclude each other."""
@@ -127,8 +142,11 @@ class Compiler:
         block.whole = frozenset(whole)
 
     def _twice(self, block: Block, letter: str) -> None:
+        if letter == "T" and self.tool_behind:
+            block.ignored.append("second T")
+            return
         # a macro takes I, J and K several times
-        if not any(action.meaning == "macro call" for action in block.actions):
+        if not any(action.meaning in ("macro call", "modal macro call") for action in block.actions):
             raise WordError(f"word {letter} stands twice in one block: remove one")
 
     def code(self, block: Block, letter: str, value: float) -> None:
@@ -159,9 +177,8 @@ class Compiler:
             if letter == "#" or (indexed and letter == self.letter and indexed[2]):
                 self._assignment(block, parser)
             elif letter == ",":
-                block.refused.append((text[at : at + 2], _CORNER))
                 parser.at = at + 2
-                parser.value()
+                self._corner(block, text[at : at + 2], parser.value())
             elif not ("A" <= letter <= "Z"):
                 raise WordError(fault(text[at:]))
             else:
@@ -175,6 +192,13 @@ class Compiler:
                     whole.append(key)
                 self._word(block, key, node)
         block.whole = frozenset(whole)
+
+    def _corner(self, block: Block, word: str, size: Node) -> None:
+        """,R and ,C: a corner at the end of the block."""
+        if word in (",R", ",C") and self.corners:
+            self._word(block, word, size)
+        else:
+            block.refused.append((word, CORNER))
 
     def _assignment(self, block: Block, parser: Parser) -> None:
         reference = parser.value()

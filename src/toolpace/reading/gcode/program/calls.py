@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import NamedTuple
+
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program.expressions import Node, value_of, whole
 from toolpace.reading.gcode.program.flow import Flow
@@ -16,11 +19,33 @@ ARGUMENTS = {
 NO_ARGUMENTS = frozenset("GLNOP")
 
 
+@dataclass(frozen=True)
+class Modal:
+    """A macro that is called behind each motion."""
+
+    number: str
+    times: float
+    given: dict[Key, float | None]
+    """Its local variables: they are set once, and stay from call to call."""
+    depth: int
+    """Programs that were being run where it was asked for: its own motions do not call it."""
+
+
+class Missing(NamedTuple):
+    """A call of a macro that is neither in the file nor beside it."""
+
+    word: str
+    """G65 P9810."""
+    given: dict[Key, float | None]
+    """Arguments by variable."""
+
+
 class Calls:
     """Carries out the words that call and return."""
 
     def __init__(self, flow: Flow, by: Controller) -> None:
         self.flow = flow
+        self.modal: Modal | None = None
         self.repeats_in_number = by.option("repeats_in_program_number", False)
 
     def program(self, numbers: Numbers, word: str) -> None:
@@ -54,8 +79,33 @@ class Calls:
         elif in_main:
             flow.ended = True
 
-    def macro(self, arguments: list[tuple[str, Node]]) -> None:
-        """G65 P L and arguments."""
+    def macro(self, arguments: list[tuple[str, Node]], word: str) -> Missing | None:
+        """G65 P L and arguments; what is called where there is no such program."""
+        number, times, given = self._arguments(arguments, word)
+        if self.flow.files.find(self.flow.frame.text, number, sub=False) is None:
+            return Missing(f"{word} P{number}", given)
+        self.flow.call(number, times, given)
+        return None
+
+    def modal_macro(self, arguments: list[tuple[str, Node]], word: str) -> Missing | None:
+        """G66 P L and arguments: from now on behind each motion of this program."""
+        number, times, given = self._arguments(arguments, word)
+        if self.flow.files.find(self.flow.frame.text, number, sub=False) is None:
+            return Missing(f"{word} P{number}", given)
+        self.modal = Modal(number, times, given, len(self.flow.frames))
+        return None
+
+    def behind_motion(self) -> None:
+        """Run the macro that G66 asked for."""
+        if self.modal is not None and len(self.flow.frames) == self.modal.depth:
+            self.flow.call(self.modal.number, self.modal.times, self.modal.given, kept=True)
+
+    def modal_off(self, numbers: Numbers, word: str) -> None:
+        """G67."""
+        self.modal = None
+
+    def _arguments(self, arguments: list[tuple[str, Node]], word: str) -> tuple[str, float, dict[Key, float | None]]:
+        """Number, times and local variables of a call."""
         given: dict[Key, float | None] = {}
         number, times, last = None, 1.0, 3
         for letter, node in arguments:
@@ -72,8 +122,8 @@ class Calls:
             elif letter not in NO_ARGUMENTS:
                 raise WordError(f"{letter} is no argument of a macro: remove it")
         if number is None:
-            raise WordError("G65 needs the macro's number as P: write it like G65 P1000 A1.5")
-        self.flow.call(str(whole(number, "the number of a macro")), times, given)
+            raise WordError(f"{word} needs the macro's number as P: write it like {word} P1000 A1.5")
+        return str(whole(number, "the number of a macro")), times, given
 
     @staticmethod
     def _next(last: int, place: int) -> int:

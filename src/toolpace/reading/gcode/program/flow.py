@@ -65,14 +65,25 @@ class Flow:
     # Calls
 
     def call(
-        self, name: str, times: float = 1.0, given: dict[Key, float | None] | None = None, *, sub: bool = False
+        self,
+        name: str,
+        times: float = 1.0,
+        given: dict[Key, float | None] | None = None,
+        *,
+        sub: bool = False,
+        kept: bool = False,
     ) -> None:
-        """Run a program of a name, so often, with local variables of its own where they are given."""
+        """Run a program of a name, so often, with local variables of its own where they are given.
+
+        kept: what it sets of them stays in `given`.
+        """
         found = self.files.find(self.frame.text, name, sub)
         if found is None:
             where = "in this file, nor in a file beside it"
             self.fail(f"O{name} is called, and is not {where}: give it with the program, or write its blocks out")
         self._enter(*found, times, given)
+        if kept and given is not None:
+            self.variables.local = given
 
     def call_here(self, number: int, times: float) -> None:
         """Run from a sequence number of this file up to M99."""

@@ -11,7 +11,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "saved modes": ("save modes", "save modes for return", "forget modes", "restore modes"),
     "feed mode": ("inverse time", "feed per minute", "feed per revolution"),
     "unit": ("inch", "millimetre"),
-    "function": ("stop", "tool change", "tool at hand", "tip mode on", "tip mode off"),
+    "function": ("stop", "unknown function", "tool change", "tool at hand", "tip mode on", "tip mode off"),
     "plane": ("plane XY", "plane ZX", "plane YZ"),
     "distance": ("absolute", "incremental"),
     "arc centre": ("arc centre absolute", "arc centre incremental"),
@@ -26,19 +26,22 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "polar": ("polar", "cartesian"),
     "scale": ("scale", "scale off"),
     "mirror": ("mirror", "mirror off"),
-    "rotation": ("rotate", "tilt plane", "carried frame", "rotation off"),
+    "rotation": ("rotate", "tilt plane", "tilt plane by order", "carried frame", "rotation off"),
     "action": (
         "dwell", "reference", "second reference", "from reference", "set offset", "local shift", "set position",
         "clear position", "suspend position", "restore position", "turn to plane", "macro call",
+        "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
+        "end of data",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",
     ),
     "machine coordinates": ("machine coordinates",),
     "exact stop": ("exact stop",),
+    "end of cycle": ("end cycle",),
     "motion": (
-        "rapid", "feed", "arc clockwise", "arc counter-clockwise", "end cycle", "drill", "drill and dwell", "peck",
+        "rapid", "feed", "arc clockwise", "arc counter-clockwise", "drill", "drill and dwell", "peck",
         "break chips", "tap", "bore", "bore and dwell", "bore and stop", "bore and orient", "bore backwards",
-        "bore by hand",
+        "bore by hand", "cubic spline", "quadratic spline", "nurbs", "nurbs by knots", "end of nurbs",
     ),
     "call": ("call program", "call here", "return"),
     "ends": ("program stop", "end"),
@@ -89,7 +92,7 @@ class Vocabulary:
         if letter == "G":
             return UNKNOWN_G
         if self.unknown_stops and value == int(value) and 0 <= value < 1000:
-            return Action("stop", word)
+            return Action("unknown function", word)
         return UNKNOWN_M
 
 

@@ -157,6 +157,7 @@ class Circles:
     def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:
         """Move along it."""
         self.motion.refuse_corner()
+        self.motion.contour_begins(list(arc.w))
         before = self.control.words
         self.control.arc(target, named, arc, rapid=rapid)
         self.state.came_from, self.state.came_by = before, arc

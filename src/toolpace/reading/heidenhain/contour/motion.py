@@ -45,6 +45,18 @@ class CornerLayer(Protocol):
         """Note that the corner at hand is not read."""
 
 
+class ApproachLayer(Protocol):
+    """What a motion asks of `approaches`."""
+
+    waiting: object
+
+    def lay(self, way: list[float]) -> None:
+        """A contour begins in this direction, where the approach that waits ends."""
+
+    def refuse(self) -> None:
+        """No contour came."""
+
+
 class Motion:
     """Straight motion, feed and compensation."""
 
@@ -53,6 +65,8 @@ class Motion:
         self.follow_contour = follow_contour
         self.corners: CornerLayer | None = None
         """What lays a corner before the line behind it."""
+        self.approaches: ApproachLayer | None = None
+        """What lays an approach before the contour behind it."""
 
     # Words
 
@@ -122,6 +136,7 @@ class Motion:
 
     def compensation(self, side: str) -> bool:
         """Take R0, RL, RR; returns whether the block can be read."""
+        self.state.side = side or self.state.side
         if side in ("", "R0") or self.follow_contour:
             if side not in ("", "R0"):
                 self.control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
@@ -139,7 +154,7 @@ class Motion:
         turns = any(axis[0] > 2 for axis in axes)
 
         def run() -> None:
-            if side and side != "R0":
+            if side:
                 self.compensation(side)
             fast = rapid if plain else self.set_feed(words)
             if not axes:
@@ -158,6 +173,7 @@ class Motion:
     def straight(self, target: list[float], named: int, rapid: bool) -> None:
         """Move straight, and remember from where."""
         control, state = self.control, self.state
+        self.contour_begins([target[k] - control.words[k] for k in range(3)])
         if state.corner is not None:
             if rapid or self.corners is None:
                 self.refuse_corner()
@@ -166,6 +182,11 @@ class Motion:
         before = control.words
         control.straight(target, named, rapid=rapid)
         state.came_from, state.came_by = before, None
+
+    def contour_begins(self, way: list[float]) -> None:
+        """A motion in this direction (3,) comes next."""
+        if self.approaches is not None and self.approaches.waiting is not None:
+            self.approaches.lay(way)
 
     def refuse_corner(self) -> None:
         """A corner that waits for a straight line, before a motion that is none."""

@@ -132,6 +132,8 @@ class Holes:
     def pecked(self) -> Drilling:
         """A hole of pecks of Q202, which counts from the surface: the first stroke is longer by the clearance."""
         peck = max(self.length(202), 0.0)
+        if 0.0 < peck < abs(self.length(201)):
+            self.control.findings.assumed("Q202 of drilling cycles counts from the surface, also for the first peck")
         return replace(self.hole(), peck=peck, first_peck=peck + self.length(200) if peck else 0.0)
 
     # Cycles
