@@ -183,6 +183,26 @@ def test_a_page_of_one_program_and_a_table_of_many(five, tmp_path, capsys):
     assert "five.ngc" in table and "part.cls" in table and "WOBBLE (first line 6, 2 times)" in table
 
 
+def test_a_table_breaks_no_name_and_says_where_a_program_is_not_read_whole(five, tmp_path, capsys):
+    other = tmp_path / "a-program-with-rather-a-long-name.cls"
+    other.write_text("GOTO/0,0,0,0,0,1\nGOTO/1,0,0\n")
+    assert main(["inspect", five, str(other)]) == 2
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if other.name in line and "feed" not in line]
+    assert "not read" in row and "none" not in row
+
+
+def test_a_sheet_is_proposed_where_stand_ins_of_machine_zero_lead_out_of_travel(tmp_path, capsys):
+    path = tmp_path / "zero.ngc"
+    path.write_text("G53 G0 X0 Y0 Z0\nG10 L20 P0 X0 Y0 Z0\nG1 X20 F500\nM2\n")
+    assert main(["inspect", str(path), "--controller", "linuxcnc"]) == 0
+    assert "say on a set-up sheet where machine zero and reference points are" in " ".join(
+        capsys.readouterr().out.split()
+    )
+    path.write_text("G0 X0 Y0 Z0\nG1 X900 F500\nM2\n")
+    assert main(["inspect", str(path), "--controller", "linuxcnc"]) == 0
+    assert "set-up sheet" not in capsys.readouterr().out
+
+
 def test_the_demo_is_read_whole(tmp_path, capsys):
     path = tmp_path / "impeller.ngc"
     path.write_text(demo.impeller_program(Machine.load(demo.MACHINE)))

@@ -31,6 +31,9 @@ NAMED = 3
 """Most machines that a table names."""
 SHOWN = 40
 """Most names of ignored words, tools and assumptions on a page; JSON has all."""
+LONGEST_NAME = 40
+"""Most characters of a program's name that a table does not break."""
+SHEET = "say on a set-up sheet where machine zero and reference points are: --write-setup FILE writes one to fill in"
 
 
 def run_inspect(
@@ -137,17 +140,18 @@ def show(console: Console, found: Sequence[Inspection]) -> None:
         numbers = heading in ("blocks", "five-axis", "refused", "assumed")
         table.add_column(heading, justify="right" if numbers else "left", overflow="fold")
     folder = os.path.commonpath([Path(each.program).parent for each in found]) if _relative(found) else ""
-    for each in found:
-        name = os.path.relpath(each.program, folder) if folder else each.program
+    names = [os.path.relpath(each.program, folder) if folder else each.program for each in found]
+    table.columns[0].no_wrap = max(map(len, names)) <= LONGEST_NAME
+    for name, each in zip(names, found):
         cells = (
             name, each.dialect or "?", str(each.blocks), str(each.five_axis_blocks), str(len(each.refused)),
             str(len(each.assumed)), _machines_in_words(each),
         )  # fmt: skip
         table.add_row(*(Text(printable(cell), style="red" if each.refused else "") for cell in cells))
     console.print(table)
-    for each in found:
+    for name, each in zip(names, found):
         for refusal in each.refused:
-            console.print(Text(printable(f"{each.program}: {refusal}")), soft_wrap=True)
+            console.print(Text(printable(f"{name}: {refusal}")), soft_wrap=True)
 
 
 def _relative(found: Sequence[Inspection]) -> bool:
@@ -158,6 +162,8 @@ def _relative(found: Sequence[Inspection]) -> bool:
 def _machines_in_words(found: Inspection) -> str:
     """The machines that can run it: few by name, many by their number."""
     most = len(found.machines) + len(found.not_on)
+    if found.tip is None and found.refused:
+        return "not read whole: see below"
     if len(found.machines) <= NAMED:
         return ", ".join(found.machines) or "none"
     return f"{len(found.machines)} of {most} machines"
@@ -189,6 +195,8 @@ def page(found: Inspection) -> Table:
     rows.append(("assumed", list(found.assumed[:SHOWN]) or ["nothing"]))
     rows.append(("runs on", [", ".join(found.machines) or "none of the machines that were tried"]))
     reasons, cures = _why_not(found.not_on)
+    if any(" its limit of " in reason for reason in reasons) and (found.used.machine_zero or found.used.references):
+        cures.append(SHEET)
     rows += [("not on", reasons), ("cures", cures)]
     for name, lines in rows:
         for k, line in enumerate(lines):
