@@ -191,6 +191,14 @@ def test_a_table_breaks_no_name_and_says_where_a_program_is_not_read_whole(five,
     assert "not read" in row and "none" not in row
 
 
+def test_a_table_says_where_to_look_when_no_machine_can_run_a_program(five, tmp_path, capsys):
+    far = tmp_path / "far.ngc"
+    far.write_text("G0 X0 Y0 Z0\nG1 X90000 F1000\nM30\n")
+    assert main(["inspect", five, str(far)]) == 0
+    told = [line for line in capsys.readouterr().out.splitlines() if "inspect it alone" in line]
+    assert [line.partition(":")[0] for line in told] == ["far.ngc"]
+
+
 def test_a_sheet_is_proposed_where_stand_ins_of_machine_zero_lead_out_of_travel(tmp_path, capsys):
     path = tmp_path / "zero.ngc"
     path.write_text("G53 G0 X0 Y0 Z0\nG10 L20 P0 X0 Y0 Z0\nG1 X20 F500\nM2\n")

@@ -33,6 +33,7 @@ SHOWN = 40
 """Most names of ignored words, tools and assumptions on a page; JSON has all."""
 LONGEST_NAME = 40
 """Most characters of a program's name that a table does not break."""
+NO_MACHINE = "no machine of those that were tried can run it: inspect it alone to see why, and what helps"
 SHEET = "say on a set-up sheet where machine zero and reference points are: --write-setup FILE writes one to fill in"
 
 
@@ -152,6 +153,8 @@ def show(console: Console, found: Sequence[Inspection]) -> None:
     for name, each in zip(names, found):
         for refusal in each.refused:
             console.print(Text(printable(f"{name}: {refusal}")), soft_wrap=True)
+        if each.tip is not None and each.not_on and not each.machines:
+            console.print(Text(printable(f"{name}: {NO_MACHINE}")), soft_wrap=True)
 
 
 def _relative(found: Sequence[Inspection]) -> bool:
