@@ -77,6 +77,13 @@ G53.1
 G1 Z5. F300.
 G69
 G65 P2000 A1.5 I2. I3.
+G66 P2000 I2.
+G1 X1. /M8
+G67
+G1 X20. ,R2.
+Y9. ,C1.
+X1.
+Y3.
 M98 P2000 L2
 G52 X1.
 G10 L2 P1 X0
@@ -108,6 +115,12 @@ G92 X5
 G53 G0 Z0
 M428
 G1 W-2 F50
+G5 I0 J3 P0 Q-3 X1 Y1
+G5.1 X2 I2 J-8
+G5.2 P1 L3
+X0 Y1 P1
+X2 Y2 P1
+G5.3
 M2
 """
 INDEXED = """%PM1
@@ -128,7 +141,8 @@ N140 M30
 """
 SEEDS = {"gcode": GCODE, "apt": APT, "csv": TABLE}
 HAAS = MACRO.replace("G43.4", "G234").replace("G54.1", "G154").replace("G68.2 X1. Y2. Z3. I0 J30. K0\nG53.1", "G254")
-CONTROLLED = {"fanuc": MACRO, "haas": HAAS, "linuxcnc": O_WORDS, "millplus": INDEXED}
+NURBS = "G1 X1. Y3.\nG6.2 P3 K0 X1. Y3.\nK0 X2. R2.\nK0 Y3.\nK1. X5.\nK2.\nK2.\nK2.\n"
+CONTROLLED = {"fanuc": MACRO.replace("G68.2", NURBS + "G68.2"), "haas": HAAS, "linuxcnc": O_WORDS, "millplus": INDEXED}
 SCRAPS = [
     "nan", "inf", "-", "+", ".", "1e999", "$", "%", "(", ")", ";", "/", ",", "G",
     "#1", "G2", "G3", "R1", "P9", "C99999", "CIRCLE/", "G91", "G20", "M429", "M428", "é",

@@ -12,7 +12,9 @@ from tests.support.sinumerik import read
 from toolpace.errors import ProgramError
 
 PIECES = (
-    "G0", "G1", "G2", "G3", "CIP", "CT", "G4", "G9", "G17", "G18", "G19", "G40", "G41", "G53", "SUPA", "G54",
+    "G0", "G1", "G2", "G3", "CIP", "CT", "BSPLINE",
+    "SD=2", "PW=0.5", "PL=1", "RND=1", "CHF=1", "CHR=1", "RNDM=2", "RNDM=0",
+    "G4", "G9", "G17", "G18", "G19", "G40", "G41", "G53", "SUPA", "G54",
     "G505", "G500", "G58", "G60", "G64", "G70", "G71", "G90", "G91", "G93", "G94", "G95", "G110", "G111",
     "G112", "G331", "G74", "G75", "TRANS", "ATRANS", "ROT", "AROT", "ROTS", "SCALE", "MIRROR", "TRAORI",
     "TRAFOOF", "ORIAXES", "ORIVECT", "MCALL", "CYCLE81(5,0,1,-3)", "CYCLE83(5,0,1,-9,,,3,1)",

@@ -48,7 +48,9 @@ class CornerLayer(Protocol):
 class ApproachLayer(Protocol):
     """What a motion asks of `approaches`."""
 
-    waiting: object
+    @property
+    def waiting(self) -> object:
+        """The approach whose contour is to come, if any."""
 
     def lay(self, way: list[float]) -> None:
         """A contour begins in this direction, where the approach that waits ends."""
