@@ -135,3 +135,39 @@ def test_the_tilted_frame_of_haas_turns_about_fixed_axes_in_the_order_of_q():
     for words, message in (("J30. K45.", "G268 without Q"), ("I1. J30. K45. Q313", "G268 Q313")):
         with pytest.raises(ProgramError, match=message):
             read_for("haas", body.replace("I0 J30. K45. Q123", words), Machine.load("xyzbc-trunnion"))
+
+
+def test_a_slash_behind_the_sequence_number():
+    """Fanuc B-63944EN, "Optional block skip": / stands at the head of the block, in programs also behind N."""
+    body = START + "N10 /G1 X1.\nN20/2 X2.\nG1 X3.\nM30"
+    assert tips("fanuc", body)[1:] == [[3, 0, 10]]
+    assert tips("fanuc", body, block_delete=False)[1:] == [[1, 0, 10], [2, 0, 10], [3, 0, 10]]
+
+
+def test_of_words_that_set_one_mode_the_last_rules():
+    """Fanuc B-63944EN, "Preparatory function (G function)": of several of one group the last is effective."""
+    assert tips("fanuc", START + "G91 G90 G0 G1 X1.\nX1.\nM30") == [[0, 0, 10], [1, 0, 10]]
+    with pytest.raises(ProgramError, match="exclude each other"):
+        read_for("linuxcnc", START + "G91 G90 G1 X1\nM2")
+
+
+def test_corners_of_forbidden_zones_are_no_motion():
+    """Fanuc B-63944EN, "Stroke check": G22 X Y Z I J K."""
+    assert tips("fanuc", START + "G1 X1.\nG22 X9. Y9. Z9. I0 J0 K0\nX2.\nM30")[1:] == [[1, 0, 10], [2, 0, 10]]
+
+
+def test_names_of_programs_and_radii_of_tools():
+    """Fanuc 30i-B, "Program name": <NAME>; B-63944EN, "Tool compensation values": G10 L12 and L13 are of the radius."""
+    body = START + "G10 L12 P1 R5.\nG10 L13 P1 R0\nG1 X1.\nM30\n%"
+    assert tips("fanuc", "%\n<BRACKET_OP-1>(TEXT)\n" + body)[-1] == [1, 0, 10]
+
+
+def test_roll_pitch_and_yaw_of_a_tilted_plane_where_one_turns():
+    """Fanuc B-63944EN, "Tilted working plane": P1 Q123 turns about X, Y and Z by I, J and K."""
+    body = "G90 G21 G17 F600.\nG54\nG0 X0 Y0 Z50. B0 C0\nG68.2 {} X10. Y0 Z0 I0 J{} K0\nG53.1\nG1 X0 Y0 Z20.\nM30"
+    machine = Machine.load("xyzbc-trunnion")
+    path = read_for("fanuc", body.format("P1 Q123", "30."), machine)
+    assert np.allclose(path.axis[-1], [0.5, 0, np.sqrt(0.75)])
+    assert np.allclose(path.tip[-1] * 1e3, [20, 0, 20 * np.sqrt(0.75)])
+    with pytest.raises(ProgramError, match=r"G68\.2 with P, Q or R"):
+        read_for("fanuc", body.format("P1 Q123 ", "30.").replace("K0", "K5."), machine)

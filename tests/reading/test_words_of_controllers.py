@@ -60,7 +60,7 @@ def test_all_unknown_words_are_refused_in_one_run():
 
 
 def test_forms_of_known_words_that_are_not_read_are_refused_with_the_others():
-    body = START + "G10 L10 P1 R5.\nG68 X0 Y0 I0 J0 K1. R30.\nG68.2 P1 X0\nG1 X#150\nG1 X1.\nM30"
+    body = START + "G10 L10 P1 R5.\nG68 X0 Y0 I0 J0 K1. R30.\nG68.2 P2 X0\nG1 X#150\nG1 X1.\nM30"
     with pytest.raises(ProgramError, match="4 kinds of words are not read: G10 L10") as caught:
         read_for("fanuc", body, MACHINE)
     assert all(word in str(caught.value) for word in ("G68 with I, J, K", "G68.2 with P, Q or R", "#150"))
@@ -127,7 +127,7 @@ def test_numbers_without_a_point_are_as_written_or_least_increments():
 def test_two_words_of_one_group_are_refused(block, says):
     """LinuxCNC, "Modal Groups": one word of a group in a block."""
     with pytest.raises(ProgramError, match=says):
-        read_for("fanuc", START + block)
+        read_for("linuxcnc", START + block)
 
 
 # --- feeds and times --------------------------------------------------------------------------------------------

@@ -72,6 +72,7 @@ class Executor:
                 "hole arc": self._hole_circle,
                 "modal macro off": self.calls.modal_off,
                 "only off": self._only_off,
+                "limits": self._limits,
                 "call program": self.calls.program,
                 "call here": self.calls.here,
                 "return": self.calls.back,
@@ -286,6 +287,11 @@ class Executor:
         if self.state.cycle is None:
             raise WordError(f"{word} drills with the cycle in force: write one before it, with L0 for its own hole")
         self.pattern = word
+
+    def _limits(self, numbers: Numbers, word: str) -> None:
+        """Fanuc G22: X, Y, Z, I, J, K are corners of a zone that the axes may not enter."""
+        numbers.clear()
+        self.control.findings.ignored(word)
 
     def _only_off(self, numbers: Numbers, word: str) -> None:
         """A word whose P0 (or X0) switches off what is not read."""

@@ -13,6 +13,8 @@ from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordErro
 from toolpace.units import DEGREE
 
 FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
+RADII = (12.0, 13.0)
+"""Kinds of G10 that set the radius of a tool and its wear: nothing that is read moves by them."""
 DATA = (50.0, 52.0)
 """Kinds of G10 that begin a table of the controller's parameters (Fanuc B-63944EN, chapter 16.2, "Programmable
 parameter input")."""
@@ -70,6 +72,10 @@ class Offsets:
     def set_offset(self, numbers: Numbers, word: str) -> None:
         """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
         kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
+        if kind in RADII:
+            numbers.clear()
+            self.control.findings.ignored(f"{word} L{kind:g}")
+            return
         if kind in DATA:
             self._data(numbers, f"{word} L{kind:g}")
             return

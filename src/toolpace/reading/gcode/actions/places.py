@@ -98,6 +98,9 @@ class Places:
 
     def tilt_plane(self, numbers: Numbers, word: str) -> None:
         """G68.2 X Y Z I J K: a plane through a point, by Euler angles about z, the new x and the new z."""
+        if self._rolls(numbers):
+            self.tilt_plane_by_order(numbers, word)
+            return
         if any(letter in numbers for letter in "PQR"):
             raise RefusedError(f"{word} with P, Q or R", f"write its plane as {word} X Y Z I J K")
         self._need_machine(word)
@@ -106,6 +109,17 @@ class Places:
         angles = [numbers.pop(letter, 0.0) * DEGREE for letter in "IJK"]
         turned = affine.turns((2, angles[0]), (0, angles[1]), (2, angles[2]))
         self.frames.tilt(affine.product(at, turned))
+
+    @staticmethod
+    def _rolls(numbers: Numbers) -> bool:
+        """Whether they are P1 of Fanuc, turns about X, Y, Z by I, J, K, of which one alone is not zero.
+
+        Of several, manuals and machines differ whether the axes turn with the plane.
+        """
+        rolls = numbers.get("P") == 1.0 and sum(numbers.get(letter, 0.0) != 0.0 for letter in "IJK") <= 1
+        if rolls:
+            del numbers["P"]
+        return rolls
 
     def tilt_plane_by_order(self, numbers: Numbers, word: str) -> None:
         """Haas G268 X Y Z I J K Q: turns about the fixed axes X, Y, Z by I, J, K, in the order of the digits of Q."""

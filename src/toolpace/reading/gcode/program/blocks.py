@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
-from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict
+from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict, last_of_groups
 from toolpace.reading.gcode.program.statements import Statement, statement
 from toolpace.reading.gcode.program.words import WordError, bounded, fault, plain_words, without_comments
 
@@ -61,6 +61,7 @@ class Compiler:
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
         self.indexed = controller.option("indexed_words", False)
+        self.last_rules = controller.option("last_of_group_rules", False)
         self.corners = controller.option("corner_words", False)
         self.tool_behind = controller.option("second_tool_is_next", False)
         first = controller.option("feed_before_units", False)
@@ -80,10 +81,12 @@ class Compiler:
         if text.startswith("N"):
             match = _NUMBERED.match(text)
             text = text[match.end() :] if match else text
+            if text.startswith("/"):
+                block.deleted, text = True, text.lstrip("/0123456789 \t")
         if "/" in text and not _COMPUTES.search(text):
             text = self._late(block, text)
         block.text, block.empty = text, not text
-        if text and text[0] in "OIWDEGSPB:":
+        if text and text[0] in "OIWDEGSPB:<":
             block.statement = statement(text, self.parser, self.assignments)
         if text and block.statement is None:
             if self.blanks and (" " in text or "\t" in text):
@@ -104,6 +107,8 @@ class Compiler:
         """Bring the actions into their order. Raises WordError where two exclude each other."""
         actions = block.actions
         if len(actions) > 1:
+            if self.last_rules:
+                actions = block.actions = last_of_groups(actions)
             actions.sort(key=lambda action: ORDER[action.meaning])
             problem = conflict(actions)
             if problem:

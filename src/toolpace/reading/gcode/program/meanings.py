@@ -32,7 +32,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "clear position", "suspend position", "restore position", "turn to plane", "macro call",
         "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
-        "end of data",
+        "end of data", "limits",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",
     ),
     "machine coordinates": ("machine coordinates",),
@@ -51,6 +51,8 @@ ORDER = {meaning: order for order, group in enumerate(GROUPS.values()) for meani
 GROUP_OF = {meaning: group for group, meanings in GROUPS.items() for meaning in meanings}
 UNKNOWN_G = "it is not known here and might move something: remove it, or let the CAM system write plain G0 to G3"
 UNKNOWN_M = "it is not known here and might move something: remove it, or write what it does as plain blocks"
+_TAKEN_TOGETHER = ("function", "action", "call", "ends")
+"""Groups whose words do something once, in place of setting a mode."""
 _TOGETHER = (("M3", "M4", "M5", "M19"), ("M7", "M9"), ("M8", "M9"))
 """Functions of which one block has one, beside those that end or call."""
 
@@ -94,6 +96,15 @@ class Vocabulary:
         if self.unknown_stops and value == int(value) and 0 <= value < 1000:
             return Action("unknown function", word)
         return UNKNOWN_M
+
+
+def last_of_groups(actions: list[Action]) -> list[Action]:
+    """The words of a block where, of those that set one mode, the last rules."""
+    last = {GROUP_OF[meaning]: k for k, (meaning, _) in enumerate(actions)}
+    return [
+        action for k, action in enumerate(actions)
+        if GROUP_OF[action.meaning] in _TAKEN_TOGETHER or last[GROUP_OF[action.meaning]] == k
+    ]  # fmt: skip
 
 
 def conflict(actions: list[Action]) -> str:

@@ -15,6 +15,8 @@ O_WORD = re.compile(
 )
 HEADER = re.compile(r"[O:][ \t]*+(?:[0-9]|<|[A-Z])")
 _MACRO = re.compile(r"(IF|WHILE|DO|END|GOTO)(?![A-Z])")
+_NAMED = re.compile(r"<[A-Z0-9_.+-]{1,60}>")
+"""The name of a program, on controls that name them."""
 _OUTPUT = re.compile(r"(?:POPEN|PCLOS|DPRNT|BPRNT|SETVN)(?![A-Z])")
 _LOOPS = (1, 2, 3)
 
@@ -46,6 +48,8 @@ def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assi
         if HEADER.match(text) and "=" not in text:
             return Statement("header", text[1:].strip())
         raise WordError("O is followed by neither a number nor a name: write it like O1000")
+    if text[0] == "<":
+        return Statement("header", text.strip("<> \t")) if _NAMED.fullmatch(text) else None
     match = _MACRO.match(text)
     if match:
         return _macro(match[1], text, parser(text, match.end()), assignments)
