@@ -74,10 +74,12 @@ def test_a_modal_macro_is_called_behind_each_motion():
     assert got == [[0, 0, 10], [10, 10, 10], *first, [20, 10, 10], *second, [30, 10, 10]]
 
 
-def test_local_variables_of_a_modal_macro_stay_from_call_to_call():
+def test_local_variables_of_a_modal_macro_stay_from_call_to_call_and_are_its_own():
     """Fanuc B-63944EN, "Modal call": local variables are set in the block of G66 only."""
     body = "G66 P9200 A1.\nX10.\nX20.\nG67\nM30\nO9200\nG1 Z#1\n#1=#1+1.\nM99"
     assert [row[2] for row in tips("fanuc", START + body)] == [10, 10, 1, 1, 2]
+    body = "#1=7\nG66 P9200 A1. L0\nX10.\nG67\nX#1\nM30\nO9200\nG1 Z#1\nM99"
+    assert tips("fanuc", START + body)[1:] == [[10, 0, 10], [7, 0, 10]]
 
 
 PROBING = "G65 P9832\nG65 P9810 X5. Z2. F3000.\nG65 P9811 Z0. S1.\nG65 P9833\nG1 X7.\nM30"

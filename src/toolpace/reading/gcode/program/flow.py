@@ -81,9 +81,7 @@ class Flow:
         if found is None:
             where = "in this file, nor in a file beside it"
             self.fail(f"O{name} is called, and is not {where}: give it with the program, or write its blocks out")
-        self._enter(*found, times, given)
-        if kept and given is not None:
-            self.variables.local = given
+        self._enter(*found, times, given, kept=kept)
 
     def call_here(self, number: int, times: float) -> None:
         """Run from a sequence number of this file up to M99."""
@@ -93,7 +91,9 @@ class Flow:
             self.fail(f"N{number} is called, and is not in the file: correct the number")
         self._enter(text, line, times, None)
 
-    def _enter(self, text: Text, line: int, times: float, given: dict[Key, float | None] | None) -> None:
+    def _enter(
+        self, text: Text, line: int, times: float, given: dict[Key, float | None] | None, *, kept: bool = False
+    ) -> None:
         if not 0 <= times <= MOST_REPEATS or times != int(times):
             self.fail(f"L{times:g} counts calls: write a whole number from 1 to {MOST_REPEATS}")
         if times == 0:
@@ -104,7 +104,7 @@ class Flow:
         at = frame.called_at or (frame.next if text is not frame.text else 0)
         outer = None if given is None else self.variables.local
         if given is not None:
-            self.variables.local = dict(given)
+            self.variables.local = given if kept else dict(given)
         self.frames.append(Frame(text, line, at, line, int(times) - 1, outer, given))
 
     def leave(self) -> None:
