@@ -35,7 +35,7 @@ class Writer:
         self.behind: list[str] = []
         """Programs that stand behind the end of the main one."""
         self.told_tool = False
-        """Whether M61 has told the tool: the stand-alone interpreter then does not know its length."""
+        """Whether there was M61 or T0: the stand-alone interpreter then does not know the length of the tool."""
         self.named: list[str] = []
         """Variables that have a value."""
 
@@ -210,7 +210,7 @@ class Writer:
         self.put("G49")
         self.to()
         self.put(self.random.choice(["T1 M6", "T2 M6", "M6 T3", "T3", "M6", "M61 Q1", "T0 M6"]))
-        self.told_tool |= self.lines[-1].upper().startswith("M61")
+        self.told_tool |= any(word in self.lines[-1].upper() for word in ("M61", "T0"))
         move = f"G1 {self.axes(0.3, turning=0.0)} {self.f()}"
         self.put(self.random.choice(["G43 H2" if self.told_tool else "G43", "G43 H1", "", move]))
 
@@ -234,6 +234,8 @@ class Writer:
         normal = PLANES[self.plane][2]
         flat = "".join(PLANES[self.plane][:2])
         word = self.random.choice(["G81", "G82", "G83", "G73", "G85", "G89", "G81", "G83", "G86", "G84", "G74"])
+        if self.chance(0.06):
+            word = "G87"
         if self.plane != "G17" and word in ("G84", "G74"):
             word = "G85"  # its interpreter mixes the axes of taps up outside XY
         scale = 25.4 if self.inch else 1.0
@@ -246,8 +248,13 @@ class Writer:
             words.append(f"Q{self.random.choice([1.37, 2.61, 20, 3.17]) / scale:.4f}")
         if word in ("G82", "G89", "G86", "G84", "G74"):
             words.append(f"P{self.random.choice(['.5', '1', '0'])}")
-        if word in ("G86", "G84", "G74"):
+        if word in ("G86", "G84", "G74", "G87"):
             self.put("M4 S800" if word == "G74" else "M3 S800")
+        if word == "G87":
+            middle = self.random.choice([0.5, 1.5]) / scale
+            level = "IJK"["XYZ".index(normal)]
+            words += [f"{letter}{self.number(-3, 3)}" for letter in "IJK" if letter != level]
+            words.append(f"{level}{middle + (bottom if self.absolute else 0):.4f}")
         if self.chance(0.3) and word != "G74":  # its interpreter knows no L there
             words.append(f"L{self.random.choice([1, 2, 3])}")
         self.put(self.random.choice(["G98", "G99", ""]), word, self.axes(0.8, flat, turning=0.01), *words)

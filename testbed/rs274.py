@@ -22,7 +22,7 @@ from toolpace.arrays import Floats
 
 INCH = 25.4
 """mm. Parameters and tool tables of an interpreter without a machine's file are in inches and degrees."""
-LINE_PRINT = re.compile(r"\s*\d+\s+N(\S+)\s+([A-Z_0-9]+)\((.*)\)\s*$")
+LINE_PRINT = re.compile(r"\s*\d+\s+N([0-9.]+)\s*([A-Z_][A-Z_0-9]*)\((.*)\)\s*$")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|nan|inf)(?:[eE][-+]?\d+)?")
 _NORMALS = {"XY": 2, "XZ": 1, "YZ": 0}
 SECONDS = 20.0
@@ -40,7 +40,7 @@ class Motion:
     """(6,) X Y Z [mm] A B C [deg], of the machine."""
     end: Floats
     unit: float
-    """Of the printed decimals [mm]."""
+    """Of the printed decimals, the coarser of both ends [mm]."""
     rate: float = math.inf
     """F [mm/min]."""
     turn: float = math.inf
@@ -106,6 +106,11 @@ class _Canon:
     motions: list[Motion] = field(default_factory=list)
     place: Floats = field(default_factory=lambda: np.zeros(6))
     """Where the machine is (6,)."""
+    place_unit: float = 1.0
+    """Of the decimals in which that was printed."""
+
+    def coarser(self) -> float:
+        return max(self.unit, self.place_unit)
 
     def scaled(self, values: list[float]) -> Floats:
         return np.array(values) * np.array([self.unit] * 3 + [1.0] * 3)
@@ -133,8 +138,8 @@ class _Canon:
         self.words = self.scaled(values[:6])
         end = self.machine(self.words)
         speeds = (math.inf, math.inf) if rapid else self.speeds()
-        self.motions.append(Motion(line, rapid, self.place, end, self.unit, *speeds, waited=self.waited))
-        self.place = end
+        self.motions.append(Motion(line, rapid, self.place, end, self.coarser(), *speeds, waited=self.waited))
+        self.place, self.place_unit = end, self.unit
 
     def arc(self, line: int, values: list[float]) -> None:
         first, second, centre1, centre2, turns, along, *rotary = values
@@ -152,11 +157,11 @@ class _Canon:
         sweep = _sweep(self.place[:3] - middle, target[:3] - middle, axis, int(turns), self.unit)
         self.motions.append(
             Motion(
-                line, False, self.place, target, self.unit, *self.speeds(), normal,
+                line, False, self.place, target, self.coarser(), *self.speeds(), normal,
                 tuple(axis.tolist()), tuple(middle.tolist()), sweep, self.waited,
             )
         )  # fmt: skip
-        self.place = target
+        self.place, self.place_unit = target, self.unit
 
     def g5x(self, values: list[float]) -> None:
         self.offset = self.scaled(values[1:7])
