@@ -25,6 +25,8 @@ INCH = 25.4
 LINE_PRINT = re.compile(r"\s*\d+\s+N([0-9.]+)\s*([A-Z_][A-Z_0-9]*)\((.*)\)\s*$")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|nan|inf)(?:[eE][-+]?\d+)?")
 _NORMALS = {"XY": 2, "XZ": 1, "YZ": 0}
+UNSAID = ("NURBS_FEED", "NURBS_G5_FEED", "NURBS_G6_FEED", "STRAIGHT_PROBE", "RIGID_TAP")
+"""Motions of which the print does not tell the way: splines (only how many points they have), probes."""
 SECONDS = 20.0
 """Most time of one program."""
 
@@ -40,7 +42,7 @@ class Motion:
     """(6,) X Y Z [mm] A B C [deg], of the machine."""
     end: Floats
     unit: float
-    """Of the printed decimals, the coarser of both ends [mm]."""
+    """Of the printed decimals [mm]."""
     rate: float = math.inf
     """F [mm/min]."""
     turn: float = math.inf
@@ -106,11 +108,8 @@ class _Canon:
     motions: list[Motion] = field(default_factory=list)
     place: Floats = field(default_factory=lambda: np.zeros(6))
     """Where the machine is (6,)."""
-    place_unit: float = 1.0
-    """Of the decimals in which that was printed."""
-
-    def coarser(self) -> float:
-        return max(self.unit, self.place_unit)
+    coarsest: float = 1.0
+    """Of the units so far: places and offsets that were printed in it keep its rounding."""
 
     def scaled(self, values: list[float]) -> Floats:
         return np.array(values) * np.array([self.unit] * 3 + [1.0] * 3)
@@ -138,8 +137,8 @@ class _Canon:
         self.words = self.scaled(values[:6])
         end = self.machine(self.words)
         speeds = (math.inf, math.inf) if rapid else self.speeds()
-        self.motions.append(Motion(line, rapid, self.place, end, self.coarser(), *speeds, waited=self.waited))
-        self.place, self.place_unit = end, self.unit
+        self.motions.append(Motion(line, rapid, self.place, end, self.coarsest, *speeds, waited=self.waited))
+        self.place = end
 
     def arc(self, line: int, values: list[float]) -> None:
         first, second, centre1, centre2, turns, along, *rotary = values
@@ -157,11 +156,11 @@ class _Canon:
         sweep = _sweep(self.place[:3] - middle, target[:3] - middle, axis, int(turns), self.unit)
         self.motions.append(
             Motion(
-                line, False, self.place, target, self.coarser(), *self.speeds(), normal,
+                line, False, self.place, target, self.coarsest, *self.speeds(), normal,
                 tuple(axis.tolist()), tuple(middle.tolist()), sweep, self.waited,
             )
         )  # fmt: skip
-        self.place, self.place_unit = target, self.unit
+        self.place = target
 
     def g5x(self, values: list[float]) -> None:
         self.offset = self.scaled(values[1:7])
@@ -177,6 +176,7 @@ class _Canon:
 
     def units(self, text: str) -> None:
         self.unit = INCH if "INCHES" in text else 1.0
+        self.coarsest = max(self.coarsest, self.unit)
 
     def dwell(self, values: list[float]) -> None:
         self.waited += values[0]
@@ -254,6 +254,8 @@ def read_calls(text: str, error: str = "") -> Judged:
         if match is None or canon.ended:
             continue
         number, name, inside = match.groups()
+        if name in UNSAID:
+            raise ValueError(f"{name}: `rs274` does not print where it goes")
         if name == "USE_LENGTH_UNITS":
             canon.units(inside)
         elif name == "SELECT_PLANE":
