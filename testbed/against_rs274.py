@@ -219,7 +219,10 @@ class _Way:
         wanted = self.motion.start + share * self.way
         turned = math.cos(share * sweep) * self.u + math.sin(share * sweep) * self.w
         wanted[:3] = np.array(self.motion.centre) + turned + (self.height + share * self.rise) * self.axis
-        return float(np.linalg.norm(point - wanted))
+        # what the rounding of the centre makes of the share gone, the rotary axes show too
+        doubt = 4 * PRINTED * self.motion.unit / (self.radius * abs(sweep))
+        rotary = np.abs(point - wanted)[3:] - doubt * np.abs(self.way[3:])
+        return max(float(np.linalg.norm((point - wanted)[:3])), float(rotary.max()))
 
     def done(self, point: Floats, near: float) -> bool:
         """Whether a place is the end."""
