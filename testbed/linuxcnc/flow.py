@@ -110,7 +110,10 @@ def by_number(writer: Writer) -> None:
     if writer.mode == "G93":
         return
     writer.labels += 1
-    writer.behind += [f"O{writer.labels}", f"G1 {writer.axes(0.4)}", "G1 X[#30+1]", "#30=[#30+2]", "M99"]
+    named, writer.named = writer.named, []  # they are the caller's own
+    move = f"G1 {writer.axes(0.4)}"
+    writer.named = named
+    writer.behind += [f"O{writer.labels}", move, "G1 X[#30+1]", "#30=[#30+2]", "M99"]
     writer.put(f"#30={writer.random.randint(0, 5)}")
     writer.lines.append(" ".join([f"M98 P{writer.labels}", writer.random.choice(["", "L2", "L3"])]))
 
@@ -119,7 +122,8 @@ def together(writer: Writer) -> None:
     """Variables set in the block that uses them keep their old values in it."""
     writer.put(f"#1={writer.number(-9, 9)}", f"#2={writer.number(-9, 9)}")
     writer.put(f"G1 X#1 #1=[#1+5] Y[#2*#1] #2=#1 {writer.f()}")
-    writer.put(f"G1 X##3 Y#[#3+1] #3=1 {writer.f()}" if writer.chance(0.3) else f"G1 X#1 Y#2 {writer.f()}")
+    writer.put("#3=1")
+    writer.put(f"G1 X##3 Y#[#3+1] #3=2 {writer.f()}" if writer.chance(0.5) else f"G1 X#1 Y#2 {writer.f()}")
 
 
 def modes_kept(writer: Writer) -> None:

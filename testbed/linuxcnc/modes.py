@@ -50,6 +50,7 @@ def origin(writer: Writer) -> None:
 
 
 def length(writer: Writer) -> None:
+    writer.length_in_inch = writer.inch
     known = "G43 H1" if writer.told_tool else "G43"
     offset = writer.axes(0.3, turning=0.0)
     lift = writer.number(-20, 20)
@@ -58,6 +59,7 @@ def length(writer: Writer) -> None:
 
 
 def tool(writer: Writer) -> None:
+    writer.length_in_inch = writer.inch
     # `rs274` reads its position back behind M6, as it was told it last: offsets of tools would be forgotten
     writer.put("G49")
     writer.to()

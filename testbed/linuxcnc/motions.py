@@ -25,6 +25,7 @@ def deleted(writer: Writer) -> None:
 
 
 def machine(writer: Writer) -> None:
+    writer.to_machine()
     word = writer.random.choice(["G0", "G1", "G0"])
     if writer.mode == "G93":
         word = "G0"
@@ -35,6 +36,7 @@ def machine(writer: Writer) -> None:
 
 
 def reference(writer: Writer) -> None:
+    writer.to_machine()
     writer.put(writer.random.choice(["G28", "G30"]), writer.random.choice(["", writer.axes(0.3), writer.axes(0.3)]))
 
 
@@ -109,7 +111,7 @@ def cycle(writer: Writer) -> None:
             writer.random.choice(["", "", "G98", "G99", word]),
             writer.axes(0.6, flat, turning=0.0),
             writer.random.choice(["", "", "", f"R{top + 1:.4f}", f"{normal}{bottom - 1:.4f}"]),
-            writer.random.choice(["", "", "", "L2" if word != "G74" else "", "", "", "L0"]),
+            writer.random.choice(["", "", "", "L2" if word != "G74" else "", "", "L0" if writer.chance(0.05) else ""]),
         )
     if writer.chance(0.2):
         other = writer.random.choice(["G81", "G85"])

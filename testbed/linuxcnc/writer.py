@@ -19,6 +19,8 @@ class Writer:
         self.subs: list[list[str]] = []
         self.behind: list[str] = []
         """Programs that stand behind the end of the main one."""
+        self.length_in_inch = False
+        """Unit in which a tool offset was put in force."""
         self.told_tool = False
         """Whether there was M61 or T0: the stand-alone interpreter then does not know the length of the tool."""
         self.named: list[str] = []
@@ -80,6 +82,11 @@ class Writer:
             if self.chance(turning):
                 words.append(f"{letter}{self.random.uniform(-2 * reach, 2 * reach):.2f}")
         return " ".join(words)
+
+    def to_machine(self) -> None:
+        """Before machine coordinates: the interpreter of 2.9 mistakes the unit of an offset after G20 and G21."""
+        if self.inch != self.length_in_inch:
+            self.put("G49")
 
     def f(self) -> str:
         """F as the mode of feed wants it."""
