@@ -9,88 +9,19 @@ off the way that the interpreter commands, a time of a motion at feed, a dwell, 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from testbed.linuxcnc_programs import random_program
-from testbed.rs274 import INCH, Judged, Motion, judged
-from toolpace.arrays import Bools, Floats
+from testbed.linuxcnc.canon import INCH, Motion
+from testbed.linuxcnc.job import Cartesian, Job
+from testbed.linuxcnc.programs import random_job
+from testbed.linuxcnc.rs274 import judged
+from testbed.linuxcnc.walk import Walk
 from toolpace.errors import ToolpaceError
 from toolpace.reading import read_text
-from toolpace.reading.coordinates.setup import SetUp, Tool
-from toolpace.toolpath import ToolPath
-from toolpace.units import DEGREE, MILLIMETRE
-
-OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
-AXES = "XYZAC"
-OF_PARAMETERS = dict(zip("XYZABC", range(1, 7)))
-PRINTED = 3e-4
-"""Rounding of a place, in units: four decimals of it and of up to three offsets."""
-
-
-class Cartesian:
-    """A machine with linear joints along its axes, and rotary ones, A and C, that carry nothing."""
-
-    name = "cartesian"
-    joints = tuple(AXES)
-    rotary = (3, 4)
-    travel: Floats = np.array([[-np.inf, np.inf]] * 5)
-    tool_length = 0.075
-
-    def forward(self, q: Floats, /) -> tuple[Floats, Floats]:
-        """Tip (n, 3) and tool axis (n, 3)."""
-        return q[:, :3] - [0.0, 0.0, self.tool_length], np.tile([0.0, 0.0, 1.0], (len(q), 1))
-
-    def rotary_solutions(self, axis: Floats, /) -> tuple[Floats, Bools]:
-        """It turns to no axis."""
-        return np.full((len(axis), 2, 2), np.nan), np.zeros(len(axis), dtype=bool)
-
-
-@dataclass(frozen=True)
-class Job:
-    """A program, and the controller's tables."""
-
-    text: str
-    offsets: dict[str, dict[str, float]] = field(default_factory=dict)
-    """Work offsets by name and axis letter [mm, deg]."""
-    references: dict[int, dict[str, float]] = field(default_factory=dict)
-    """Of G28 (1) and G30 (2)."""
-    tools: dict[int, float] = field(default_factory=dict)
-    """Lengths [mm] by number."""
-
-    def parameters(self) -> dict[int, float]:
-        """Of the interpreter: 5161 and 5181 on are the references, 5221 on the offsets, twenty apart."""
-        found = {5220: 1.0}
-        for first, places in ((5160, self.references.get(1, {})), (5180, self.references.get(2, {}))):
-            found |= {first + OF_PARAMETERS[letter]: _table(letter, value) for letter, value in places.items()}
-        for name, place in self.offsets.items():
-            first = 5220 + 20 * OFFSETS.index(name)
-            found |= {first + OF_PARAMETERS[letter]: _table(letter, value) for letter, value in place.items()}
-        return found
-
-    def setup(self) -> SetUp:
-        """The same tables as our set-up sheet."""
-        zero = dict.fromkeys(AXES, 0.0)
-        return SetUp(
-            offsets={name: {a: _si(a, self.offsets.get(name, {}).get(a, 0.0)) for a in AXES} for name in OFFSETS},
-            references={n: {a: _si(a, self.references.get(n, {}).get(a, 0.0)) for a in AXES} for n in (1, 2)},
-            machine_zero=zero,
-            tools={str(n): Tool(length * MILLIMETRE) for n, length in self.tools.items()},
-            start=zero,
-        )
-
-
-def _table(letter: str, value: float) -> float:
-    return value if letter in "ABC" else value / INCH
-
-
-def _si(letter: str, value: float) -> float:
-    return value * (DEGREE if letter in "ABC" else MILLIMETRE)
 
 
 def difference(job: Job) -> str:
@@ -112,128 +43,6 @@ def _moves(motion: Motion) -> bool:
     return motion.normal >= 0 or bool(np.abs(motion.end - motion.start).max() > 0.0)
 
 
-class Walk:
-    """Our points, one motion of the interpreter after the other."""
-
-    def __init__(self, ours: ToolPath, theirs: Judged) -> None:
-        assert ours.rotary is not None
-        self.ours, self.theirs = ours, theirs
-        turned = ours.rotary / DEGREE
-        nose = ours.tip + np.array([0.0, 0.0, Cartesian.tool_length])
-        self.points = np.column_stack([nose / MILLIMETRE, turned[:, 0], np.zeros(len(turned)), turned[:, 1]])
-        lengths = np.linalg.norm(np.diff(ours.tip, axis=0), axis=1)
-        self.times = np.maximum(np.append(0.0, lengths / ours.feed[1:]), ours.least_time)
-        self.at = 0
-        self.waited = float(ours.dwell[0])
-
-    def difference(self) -> str:
-        """The first; empty where there is none."""
-        if np.abs(self.points[0]).max() > 1e-9:
-            return f"our path begins at {self.points[0]}, not at the machine's zero"
-        for number, motion in enumerate(self.theirs.motions):
-            found = self._motion(motion)
-            if found:
-                return f"motion {number} ({_said(motion)}): {found}"
-        last = self.theirs.motions[-1] if self.theirs.motions else None
-        rest = self.points[self.at + 1 :]
-        if last is not None and len(rest) and np.abs(rest - last.end).max() > 2 * PRINTED * last.unit:
-            return f"we go on to {rest[0].round(4)} (line {self.ours.block[self.at + 1]}), rs274 has ended"
-        waited = float(self.ours.dwell.sum())
-        return "" if math.isclose(waited, self.theirs.waited, abs_tol=1e-3) else (
-            f"we wait {waited:g} s in all, rs274 {self.theirs.waited:g} s"
-        )  # fmt: skip
-
-    def _motion(self, motion: Motion) -> str:
-        near = PRINTED * motion.unit
-        if motion.normal < 0 and np.abs(motion.end - motion.start).max() <= near:
-            return ""
-        if not math.isclose(self.waited, motion.waited, abs_tol=1e-3):
-            return f"we waited {self.waited:g} s before it, rs274 {motion.waited:g} s"
-        way = _Way(motion)
-        spent, first = 0.0, self.at + 1
-        while not way.done(self.points[self.at], near) or self.at < first:
-            self.at += 1
-            if self.at >= len(self.points):
-                return "our path ends before it"
-            off = way.off(self.points[self.at])
-            line = int(self.ours.block[self.at])
-            if off > 3 * near:
-                return f"we go to {self.points[self.at].round(4)} (line {line}), {off:.4g} mm off"
-            if bool(self.ours.rapid[self.at]) != motion.rapid:
-                return f"rapid with one, feed with the other (line {line})"
-            if motion.line and line != motion.line:
-                return f"we are on line {line}, it is of {motion.line}"
-            spent += float(self.times[self.at])
-            self.waited += float(self.ours.dwell[self.at])
-        return "" if motion.rapid else self._of_time(motion, spent, near)
-
-    @staticmethod
-    def _of_time(motion: Motion, spent: float, near: float) -> str:
-        wanted = motion.seconds()
-        rate = (motion.rate / motion.unit) if motion.travels() else motion.turn
-        size = motion.radius() if motion.normal >= 0 else motion.length()
-        doubt = 4 * near / max(size, near) + 1e-4 / max(rate, 1e-4)
-        if abs(spent - wanted) <= wanted * (1e-6 + doubt):
-            return ""
-        return f"we take {spent:g} s, rs274 {wanted:g} s"
-
-
-class _Way:
-    """The places of a motion, and how far along a place is."""
-
-    def __init__(self, motion: Motion) -> None:
-        self.motion = motion
-        self.progress = 0.0
-        """Share of the motion that was gone."""
-        self.way = motion.end - motion.start
-        self.size = float(self.way @ self.way)
-        if motion.normal >= 0:
-            self.axis = np.array(motion.axis)
-            spoke = motion.start[:3] - np.array(motion.centre)
-            self.height = float(spoke @ self.axis)
-            self.u = spoke - self.height * self.axis
-            self.w = np.cross(self.axis, self.u)
-            self.rise = float(self.way[:3] @ self.axis)
-            self.radius = motion.radius()
-
-    def off(self, point: Floats) -> float:
-        """Distance of a place from the way; progress goes on to it."""
-        if self.motion.normal < 0:
-            share = float((point - self.motion.start) @ self.way) / self.size
-            near = PRINTED * self.motion.unit / math.sqrt(self.size)
-            if share < self.progress - near:
-                return float(np.linalg.norm(point - self.motion.start))
-            self.progress = max(self.progress, share)
-            return float(np.linalg.norm(point - self.motion.start - min(share, 1.0) * self.way))
-        spoke = point[:3] - np.array(self.motion.centre)
-        angle = math.atan2(float(spoke @ self.w), float(spoke @ self.u))
-        sweep = self.motion.sweep
-        share = angle / sweep
-        turn = 2 * math.pi / abs(sweep)
-        # the same angle one turn later, where it lies behind what was gone
-        share += turn * math.ceil((self.progress - share) / turn - 1e-3)
-        beyond = (share - 1.0) * abs(sweep) * self.radius
-        if beyond > 4 * PRINTED * self.motion.unit + 1e-6 * self.radius:
-            return beyond  # of the way on the other side of the circle too
-        self.progress = max(self.progress, share)
-        wanted = self.motion.start + share * self.way
-        turned = math.cos(share * sweep) * self.u + math.sin(share * sweep) * self.w
-        wanted[:3] = np.array(self.motion.centre) + turned + (self.height + share * self.rise) * self.axis
-        return float(np.linalg.norm(point - wanted))
-
-    def done(self, point: Floats, near: float) -> bool:
-        """Whether a place is the end."""
-        if self.motion.normal >= 0:
-            missing = (1.0 - self.progress) * abs(self.motion.sweep) * self.radius
-            return missing < 4 * near + 1e-6 * self.radius and bool(np.abs(point - self.motion.end).max() <= 2 * near)
-        return bool(np.abs(point - self.motion.end).max() <= near)
-
-
-def _said(motion: Motion) -> str:
-    kind = "rapid" if motion.rapid else "arc" if motion.normal >= 0 else "feed"
-    return f"{kind} from {motion.start.round(4)} to {motion.end.round(4)}, N{motion.line}"
-
-
 def main(arguments: Iterable[str]) -> int:
     """Compare, print every difference, end with how many there are."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -243,7 +52,7 @@ def main(arguments: Iterable[str]) -> int:
     parser.add_argument("files", nargs="*", type=Path, help="programs to compare in place of random ones")
     given = parser.parse_args(list(arguments))
     jobs = ((str(file), Job(file.read_text(errors="replace"))) for file in given.files) if given.files else (
-        (f"seed {seed}", Job(*random_program(seed))) for seed in range(given.first, given.first + given.programs)
+        (f"seed {seed}", random_job(seed)) for seed in range(given.first, given.first + given.programs)
     )  # fmt: skip
     different = tried = 0
     for name, job in jobs:

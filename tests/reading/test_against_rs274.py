@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from testbed.against_rs274 import Job, difference
-from testbed.linuxcnc_programs import random_program
-from testbed.rs274 import available, judged, read_calls
+from testbed.linuxcnc.canon import read_calls
+from testbed.linuxcnc.programs import random_job
+from testbed.linuxcnc.rs274 import available, judged
 
 linuxcnc = pytest.mark.linuxcnc
 HEAD = "G21 G90 G94 G17 G91.1 F600\n"
@@ -23,7 +24,7 @@ def _installed(request):
 
 
 def different(seeds: range) -> list[str]:
-    found = ((seed, difference(Job(*random_program(seed)))) for seed in seeds)
+    found = ((seed, difference(random_job(seed))) for seed in seeds)
     return [f"seed {seed}: {what}" for seed, what in found if what]
 
 

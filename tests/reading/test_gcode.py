@@ -283,7 +283,6 @@ START = "G0 X0 Y0 Z0\n"
         ("G1 X1) F1", "bracket has no partner"),
         ("G4", "P in seconds"),
         ("G4 K1", "P in seconds"),
-        ("G4 P1 X5", "G4 takes its time alone"),
         ("G4 P-1", "not between 0 and a day"),
         ("P5", "P has no use"),
         ("G2 X1 F100", "lacks its centre: write I and J"),

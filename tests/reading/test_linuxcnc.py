@@ -93,7 +93,28 @@ def test_tool_offsets_in_numbers_need_the_tools_of_a_sheet(block):
 
 
 @pytest.mark.parametrize(
-    "block", ["M61", "M61 Q1.5", "G43.2", "G43.2 H9", "G91 G53 G0 X1", "G2 G53 X1 I3", "S-5", "T-1", "D3", "H1"]
+    "block",
+    [
+        "M61",
+        "M61 Q1.5",
+        "G43.2",
+        "G43.2 H9",
+        "G91 G53 G0 X1",
+        "G2 G53 X1 I3",
+        "S-5",
+        "T-1",
+        "T1.5",
+        "D3",
+        "H1",
+        "G10 L2 X1",
+        "G4 X1",
+        "o5 cal [1]",
+        "o5 endsub",
+        "o5 return",
+        "o5 else",
+        "o5 endif",
+        "(abort, enough)",
+    ],
 )
 def test_blocks_that_its_interpreter_refuses(block):
     with pytest.raises(ProgramError, match=r"part\.nc:3"):
@@ -155,6 +176,22 @@ def test_named_variables_of_the_controller(words, name, wanted):
     assert ends(f"{words}\n\n#1=#<{name}>\nG21 G94 F100\nG1 X[#1] Y1")[0] == pytest.approx(wanted)
 
 
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("3 MOD -2", 1),
+        ("-7 MOD 4", 1),
+        ("1 EQ 1.00001", 1),
+        ("1 NE 1.00001", 0),
+        ("1 NE 1.0002", 1),
+        ("1 GE 1.00001", 0),
+    ],
+)
+def test_expressions_as_its_interpreter_reckons(text, wanted):
+    """ "Binary Operators": numbers are equal that differ by less than 0.0001; MOD is never negative."""
+    assert ends(f"G1 X[{text}] Y1")[0] == wanted
+
+
 def test_a_subprogram_without_a_value_returns_zero():
     """ "#<_value>": zero where the last subprogram returned none."""
     body = "o1 sub\no1 endsub [5]\no2 sub\no2 endsub\no1 call\n#1=#<_value>\no2 call\nG1 X#1 Y[#<_value>]"
@@ -198,3 +235,21 @@ def test_local_variables_begin_at_zero_in_the_main_program_too():
     assert ends("G1 X#1 Y1") == [0, 1, 0]
     with pytest.raises(ProgramError, match="#31"):
         ends("G1 X#31 Y1")
+
+
+def test_each_word_of_a_feed_mode_forgets_f():
+    with pytest.raises(ProgramError, match="feed missing"):
+        ends("G94\nG1 X1")
+    assert ends("G94 F200\nG1 X1") == [1, 0, 0]
+
+
+def test_g4_waits_before_the_motion_of_its_block():
+    path = read_for("linuxcnc", START + "G1 X1\nG4 P2 X3\nM2")
+    assert path.tip[:, 0].tolist() == pytest.approx([0, MM, 3 * MM]) and path.dwell.tolist() == [0, 2, 0]
+
+
+def test_g87_bores_from_below():
+    """ "G87": through the hole beside its axis, up to K at feed and down again, out beside the axis."""
+    assert cycle("G99 G87 X5 Z-4 R2 I1 J0 K-1") == [
+        [5, 10], [5, 2], [6, 2], [6, -4], [5, -4], [5, -1], [5, -4], [6, -4], [6, 2], [5, 2],
+    ]  # fmt: skip

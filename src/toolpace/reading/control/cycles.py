@@ -85,17 +85,7 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
         words[axis] = level
         control.straight(words, 7, rapid=rapid, number=number)
 
-    present = control.words[axis]
-    over = list(hole)
-    if cycle.over is not None:
-        over[axis] = cycle.over
-    elif (cycle.top - present) * down >= 0.0:
-        over[axis] = present
-    else:  # from below the top the tool rises before it goes sideways
-        over[axis] = cycle.top
-        control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
-    control.straight(over, 7, rapid=True)
-    to(cycle.top, True)
+    _arrive(control, cycle, hole, down)
     for k, depth in enumerate(strokes):
         to(cycle.top + down * depth, False)
         if k + 1 == len(strokes):
@@ -121,3 +111,47 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
         with control.feed.held(cycle.out_speed) if cycle.out_speed else nullcontext():
             to(cycle.top if cycle.out == FEED_OUT else cycle.back, False)
     to(cycle.back, True)
+
+
+def _arrive(control: Control, cycle: Drilling, hole: list[float], down: float) -> None:
+    """Rapid over the hole, then to the top."""
+    axis = cycle.axis
+    present = control.words[axis]
+    over = list(hole)
+    if cycle.over is not None:
+        over[axis] = cycle.over
+    elif (cycle.top - present) * down >= 0.0:
+        over[axis] = present
+    else:  # from below the top the tool rises before it goes sideways
+        over[axis] = cycle.top
+        control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
+    control.straight(over, 7, rapid=True)
+    over = list(hole)
+    over[axis] = cycle.top
+    control.straight(over, 7, rapid=True)
+
+
+def bore_backwards(control: Control, cycle: Drilling, hole: list[float], aside: list[float], middle: float) -> None:
+    """Bore a hole from below, from `bottom` up to the level `middle`; the tool goes through it beside its axis.
+
+    aside: the place (3 + rotary) beside the hole at which the tool goes down and up; levels count as in `drill`.
+    After LinuxCNC's interpreter, `convert_cycle_g87`.
+    """
+
+    def to(place: list[float], level: float, rapid: bool) -> None:
+        words = list(place)
+        words[cycle.axis] = level
+        control.straight(words, 7, rapid=rapid)
+
+    _arrive(control, cycle, hole, -1.0)
+    to(aside, cycle.top, True)
+    control.stop()
+    to(aside, cycle.bottom, True)
+    to(hole, cycle.bottom, True)
+    control.stop()
+    to(hole, middle, False)
+    to(hole, cycle.bottom, False)
+    control.stop()
+    to(aside, cycle.bottom, True)
+    to(aside, cycle.back, True)
+    to(hole, cycle.back, True)

@@ -27,6 +27,8 @@ class FeedRules(NamedTuple):
     """Whether F under inverse time is the seconds of the block, not how many such blocks take a minute."""
     kept: bool = False
     """Whether F stays in force when the mode of feed changes."""
+    forgotten: bool = False
+    """Whether F is forgotten at each word of a mode, that in force too."""
 
 
 class Feed:
@@ -46,10 +48,9 @@ class Feed:
 
     def set_mode(self, mode: str) -> None:
         """An F of one mode says nothing in another."""
-        if mode != self.mode:
-            self.mode = mode
-            if not self.rules.kept:
-                self.value = None
+        if (mode != self.mode and not self.rules.kept) or self.rules.forgotten:
+            self.value = None
+        self.mode = mode
 
     def set(self, number: float, unit: float, line: int) -> None:
         """Remember F in units [m] and degrees, a minute or a revolution."""

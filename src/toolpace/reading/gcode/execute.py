@@ -177,8 +177,8 @@ class Executor:
                 raise WordError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
             control.feed.spindle = numbers["S"] / 60.0
         if "T" in numbers:
-            if self.rs274 and numbers["T"] < 0.0:
-                raise WordError(f"T{numbers['T']:g} is below zero: write the number of a tool")
+            if self.rs274 and not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):
+                raise WordError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
             state.next_tool = f"{numbers['T']:g}"
         self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
@@ -222,7 +222,7 @@ class Executor:
         state, control, slots = self.state, self.control, self.control.slots
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
-                if self.rs274 and letter in "HD":
+                if self.rs274 and letter in "HD" and not free:
                     raise WordError(f"{letter} stands without the word that it belongs to, G43, G41 or G42: remove it")
                 control.findings.ignored(letter)
         if state.in_machine:

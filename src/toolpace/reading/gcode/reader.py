@@ -45,7 +45,12 @@ class WordAddressReader:
     ) -> None:
         self.source, self.controller, self.options, self.findings = source, controller, options, findings
         by = controller.option
-        feed = FeedRules(by("turning", "xyz"), by("inverse_seconds", False), by("feed_kept", False))
+        feed = FeedRules(
+            turning=by("turning", "xyz"),
+            inverse_seconds=by("inverse_seconds", False),
+            kept=by("feed_kept", False),
+            forgotten=by("feed_mode_forgets_feed", False),
+        )
         rules = Rules(feed, by("tip_frame_where_switched", False))
         self.control = Control(source, machine, controller, options, findings, rules)
         self.state = Modal(
@@ -121,6 +126,8 @@ class WordAddressReader:
             block = self.blocks.get(text)
             if block is None:
                 block = self._compiled(text)
+            if block.aborts:
+                fail(f"the program ends itself here: {block.aborts}", number)
             if block.empty and not block.name:
                 return
             self._block(block, line)

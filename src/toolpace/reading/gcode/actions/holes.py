@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.cycles import FEED_BACK, FEED_OUT, RAPID_OUT, Drilling, drill
+from toolpace.reading.control.cycles import FEED_BACK, FEED_OUT, RAPID_OUT, Drilling, bore_backwards, drill
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
@@ -43,7 +43,7 @@ KINDS = {
     "bore and dwell": Kind(dwells=True, out=FEED_OUT, needs="P"),
     "bore and stop": Kind(dwells=True, stops=True, needs="P"),
     "bore and orient": Kind(dwells=True, stops=True),
-    "bore backwards": Kind(dwells=True, stops=True),
+    "bore backwards": Kind(dwells=True, stops=True, needs="IJK"),
     "bore by hand": Kind(dwells=True, stops=True, needs="P"),
 }
 FED_BACK = ("tap", "bore and dwell")
@@ -104,9 +104,14 @@ class Holes:
         cycle = self._cycle(letter)
         for _ in range(int(repeats)):
             target, _ = self.motion.target(dict(numbers))
-            if state.cycle == "bore backwards":
+            if state.cycle == "bore backwards" and not self.rs274:
                 control.straight([*target[:2], control.words[2], *target[3:]], 7, rapid=True)
-            drill(control, self._arriving(cycle) if self.rs274 else cycle, target)
+            if not self.rs274:
+                drill(control, cycle, target)
+            elif state.cycle == "bore backwards":
+                bore_backwards(control, self._arriving(cycle), target, *self._aside(target, cycle.bottom))
+            else:
+                drill(control, self._arriving(cycle), target)
 
     def _arriving(self, cycle: Drilling) -> Drilling:
         """The cycle with the level at which LinuxCNC's interpreter (`convert_cycle_xy`) has the tool over the hole.
@@ -120,6 +125,15 @@ class Holes:
             control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
         begins = self.level if self.state.to_initial else cycle.top
         return replace(cycle, over=max(begins, cycle.top, control.words[axis]))
+
+    def _aside(self, hole: list[float], bottom: float) -> tuple[list[float], float]:
+        """Place (3 + rotary) beside the hole, and the upper level, of boring backwards: I, J and K, in XY."""
+        words, unit = self.words, self.state.unit
+        place = list(hole)
+        axis = self.state.drill_axis
+        for slot, letter in enumerate("IJK"):
+            place[slot] += words[letter] * unit if slot != axis else 0.0
+        return place, words["IJK"[axis]] * unit + (0.0 if self.state.absolute else bottom)
 
     def _refuse_in_rs274(self, plane: list[str], drills: bool) -> None:
         """ "All axes missing with motion code", "Cannot put an A in canned cycle"."""
@@ -158,11 +172,12 @@ class Holes:
         if missing in (letter, "R"):
             raise WordError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
         if missing is not None:
-            raise WordError(f"the cycle lacks {missing}: write the depth of a peck as Q, and a dwell as P")
+            raise WordError(f"the cycle lacks {missing}: pecks need Q, dwells P, and boring backwards I, J and K")
         top = words.get("R", 0.0) * unit + (0.0 if state.absolute else self.level)
         bottom = words[letter] * unit + (0.0 if state.absolute else top)
-        back = max(self.level, top) if state.to_initial or state.cycle == "bore backwards" else top
-        if bottom > top and state.cycle != "bore backwards":
+        from_above = self.rs274 or state.cycle != "bore backwards"
+        back = max(self.level, top) if state.to_initial or not from_above else top
+        if bottom > top and from_above:
             raise WordError(f"the cycle's depth {letter} is above R: correct {letter} or R")
         made = Drilling(
             top=top,

@@ -22,6 +22,7 @@ class Modes:
     def __init__(self, control: Control, state: Modal, holes: Holes, by: Controller) -> None:
         self.control, self.state, self.holes = control, state, holes
         self.cycles_apart = by.option("cycles_are_a_group", False)
+        self.rs274 = by.option("rs274_checks", False)
         self.dwell_whole: float = by.option("dwell_whole_s", 1.0)
         self.dwell_point: float = by.option("dwell_point_s", 1.0)
 
@@ -102,10 +103,10 @@ class Modes:
         return value * (self.dwell_whole if "P" in self.state.whole else self.dwell_point)
 
     def _dwell(self, numbers: Numbers, word: str) -> None:
-        letter = next((letter for letter in "PXUF" if letter in numbers), None)
+        letter = next((letter for letter in ("P" if self.rs274 else "PXUF") if letter in numbers), None)
         if letter is None:
             raise WordError(f"{word} needs its time as P in seconds: write it like {word} P0.5")
         value = numbers.pop(letter)
         self.control.dwell(self.seconds(value) if letter == "P" else value)
-        if any(letter in "XYZABCUVW" for letter in numbers):
+        if any(letter in "XYZABCUVW" for letter in numbers) and not self.rs274:
             raise WordError(f"{word} takes its time alone: write the motion in a block of its own")

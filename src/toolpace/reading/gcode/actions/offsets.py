@@ -71,6 +71,7 @@ class Offsets:
 
     def set_offset(self, numbers: Numbers, word: str) -> None:
         """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
+        without = "P" not in numbers
         kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
         if kind in RADII:
             numbers.clear()
@@ -81,7 +82,7 @@ class Offsets:
             return
         if kind not in (2.0, 20.0):
             raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
-        if number != int(number):
+        if number != int(number) or (without and self.always_absolute):
             raise WordError(f"P{number:g} of {word} is the number of an offset: write a whole number")
         name = self._offset_name(int(number), kind) if number else self.offset or "G54"
         if self.offset == "":

@@ -18,6 +18,8 @@ _LATE = re.compile(r"(?<=[0-9.])[ \t]*+/[1-9]?[ \t]*+(?=[A-Z])")
 _EQUALS = re.compile(r"[ \t]*+=")
 _OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
 _SPLIT_NUMBER = re.compile(r"[A-FH-LN-Z][ \t]*+[-+]?[ \t]*+[0-9.]++(?:[ \t]++[0-9.]++)++")
+_ABORT = re.compile(r"\([ \t]*+ABORT[ \t]*+,([^()]*+)\)", re.IGNORECASE)
+_UNKNOWN_O = re.compile(r"O[ \t]*+(?:[0-9]++|<[^<>]*+>)[ \t]*+([A-Z]++)")
 CORNER = "let the CAM system write the corner out as blocks"
 
 
@@ -30,6 +32,8 @@ class Block:
     """Whether it begins with `/`."""
     name: str = ""
     """Of the operation that it begins, from a comment."""
+    aborts: str = ""
+    """Why the program ends itself here, from a comment (ABORT, ...)."""
     fixed: dict[str, float] = field(default_factory=dict)
     computed: list[tuple[str, Node]] = field(default_factory=list)
     codes: list[tuple[str, Node]] = field(default_factory=list)
@@ -57,6 +61,7 @@ class Compiler:
         self.vocabulary, self.deletes = Vocabulary(controller), deletes
         self.nested = controller.option("nested_comments", False)
         self.semicolon_ends = controller.option("semicolon_ends_block", False)
+        self.rs274 = controller.option("rs274_checks", False)
         self.blanks = controller.option("blanks_mean_nothing", False)
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
@@ -73,6 +78,8 @@ class Compiler:
         if "(" in line:
             found = _OPERATION.search(line)
             block.name = found[1].strip() if found else ""
+            aborts = _ABORT.search(line) if self.rs274 else None
+            block.aborts = aborts[1].strip() or "no reason is given" if aborts else ""
         text = without_comments(line, self.nested)
         if self.semicolon_ends and ";" in line and _behind(line):
             block.refused.append((";", "a block stands behind it: write each block on a line of its own"))
@@ -88,6 +95,8 @@ class Compiler:
         block.text, block.empty = text, not text
         if text and text[0] in "OIWDEGSPB:<":
             block.statement = statement(text, self.parser, self.assignments)
+            if self.rs274 and block.statement is not None and block.statement.kind == "header":
+                _refuse_unknown_o_word(text)
         if text and block.statement is None:
             if self.blanks and (" " in text or "\t" in text):
                 block.text = _SPLIT_NUMBER.sub(lambda match: "".join(match[0].split()), text)
@@ -229,6 +238,13 @@ class Compiler:
         else:
             block.computed.append((key, node))
         block.arguments.append((key, node))
+
+
+def _refuse_unknown_o_word(text: str) -> None:
+    """Raise WordError where a word stands behind an O-number: a misspelt call would be passed over."""
+    found = _UNKNOWN_O.match(text)
+    if found:
+        raise WordError(f"{found[1][:20]} is no O-word: write sub, call, while, do, if, repeat or one that ends these")
 
 
 def _behind(line: str) -> bool:

@@ -21,6 +21,8 @@ Node: TypeAlias = "float | Reference | Callable[[Variables], float]"
 """A constant, a variable, or what is made of them."""
 MOST_NESTED = 60
 """Brackets and signs within each other: more is no expression that anybody wrote."""
+EQUAL = 1e-4
+"""Difference of two numbers that EQ takes for none (LinuxCNC, "Binary Operators")."""
 _TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<]))")
 _NAME = re.compile(r"[^>\[\]#]{1,200}>")
 
@@ -137,7 +139,10 @@ class Parser:
                 return left
             self.at = self.end
             right = self.expression(power)
-            left = _equal(text, left, right) if text in ("EQ", "NE") else _combined(operation, left, right)
+            if text in ("EQ", "NE"):
+                left = _equal(text, left, right) if self.bits else _near(text, left, right)
+            else:
+                left = _combined(operation, left, right)
 
     def _named(self, name: str) -> Node:
         self.at = self.end
@@ -213,3 +218,9 @@ def _equal(
     """An empty variable is equal to an empty one only, not to zero (Fanuc)."""
     wanted = name == "EQ"
     return lambda variables: float((value_of(left, variables) == value_of(right, variables)) == wanted)
+
+
+def _near(name: str, left: Node, right: Node) -> float | Callable[[Variables], float]:
+    """Numbers are equal that differ by less than EQUAL (LinuxCNC)."""
+    wanted = name == "EQ"
+    return _combined(lambda a, b: float((abs(a - b) < EQUAL) == wanted), left, right)

@@ -156,6 +156,8 @@ class Flow:
         elif kind == "call":
             self._call_sub(statement)
         elif kind in ("return", "endsub"):
+            if len(self.frames) == 1:
+                self.fail(f"O{statement.name} {kind} stands in no subprogram that was called: write sub before it")
             self._result(statement)
             self.leave()
         elif kind == "sub":
@@ -185,7 +187,10 @@ class Flow:
     def _branch(self, statement: Statement, line: int) -> None:
         layout, frame = self.frame.text.layout, self.frame
         if statement.kind == "endif":
+            self._partner(line)
             return
+        if statement.kind != "if" and line not in layout.end:
+            self.fail(f"O{statement.name} {statement.kind} belongs to no if: write one with its number or name")
         if statement.kind != "if" and frame.arrived != line:
             # the branch before was run: go behind the last one
             frame.next = layout.end.get(line, line) + 1

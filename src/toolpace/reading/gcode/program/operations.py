@@ -48,7 +48,15 @@ OPERATIONS: dict[str, tuple[int, Callable[[float, float], float]]] = {
     "-": (4, lambda a, b: a - b),
     **{name: (3, function) for name, function in _COMPARED.items()},
 }
+
+
+def _never_negative(a: float, b: float) -> float:
+    rest = math.fmod(a, b) if b else _divided(a, b)
+    return rest if rest >= 0.0 else rest + abs(b)
+
+
 TRUTH: dict[str, tuple[int, Callable[[float, float], float]]] = {
+    "MOD": (5, _never_negative),
     "AND": (2, lambda a, b: float(a != 0.0 and b != 0.0)),
     "OR": (2, lambda a, b: float(a != 0.0 or b != 0.0)),
     "XOR": (2, lambda a, b: float((a != 0.0) != (b != 0.0))),

@@ -1,4 +1,4 @@
-"""LinuxCNC's own interpreter (`rs274`), run on a program: its canonical calls as motions in machine coordinates.
+"""Canonical calls of LinuxCNC's interpreter, as its command `rs274` prints them, as motions in machine coordinates.
 
 What it prints: positions in the coordinates of the program, four decimals, in the unit in force; offsets and
 rotation each time that they change. Its canon adds them in this order (LinuxCNC, src/emc/task/emccanon.cc,
@@ -9,24 +9,20 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
-import subprocess
-import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from toolpace.arrays import Floats
 
 INCH = 25.4
-"""mm. Parameters and tool tables of an interpreter without a machine's file are in inches and degrees."""
-LINE_PRINT = re.compile(r"\s*\d+\s+N(\S+)\s+([A-Z_0-9]+)\((.*)\)\s*$")
+"""[mm]"""
+LINE_PRINT = re.compile(r"\s*\d+\s+N([0-9.]+)\s*([A-Z_][A-Z_0-9]*)\((.*)\)\s*$")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|nan|inf)(?:[eE][-+]?\d+)?")
 _NORMALS = {"XY": 2, "XZ": 1, "YZ": 0}
-SECONDS = 20.0
-"""Most time of one program."""
+UNSAID = ("NURBS_FEED", "NURBS_G5_FEED", "NURBS_G6_FEED", "STRAIGHT_PROBE", "RIGID_TAP")
+"""Motions of which the print does not tell the way: splines (only how many points they have), probes."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +102,8 @@ class _Canon:
     motions: list[Motion] = field(default_factory=list)
     place: Floats = field(default_factory=lambda: np.zeros(6))
     """Where the machine is (6,)."""
+    coarsest: float = 1.0
+    """Of the units so far: places and offsets that were printed in it keep its rounding."""
 
     def scaled(self, values: list[float]) -> Floats:
         return np.array(values) * np.array([self.unit] * 3 + [1.0] * 3)
@@ -133,7 +131,7 @@ class _Canon:
         self.words = self.scaled(values[:6])
         end = self.machine(self.words)
         speeds = (math.inf, math.inf) if rapid else self.speeds()
-        self.motions.append(Motion(line, rapid, self.place, end, self.unit, *speeds, waited=self.waited))
+        self.motions.append(Motion(line, rapid, self.place, end, self.coarsest, *speeds, waited=self.waited))
         self.place = end
 
     def arc(self, line: int, values: list[float]) -> None:
@@ -152,7 +150,7 @@ class _Canon:
         sweep = _sweep(self.place[:3] - middle, target[:3] - middle, axis, int(turns), self.unit)
         self.motions.append(
             Motion(
-                line, False, self.place, target, self.unit, *self.speeds(), normal,
+                line, False, self.place, target, self.coarsest, *self.speeds(), normal,
                 tuple(axis.tolist()), tuple(middle.tolist()), sweep, self.waited,
             )
         )  # fmt: skip
@@ -172,6 +170,7 @@ class _Canon:
 
     def units(self, text: str) -> None:
         self.unit = INCH if "INCHES" in text else 1.0
+        self.coarsest = max(self.coarsest, self.unit)
 
     def dwell(self, values: list[float]) -> None:
         self.waited += values[0]
@@ -189,42 +188,6 @@ def _sweep(a: Floats, b: Floats, axis: Floats, turns: int, unit: float) -> float
     angle = 0.0 if near else -(-angle % (2 * math.pi))
     whole = turns if near else turns + 1
     return angle + 2 * math.pi * whole
-
-
-def available() -> str | None:
-    """Path of `rs274`; None where LinuxCNC is not installed."""
-    return shutil.which("rs274")
-
-
-def judged(
-    program: str,
-    parameters: Mapping[int, float] | None = None,
-    tools: Mapping[int, float] | None = None,
-    *,
-    block_delete: bool = True,
-    seconds: float = SECONDS,
-) -> Judged:
-    """What `rs274` makes of a program.
-
-    parameters: of the interpreter, by number [inch, deg]. tools: length by number [inch]; tool n stands in pocket n.
-    """
-    with tempfile.TemporaryDirectory(prefix="rs274.") as folder:
-        place = Path(folder)
-        (place / "part.ngc").write_text(program, encoding="utf-8")
-        lines = [f"{number} {value:.12f}" for number, value in sorted((parameters or {5220: 1.0}).items())]
-        (place / "part.var").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        table = [f"T{number} P{number} Z{length:.12f}" for number, length in sorted((tools or {}).items())]
-        (place / "part.tbl").write_text("\n".join(table) + "\n", encoding="utf-8")
-        command = ["rs274", *(["-b"] if block_delete else []), "-g", "-v", "part.var", "-t", "part.tbl", "part.ngc"]
-        done = subprocess.run(
-            command, cwd=place, env={"HOME": folder, "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8"}, timeout=seconds,
-            capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, errors="replace",
-        )  # fmt: skip
-    if done.returncode not in (0, 1):
-        raise RuntimeError(f"rs274 ended with {done.returncode}: {done.stderr[-500:]}")
-    said = [line for line in done.stderr.splitlines() if line.strip() and line != "executing"]
-    error = (" | ".join(said) or "refused") if done.returncode else ""
-    return read_calls(done.stdout, error)
 
 
 def read_calls(text: str, error: str = "") -> Judged:
@@ -249,6 +212,8 @@ def read_calls(text: str, error: str = "") -> Judged:
         if match is None or canon.ended:
             continue
         number, name, inside = match.groups()
+        if name in UNSAID:
+            raise ValueError(f"{name}: `rs274` does not print where it goes")
         if name == "USE_LENGTH_UNITS":
             canon.units(inside)
         elif name == "SELECT_PLANE":

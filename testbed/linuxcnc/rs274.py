@@ -1,0 +1,50 @@
+"""LinuxCNC's own interpreter, the command `rs274`, run on a program in a folder of its own."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from testbed.linuxcnc.canon import Judged, read_calls
+
+SECONDS = 20.0
+"""Most time of one program."""
+
+
+def available() -> str | None:
+    """Path of `rs274`; None where LinuxCNC is not installed."""
+    return shutil.which("rs274")
+
+
+def judged(
+    program: str,
+    parameters: Mapping[int, float] | None = None,
+    tools: Mapping[int, float] | None = None,
+    *,
+    block_delete: bool = True,
+    seconds: float = SECONDS,
+) -> Judged:
+    """What `rs274` makes of a program.
+
+    parameters: of the interpreter, by number [inch, deg]. tools: length by number [inch]; tool n stands in pocket n.
+    """
+    with tempfile.TemporaryDirectory(prefix="rs274.") as folder:
+        place = Path(folder)
+        (place / "part.ngc").write_text(program, encoding="utf-8")
+        lines = [f"{number} {value:.12f}" for number, value in sorted((parameters or {5220: 1.0}).items())]
+        (place / "part.var").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        table = [f"T{number} P{number} Z{length:.12f}" for number, length in sorted((tools or {}).items())]
+        (place / "part.tbl").write_text("\n".join(table) + "\n", encoding="utf-8")
+        command = ["rs274", *(["-b"] if block_delete else []), "-g", "-v", "part.var", "-t", "part.tbl", "part.ngc"]
+        done = subprocess.run(
+            command, cwd=place, env={"HOME": folder, "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8"}, timeout=seconds,
+            capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, errors="replace",
+        )  # fmt: skip
+    if done.returncode not in (0, 1):
+        raise RuntimeError(f"rs274 ended with {done.returncode}: {done.stderr[-500:]}")
+    said = [line for line in done.stderr.splitlines() if line.strip() and line != "executing"]
+    error = (" | ".join(said) or "refused") if done.returncode else ""
+    return read_calls(done.stdout, error)
