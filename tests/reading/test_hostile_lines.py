@@ -62,3 +62,10 @@ def test_odd_lines_are_read_in_time(case):
 def test_a_scale_that_begins_with_its_point():
     text = HEIDENHAIN.format("CYCL DEF 11.0 SCALING\nCYCL DEF 11.1 SCL.5")
     assert read_text(text, None, "gcode", controller="heidenhain").tip[-1, 0] == pytest.approx(0.0005)
+
+
+@pytest.mark.parametrize("cell", ["1_0", "\u0663", "", "0x1", "1 2", "--1"])
+def test_the_cell_of_a_table_that_is_no_number_is_named(cell):
+    with pytest.raises(ProgramError, match=f"^program:3: '{cell}' is no number") as caught:
+        read_text(f"x [mm],y [mm],z [mm]\n0,0,0\n1,{cell},3\n", None, "csv")
+    assert caught.value.line == 3
