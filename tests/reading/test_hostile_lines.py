@@ -26,6 +26,8 @@ WRONG = {
     "conditions": ("heidenhain", HEIDENHAIN, f"FN 9: IF 1 {'NE GOTO ' * 450}", "is written IF"),
     "dwell": ("heidenhain", HEIDENHAIN, f"CYCL DEF 9.1 DWELL{BLANKS}x", "has one figure"),
     "quoted semicolons": ("heidenhain", HEIDENHAIN, 'QS1 = "' + ";" * 1_000_000, "at most 4096 are read"),
+    "loop that cannot be read": ("sinumerik", SINUMERIK, "FOR R1=1 TO 1e30\nENDFOR", "1e30"),
+    "choice that cannot be read": ("sinumerik", SINUMERIK, "IF R1==\nELSE\nENDIF", "IF R1=="),
     "M function": ("sinumerik", SINUMERIK, f"M{'9' * 400}", "are whole numbers"),
 }
 RIGHT = {
