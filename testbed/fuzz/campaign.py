@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from testbed.fuzz import coverage
 from testbed.fuzz.mutations import Mutator
-from testbed.fuzz.oracle import Wrong
+from testbed.fuzz.oracle import SLOW, Wrong
 from testbed.fuzz.targets import Asked, Target
 
 WEIGHED = 400
@@ -43,8 +43,8 @@ class Campaign:
     seen: set[int] = field(default_factory=set)
     found: dict[str, Found] = field(default_factory=dict)
 
-    def run(self, seconds: float, say: Callable[[str], None]) -> None:
-        """Try seeds, then changes of what was kept, for so much CPU time."""
+    def run(self, seconds: float, say: Callable[[str], None], enough: Callable[[], bool] = lambda: False) -> None:
+        """Try seeds, then changes of what was kept, for so much CPU time or until it is enough."""
         chance = random.Random(self.seed)
         mutator = Mutator(chance, self.target.words)
         began = time.process_time()
@@ -52,7 +52,7 @@ class Campaign:
             for machine_given in (Asked(), Asked(skip_unknown=True), Asked(machine="", skip_unknown=True)):
                 self.trial(data, machine_given, say)
         last = 0.0
-        while self.seconds < seconds:
+        while self.seconds < seconds and not enough():
             pool = self.kept[-FRESH:] if chance.random() < 0.33 else self.kept
             data, asked = chance.choice(pool)
             asked = Asked.at_random(chance) if chance.random() < 0.3 else asked
@@ -71,7 +71,8 @@ class Campaign:
             if wrong.kind in self.found:
                 self.found[wrong.kind].times += 1
             else:
-                data = self._smaller(data, lambda less: self._kind(less, asked, weighed) == wrong.kind)
+                trials = 20 if wrong.kind in SLOW else MOST_TRIALS
+                data = self._smaller(data, lambda less: self._kind(less, asked, weighed) == wrong.kind, trials)
                 self.found[wrong.kind] = Found(wrong.kind, str(wrong), data, asked)
                 say(f"WRONG {wrong}\n  {data!r}\n  {asked}")
             coverage.features()

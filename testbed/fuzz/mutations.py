@@ -6,18 +6,18 @@ import random
 import re
 from collections.abc import Callable, Sequence
 
-LONGEST = 3000
-"""Bytes of an input."""
+LONGEST = 6000
+"""Bytes of an input: longer than a number that Python makes whole."""
 NUMBERS = [
     b"0", b"-0", b"1", b"-1", b"2", b".", b"-", b"", b"0.0001", b"1e300", b"1e-300", b"nan", b"inf", b"9" * 20,
-    b"9" * 400, b"-9999999", b"99999", b"1.5", b"3.", b".5", b"2147483648", b"9223372036854775808", b"360", b"90",
-    b"-90", b"1000000", b"0x1F", b"1_0", b"\xd9\xa3",
+    b"9" * 400, b"9" * 4400, b"-9999999", b"99999", b"1.5", b"3.", b".5", b"2147483648", b"9223372036854775808", b"360",
+    b"90", b"-90", b"1000000", b"0x1F", b"1_0", b"\xd9\xa3",
 ]  # fmt: skip
 SCRAPS = [
     b"(", b")", b"[", b"]", b"<", b">", b"#", b"=", b"+", b"-", b"*", b"/", b",", b".", b":", b";", b'"', b"'", b"$",
     b"%", b"~", b"@", b"&", b"!", b"_", b" ", b"\t", b"\n", b"\r", b"\r\n", b"\f", b"\v", b"\x00", b"\x1a", b"\x1b[2J",
     b"\x7f", b"\xff", b"\xef\xbb\xbf", b"\xc3\xa9", b"\xe2\x80\xa8", b"\xc2\x85", b"\xd9\xa0", b"\xc4\xb1", b"\xc3\x9f",
-    b"**", b"<>", b"==", b"[[[[[[[[", b"((((((((", b"#[#[#[", b"]]]]", b"- - -",
+    b"**", b"<>", b"==", b"[[[[[[[[", b"((((((((", b"#[#[#[", b"]]]]", b"- - -", b" " * 200,
 ]  # fmt: skip
 _NUMBER = re.compile(rb"\d+\.?\d*|\.\d+")
 _WORD = re.compile(rb"[A-Za-z_$#<>]+[0-9.]*|\S")

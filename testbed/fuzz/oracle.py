@@ -20,9 +20,14 @@ SECONDS = 2.0
 """CPU time that an input of some kilobytes may take."""
 SECONDS_A_POINT = 20e-6
 """More for every point of its path: few words may ask for many."""
-LONGEST_MESSAGE = 2000
+LONGEST_MESSAGE, LONGEST_LIST = 2000, 10_000
+"""Characters of a message, and of one that lists many kinds of refused words."""
 MEMORY_A_BYTE, MEMORY, MEMORY_A_POINT = 10.0, 64e6, 1500.0
 """Bytes that reading may take for a byte of input, for any input, and for a point of its path."""
+
+
+SLOW = ("slow", "no end")
+"""Kinds of what goes wrong that take long to be tried again."""
 
 
 class Wrong(Exception):
@@ -45,7 +50,7 @@ def tried(read: Callable[[], ToolPath | None], *, weighed: int = 0) -> ToolpaceE
     began = time.process_time()
     limit = SECONDS * (5 if weighed else 1)
     signal.signal(signal.SIGVTALRM, _overdue)
-    signal.setitimer(signal.ITIMER_VIRTUAL, 10.0 * limit)
+    signal.setitimer(signal.ITIMER_VIRTUAL, 3.0 * limit)
     if weighed:
         tracemalloc.start()
     path, error = None, None
@@ -57,7 +62,7 @@ def tried(read: Callable[[], ToolPath | None], *, weighed: int = 0) -> ToolpaceE
         error = raised
         _judge_message(str(raised))
     except _OverdueError:
-        raise Wrong(f"no end after {10 * limit:g} s") from None
+        raise Wrong("no end", f"after {3 * limit:g} s") from None
     except Wrong:
         raise
     except BaseException as raised:
@@ -90,7 +95,7 @@ def _kind(error: BaseException) -> str:
 def _judge_message(message: str) -> None:
     if not message.strip() or not message.isprintable():
         raise Wrong("message that is no printable line", repr(message)[:500])
-    if len(message) > LONGEST_MESSAGE:
+    if len(message) > (LONGEST_LIST if "kinds of words" in message else LONGEST_MESSAGE):
         raise Wrong("long message", f"{len(message)} characters: {message[:300]}")
 
 

@@ -114,7 +114,8 @@ def program(dialect: str, controller: Controller | None) -> Read:
             found = inspect_source(source, options, [machine] if machine else [], named, asked.feed)
             if (error is None) != (not found.refused):
                 raise Wrong("inspect tells another thing than reading", f"{error!r}: {found.refused!r}"[:600])
-            for text in (*map(str, found.refused), *found.assumed, *found.not_on.values(), found.reason, *found.tools):
+            setup_of_text(setup_sheet(source.name, found.used, machine, options.setup))
+            for text in (*map(str, found.refused), *found.assumed, *found.not_on.values(), found.reason):
                 if not text.isprintable() or len(text) > 2000:
                     raise Wrong("inspect tells what is no printable line", repr(text)[:300])
 

@@ -72,6 +72,7 @@ def test_a_controller_like_another_says_only_what_differs():
         ('name = "own"\n', "language '' is not known"),
         (f'name = "own"\nlanguage = "{"x" * 3000}"\n', f"language '{'x' * 40}' is not known"),
         (OWN + "meaning = 3\n", "meaning"),
+        (OWN + '[[signs]]\npattern = "a{99999999999}"\nreason = "x"\n', "own.toml"),
         (OWN + '[[signs]]\npattern = "("\nreason = "x"\n', "own.toml"),
     ],
 )
@@ -79,6 +80,22 @@ def test_wrong_files_are_one_line(text, words):
     with pytest.raises(UsageError) as caught:
         Controller.from_toml(text, "own.toml")
     assert words in str(caught.value) and str(caught.value).startswith("own.toml: ")
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("[options]\nlocal_variables = nan\n", "option local_variables = nan must be from 0 to 10000"),
+        ("[options]\nlocal_variables = 1e300\n", "option local_variables = 1e+300 must be from 0 to 10000"),
+        ("[options]\nsystem_variables_from = inf\n", "option system_variables_from = inf must be from 0 to 10000"),
+        ("[options]\ndwell_whole_s = -1.0\n", "option dwell_whole_s = -1 must be from 0 to 10000"),
+        (f'[meanings]\nG1 = "{"z" * 3000}"\n', f"G1 = '{'z' * 40}' is no meaning that is known"),
+    ],
+)
+def test_options_and_meanings_that_cannot_be_are_told_before_a_program_is_read(text, words):
+    with pytest.raises(UsageError) as caught:
+        read_text("G0 X1\nM30\n", None, "gcode", controller=Controller.from_toml(OWN + text, "own.toml"))
+    assert words in str(caught.value) and len(str(caught.value)) < 2000
 
 
 MAZAK = """\

@@ -74,3 +74,22 @@ def test_what_is_found_can_be_printed():
     assert [*findings.skipped, *findings.assumptions, *(each.word for each in findings.refusals)] == [
         "PAINT\\x1b", "tool \\u2028 is long", "FEDRAT/\\x1a",
     ]  # fmt: skip
+
+
+def test_long_words_are_cut_short():
+    findings = Findings()
+    findings.ignored("P" * 5000)
+    findings.refused("Q" * 5000, 1, "remove it")
+    assert list(findings.skipped) == ["P" * 80 + "..."] and findings.refusals[0].word == "Q" * 80 + "..."
+
+
+def test_words_with_one_cure_are_listed_together():
+    findings = Findings()
+    for line, (word, cure) in enumerate([("G7", "remove it"), ("G8", "let it be"), ("G9", "remove it")], start=1):
+        findings.refused(word, line, cure)
+    with pytest.raises(ProgramError) as caught:
+        findings.raise_if_refused(SOURCE)
+    assert str(caught.value) == (
+        "part.apt: 3 kinds of words are not read: G7 (first line 1), G9 (first line 3): remove it; "
+        "G8 (first line 2): let it be"
+    )

@@ -11,6 +11,8 @@ from toolpace.reading.source import Source
 
 MOST_LISTED = 60
 """Refused words that a message lists: a file of more kinds is of another dialect."""
+LONGEST_WORD = 80
+"""Characters of a word that are shown; what is longer is a slip."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +28,13 @@ class Refusal:
     """What to write in its place, or to leave out."""
 
     def __str__(self) -> str:
+        return f"{self.place}: {self.cure}"
+
+    @property
+    def place(self) -> str:
+        """The word and where it stands."""
         times = f", {self.count} times" if self.count > 1 else ""
-        return f"{self.word} (first line {self.line}{times}): {self.cure}"
+        return f"{self.word} (first line {self.line}{times})"
 
 
 @dataclass
@@ -74,7 +81,7 @@ class Findings:
 
     def ignored(self, word: str) -> None:
         """Count a word that has no meaning for motion."""
-        self.skipped[printable(word)] += 1
+        self.skipped[_shown(word)] += 1
 
     def assumed(self, sentence: str) -> None:
         """Note what the program leaves open and how it was taken; a sentence said before is not said again."""
@@ -82,7 +89,7 @@ class Findings:
 
     def refused(self, word: str, line: int, cure: str) -> None:
         """Note a word that is not read; later ones are counted, with the line and the cure of the first."""
-        word = printable(word)
+        word = _shown(word)
         known = self._refusals.get(word)
         if known is None:
             self._refusals[word] = Refusal(word, line, 1, cure)
@@ -100,10 +107,23 @@ class Findings:
             times = f" (it stands {only.count} times)" if only.count > 1 else ""
             source.fail(f"{only.word} is not read: {only.cure}{times}", only.line)
         elif refusals:
-            listed = "; ".join(map(str, refusals[:MOST_LISTED]))
+            listed = _listed(refusals[:MOST_LISTED])
             if len(refusals) > MOST_LISTED:
                 listed += f"; and {len(refusals) - MOST_LISTED} more"
             raise ProgramError(f"{len(refusals)} kinds of words are not read: {listed}", source=source.name)
+
+
+def _shown(word: str) -> str:
+    """A word as messages have it, in one line."""
+    return printable(word if len(word) <= LONGEST_WORD else f"{word[:LONGEST_WORD]}...")
+
+
+def _listed(refusals: tuple[Refusal, ...]) -> str:
+    """Refused words in order, those with one cure together."""
+    by_cure: dict[str, list[str]] = {}
+    for refusal in refusals:
+        by_cure.setdefault(refusal.cure, []).append(refusal.place)
+    return "; ".join(f"{', '.join(places)}: {cure}" for cure, places in by_cure.items())
 
 
 def _skips(refusal: Refusal) -> str:

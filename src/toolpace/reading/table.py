@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
@@ -107,8 +108,10 @@ def _numbers(source: Source, rows: list[tuple[int, str]], delimiter: str, width:
             source.fail(f"this row has {len(cells)} cells, the header {width}: complete it", line)
         for cell in cells:
             try:
-                float(cell)
+                plain = math.isfinite(float(cell)) and cell.isascii() and "_" not in cell
             except ValueError:
+                plain = False
+            if not plain:
                 source.fail(f"'{cell.strip()[:20]}' is no number: write it like -12.5", line)
     source.fail("the rows of this table cannot be read: write plain numbers under its header", rows[0][0])
 

@@ -16,6 +16,8 @@ LANGUAGES = ("word-address", "sinumerik", "heidenhain")
 Option = TypeVar("Option", bool, float, str)
 LONGEST = 1 << 20
 """Most characters of a controller's file."""
+MOST = 10_000.0
+"""Of a number that is an option: seconds, millimetres, and numbers of variables."""
 
 
 class Sign(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -73,7 +75,9 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
                 raise UsageError(f"controller file {given}: {reason}") from None
             near = did_you_mean(given, cls.names())
-            raise UsageError(f"controller '{given}' is not known: {near}; or give the path of a .toml file") from None
+            raise UsageError(
+                f"controller '{given[:200]}' is not known: {near}; or give the path of a .toml file"
+            ) from None
 
     @classmethod
     def from_toml(cls, text: str, source: str = "controller file") -> Controller:
@@ -82,7 +86,7 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             found = msgspec.toml.decode(text, type=cls)
             for sign in found.signs:
                 re.compile(sign.pattern)
-        except (msgspec.DecodeError, re.error, ValueError, RecursionError) as error:
+        except (msgspec.DecodeError, re.error, ValueError, OverflowError, RecursionError) as error:
             raise UsageError(f"{source}: {error}; see `toolpace controllers fanuc --toml` for an example") from None
         if found.like:
             found = _upon(found, source)
@@ -105,7 +109,9 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if not isinstance(value, type(default)):
-            raise UsageError(f"{self.source}: option {name} = {value!r} must be of the kind of {default!r}")
+            raise UsageError(f"{self.source}: option {name} = {value!r:.40} must be of the kind of {default!r}")
+        if isinstance(value, float) and not 0.0 <= value <= MOST:
+            raise UsageError(f"{self.source}: option {name} = {value:g} must be from 0 to {MOST:g}: correct it")
         return value
 
 

@@ -20,7 +20,7 @@ from toolpace.units import DEGREE
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
 _ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:(F\s*MAX|F\s*AUTO|PREDEF)|(" + VALUE + "))")
 _AXIS = re.compile(r"(CC|I?)([A-CU-Z])\s*(" + VALUE + ")")
-_FIGURE = re.compile(r"[^-+0-9,Q]*?\.?\s*(" + VALUE + r")\s*")
+_FIGURE = re.compile(r"(?:[^-+0-9,.Q]|\.(?![0-9]))*+(" + VALUE + r")\s*+")
 OLD_PECKING = {1: 200, 2: 201, 3: 202, 4: 211, 5: 206}
 """Lines of cycle 1 to the parameters of cycle 200 that mean the same."""
 ORIENTATION = 13

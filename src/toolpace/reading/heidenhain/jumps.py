@@ -16,7 +16,7 @@ _NAME = r"(?:LBL\s*)?(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+))"
 _CALL = re.compile(_NAME + r"(?:\s*REP\s*([0-9]+|Q[LR]?[0-9]+)(?:\s*/\s*[0-9]+)?)?")
 _FUNCTION = re.compile(r"([0-9]+)\s*:\s*(.*)")
 _RESULT = re.compile(r"(Q[LR]?[0-9]+)\s*=\s*(.+)")
-_IF = re.compile(r"IF\s*(.+?)\s*(EQU|NE|GT|LT)\s*(.+?)\s*GOTO\s*(LBL.*)")
+_TEST = re.compile(r"EQU|NE(?!G)|GT|LT")
 MESSAGES = (15, 16, 19, 20, 29, 37, 38)
 """FN that print, send, and wait for the machine: no motion."""
 
@@ -87,12 +87,13 @@ class Jumps:
 
     def jump(self, number: int, text: str) -> Step:
         """FN 9 to 12: IF a EQU b GOTO LBL."""
-        found = _IF.fullmatch(text)
-        name = re.fullmatch(_NAME, found[4].strip()) if found else None
-        if found is None or name is None:
+        condition, _, label = text.partition("GOTO")
+        found = _TEST.search(condition)
+        name = re.fullmatch(_NAME, label.strip())
+        if found is None or name is None or not text.startswith("IF"):
             raise BlockError(f"FN {number} is written IF +Q1 EQU +Q2 GOTO LBL 5: correct it")
-        left, right = formula(found[1], self.parameters), formula(found[3], self.parameters)
-        test = found[2]
+        left = formula(condition[len("IF") : found.start()], self.parameters)
+        right, test = formula(condition[found.end() :], self.parameters), found[0]
 
         def run() -> None:
             a, b = evaluate(left), evaluate(right)

@@ -35,6 +35,8 @@ _TEXT = re.compile(r"(?:DECLARE\s+STRING\s+)?(QS[0-9]+)\s*=\s*\"([^\"]*)\"")
 _SIZE = re.compile(r"R?\s*(" + VALUE + ")")
 TENTH, WHOLE = "tenth", "inch"
 """Units of F in programs in inches: 0.1 inch a minute is the control's own; inch a minute is what NX's post writes."""
+LONGEST = 4096
+"""Characters of a block; cycles need a few hundred, and expressions on longer ones might take long."""
 UNKNOWN = "no statement of Klartext that is read: correct it, or leave it out if it moves nothing"
 
 
@@ -93,6 +95,8 @@ class Statements:
 
     def compile(self, text: str) -> Step:
         """The step of a block. Raises BlockError."""
+        if len(text) > LONGEST:
+            raise BlockError(f"the block has {len(text)} characters, at most {LONGEST} are read: divide it")
         found = _FIRST.match(text)
         word = found[0] if found else ""
         rest = text[len(word) :].strip()

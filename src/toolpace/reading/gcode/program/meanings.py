@@ -76,8 +76,8 @@ class Vocabulary:
         for word, meaning in self.meanings.items():
             if meaning not in GROUP_OF:
                 raise UsageError(
-                    f"{controller.source or controller.name}: {word} = '{meaning}' is no meaning that is known: "
-                    f"use one of {', '.join(GROUP_OF)}"
+                    f"{controller.source or controller.name}: {word[:40]} = '{meaning[:40]}' is no meaning that is "
+                    f"known: use one of {', '.join(GROUP_OF)}"
                 )
 
     def of(self, letter: str, value: float) -> Action | str | None:

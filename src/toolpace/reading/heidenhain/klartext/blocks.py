@@ -10,6 +10,8 @@ from toolpace.reading.source import Source
 
 _NUMBER = re.compile(r"[0-9]+(?=[\s/;*]|$)")
 _ITEM = re.compile(r"Q[0-9]{3,4}\s*=\s*(?:[-+]?(?:[0-9.,]+|Q[LR]?[0-9]+)|F\s*MAX|F\s*AUTO|PREDEF)")
+_QUOTED = re.compile(r"(?:[^\";]++|\"[^\"]*+(?:\"|$))*+")
+"""All up to the first semicolon that stands in no text."""
 _OPERATION = re.compile(r"(?:TOOL NAME|OPERATION)\b[\s:=]*(\S.*)")
 
 
@@ -58,6 +60,7 @@ def _continues(first: str, text: str) -> bool:
 def without_comment(text: str) -> tuple[str, str]:
     """What stands before the semicolon, and behind it; one within quotation marks is text."""
     at = text.find(";")
-    while at >= 0 and text.count('"', 0, at) % 2:
-        at = text.find(";", at + 1)
+    if at >= 0 and '"' in text[:at]:
+        quoted = _QUOTED.match(text)
+        at = quoted.end() if quoted and quoted.end() < len(text) else -1
     return (text.strip(), "") if at < 0 else (text[:at].strip(), text[at + 1 :].strip())

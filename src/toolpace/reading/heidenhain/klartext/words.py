@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, number
 
-VALUE = r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+|Q[LR]?[0-9]+)"
+VALUE = r"[-+]?(?:[0-9]++[.,]?[0-9]*+|[.,][0-9]++|Q[LR]?[0-9]++)"
 _WORD = re.compile(
     r"\s*(?:(F\s*MAX(?!T)|F\s*AUTO|MAX|RL|RR|R0(?![0-9.,])|R[-+](?![0-9.,Q])|DR\s*[-+](?![0-9.,Q]))"
     r"|(I?P[RA]|CCA|LEN|MB|LA|DR2|D[LR]|I?[A-CU-Z]|[NT][XYZ]|FMAXT|F[UZT]|[EFMRST])\s*(" + VALUE + r")?)"

@@ -18,11 +18,13 @@ LARGEST = 16 << 20
 """Most bytes of a subprogram's file."""
 MOST_FILES = 200
 LONGEST_NAME = 64
-_OPENING = re.compile(r"[ \t]*%_N_([A-Z0-9_]+?)(?:_(MPF|SPF))?[ \t]*(?:;.*)?", re.IGNORECASE)
-_PROCEDURE = re.compile(r"[ \t]*(?:N[0-9]+[ \t]*)?PROC[ \t]+([A-Z_][A-Z0-9_]*)", re.IGNORECASE)
+_OPENING = re.compile(r"[ \t]*+%_N_([A-Z0-9_]+?)(?:_(MPF|SPF))?[ \t]*+(?:;.*)?", re.IGNORECASE)
+_PROCEDURE = re.compile(r"[ \t]*+(?:N[0-9]++[ \t]*+)?PROC[ \t]++([A-Z_][A-Z0-9_]*+)", re.IGNORECASE)
 _WORDS = "IF|ELSE|ENDIF|FOR|ENDFOR|WHILE|ENDWHILE|LOOP|ENDLOOP|REPEAT|UNTIL"
+# Blanks are never given back: several runs of them that could share one take its length to the fourth power.
 _STRUCTURED = re.compile(
-    rf"[ \t]*(?:/[0-9]?)?[ \t]*(?:[N:][ \t]*[0-9]+)?[ \t]*(?:\w+[ \t]*:)?[ \t]*(?:{_WORDS})\b", re.IGNORECASE
+    rf"[ \t]*+(?:/[0-9]?+[ \t]*+)?(?:[N:][ \t]*+[0-9]++[ \t]*+)?(?:\w++[ \t]*+:[ \t]*+)?(?:{_WORDS})\b",
+    re.IGNORECASE,
 )
 CLOSES = {"ENDIF": "IF", "ELSE": "IF", "ENDFOR": "FOR", "ENDWHILE": "WHILE", "ENDLOOP": "LOOP", "UNTIL": "REPEAT"}
 
@@ -65,17 +67,20 @@ class Routine:
         """
         found: dict[int, int] = {}
         opened: list[tuple[str, int]] = []
+        spoilt: StructureFault | None = None  # the first IF or FOR that cannot be read, which is why others do not fit
         for index, text in enumerate(self.lines):
             if not _STRUCTURED.match(text):
                 continue
-            flow = self.read(index)[1].block.flow
-            kind = "" if flow is None else flow.kind
+            block = self.read(index)[1].block
+            kind = "" if block.flow is None else block.flow.kind
+            if block.fault and spoilt is None:
+                spoilt = StructureFault(block.fault, index)
             if kind in ("IF", "FOR", "WHILE", "LOOP", "REPEAT"):
                 opened.append((kind, index))
             elif kind in CLOSES:
                 if not opened or opened[-1][0] != CLOSES[kind]:
                     inside = f", the last open one is {opened[-1][0]}" if opened else ""
-                    raise StructureFault(
+                    raise spoilt or StructureFault(
                         f"{kind} stands without its {CLOSES[kind]}{inside}: correct the nesting", index
                     )
                 _, start = opened.pop()
@@ -85,7 +90,7 @@ class Routine:
                 elif kind != "ENDIF":
                     found[index] = start
         if opened:
-            raise StructureFault(f"{opened[-1][0]} is never closed: write its end", opened[-1][1])
+            raise spoilt or StructureFault(f"{opened[-1][0]} is never closed: write its end", opened[-1][1])
         return found
 
     @cached_property

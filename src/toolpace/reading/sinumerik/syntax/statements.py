@@ -115,7 +115,7 @@ def _exact(text: str) -> Block:
 
 def code(letter: str, value: float) -> str:
     """G1 of G01."""
-    if value != int(value) or not 0 <= value < 1e6:
+    if not 0 <= value < 1e6 or value != int(value):
         raise SyntaxFault(f"{letter}{value:g} is no code: they are whole numbers, like {letter}1")
     return f"{letter}{int(value)}"
 
