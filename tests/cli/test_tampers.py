@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import re
 import shutil
 from types import SimpleNamespace
@@ -361,6 +362,17 @@ def test_any_changed_column_fails(again, capsys, seed):
     again.arrays(change)
     code, said = again.verdict(capsys)
     assert code == 1 and "FAILED" in said
+
+
+@pytest.mark.parametrize("name", ["plan.json", "machine.toml", "setpoints.npz", "program.ngc", "setpoints.csv", "x"])
+@pytest.mark.parametrize("device", ["/dev/zero", None])
+def test_a_pipe_or_a_device_in_place_of_a_file_is_refused(again, name, device, capsys):
+    """Reading it would not end."""
+    path = again.folder / name
+    path.unlink(missing_ok=True)
+    path.symlink_to(device) if device else os.mkfifo(path)
+    code, said = again.verdict(capsys)
+    assert code == 2 and f"{name}: is a pipe or a device" in said and len(said.splitlines()) == 1
 
 
 def test_a_plan_of_a_file_whose_ending_is_none_is_verified(tmp_path, capsys):

@@ -37,6 +37,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
 
     if not os.path.isdir(folder):  # noqa: PTH112 (that of Path raises where the name is too long)
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
+    refuse_pipes(folder)
     record = write.read_plan(folder)
     program = program_in(folder, record)
     with steps.step("reading") as step:
@@ -60,6 +61,26 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
             raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
         seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
         return record, replace(found, checks=(*found.checks, seal))
+
+
+def refuse_pipes(folder: Path) -> None:
+    """Raise UsageError where a name in a folder is that of a pipe or a device: reading it might never end."""
+    from toolpace.files import reason
+
+    try:
+        with os.scandir(folder) as entries:
+            strange = sorted(each.name for each in entries if os.path.exists(each) and not plain(each))  # noqa: PTH110
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
+    if strange:
+        raise UsageError(
+            f"{printable(str(folder / strange[0]))}: is a pipe or a device, not a file; plan again, into a new folder"
+        )
+
+
+def plain(entry: os.DirEntry[str]) -> bool:
+    """Whether it is a file or a folder, or leads to one."""
+    return entry.is_file() or entry.is_dir()
 
 
 def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadOptions:
