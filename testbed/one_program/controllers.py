@@ -129,6 +129,12 @@ class LinuxCnc(WordAddress):
         self.block(f"o{self.word} endwhile")
         return True
 
+    def say_holes(self, node: Holes) -> bool:
+        # its interpreter feeds out to the level that is gone back to, and not to R alone (rs274, convert_cycle)
+        if node.kind in ("tap", "bore and dwell") and not node.to_top:
+            return False
+        return super().say_holes(node)
+
 
 class MillPlus(WordAddress):
     """MillPlus IT, as far as posts for it tell."""
