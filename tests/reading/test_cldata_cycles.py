@@ -81,6 +81,11 @@ def test_waits_are_at_the_bottom_in_seconds_or_revolutions_and_break_chips():
     assert chips.dwell.tolist() == [0, 0, 0.25, 0, 0.25, 0]
 
 
+def test_where_the_spindle_turns_back_the_motion_rests():
+    tapped = path("GOTO/0,0,50\nCYCLE/TAP,RAPTO,3,FEDTO,-10,MMPM,250\nGOTO/0,0,0\nCYCLE/OFF\nRAPID\nGOTO/9,0,50")
+    assert (tapped.tip[tapped.stop, 2] * 1e3).tolist() == pytest.approx([50, -10, 50])
+
+
 @pytest.mark.parametrize(
     ("feed", "mm_min"),
     [("MMPM,250", 250), ("IPM,10", 254), ("MMPR,0.1", 200), ("IPR,0.01", 508), ("PERMIN,30", 30)],

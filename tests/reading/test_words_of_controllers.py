@@ -354,3 +354,29 @@ def test_arcs_of_millplus_take_the_centre_that_fits():
         assert np.abs(radii - 10).max() < 1e-6
     with pytest.raises(ProgramError, match="equally far from both ends"):
         read_for("millplus", f"{start}G3 X20. Y31.5 I-10. J0.\nM30")
+
+
+def test_tool_vectors_are_in_the_coordinates_that_the_tip_is_in():
+    """A-79348E: the frame is fixed to the table where it stands when G43.5 is read; I, J, K are in it."""
+    program = "G90 G21 G94 F600\nG0 X0. Y0. Z50. A0. C90.\nG43.5 H1\nG1 X10. I0.6 J0. K0.8\nM30"
+    trunnion = Machine.load("xyzac-trunnion")  # whose table turns about -Z for a positive C
+    assert read_for("fanuc", program, trunnion).axis[-1].tolist() == pytest.approx([0.0, 0.6, 0.8])
+
+
+def test_roundings_do_not_choose_the_centre_of_a_full_circle():
+    """MillPlus: all that I and J may mean makes both radii equal; the position is meant, as Autodesk's post writes."""
+    start = "X-1.154330708661 Y-0.561417322835"
+    program = f"G90 G70 G94\nG0 {start} Z1.\nG2 {start} I-0.10157480315 J-0.463779527559 F142.\nM30"
+    path = read_for("millplus", program)
+    away = np.hypot(*(path.tip[:, :2] / 0.0254 - [-0.10157480315, -0.463779527559]).T)
+    assert away == pytest.approx(away[0])
+
+
+def test_a_turn_of_the_joints_to_a_plane_begins_where_the_joints_are():
+    """The slides stand, with a tool that is not the machine's own and joints that are turned."""
+    trunnion = Machine.load("xyzac-trunnion")
+    setup = SetUp(tools={"1": Tool(0.2)})
+    begin = "G90 G21 G94\nT1 M6\nG54\nG43 H1\nG0 X10. Y20. Z50. A5. C10."
+    path = read_for("fanuc", f"{begin}\nG68.2 X0. Y0. Z0. I10. J30. K0.\nG53.1\nM30", trunnion, setup=setup)
+    joints = trunnion.joints_at(path.tip, path.rotary)[:, [trunnion.joints.index(letter) for letter in "XYZ"]]
+    assert len(path) > 5 and np.ptp(joints, axis=0) == pytest.approx(0.0, abs=1e-12)

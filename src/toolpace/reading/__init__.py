@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+from toolpace.reading.collector import at_rest
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.dialect import CONTROLS
 from toolpace.reading.feeds import FeedChange, apply_feed
 from toolpace.reading.findings import Findings
-from toolpace.reading.languages import reader_of, recognised
+from toolpace.reading.languages import Recognised, reader_of, recognised
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
@@ -95,15 +96,21 @@ def read_source(
     options.check(machine)
     findings = Findings() if findings is None else findings
     found = recognised(source, dialect, options)
+    with at_rest():
+        toolpath = _run(found, source, machine, options, findings)
+    return toolpath if change is None else change.apply(toolpath)
+
+
+def _run(
+    found: Recognised, source: Source, machine: Kinematics | None, options: ReadOptions, findings: Findings
+) -> ToolPath:
     if found.dialect == CONTROLS:
         assert found.controller is not None
-        toolpath = reader_of(source, machine, found.controller, options, findings).run()
-    elif found.dialect == "cldata":
+        return reader_of(source, machine, found.controller, options, findings).run()
+    if found.dialect == "cldata":
         from toolpace.reading.cldata.reader import ClReader
 
-        toolpath = ClReader(source, options, findings).run()
-    else:
-        from toolpace.reading.table import read_table
+        return ClReader(source, options, findings).run()
+    from toolpace.reading.table import read_table
 
-        toolpath = read_table(source, default_feed=options.default_feed)
-    return toolpath if change is None else change.apply(toolpath)
+    return read_table(source, default_feed=options.default_feed)

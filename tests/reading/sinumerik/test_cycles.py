@@ -95,6 +95,12 @@ def test_patterns_of_holes():
     assert deep[:, :2] == pytest.approx(np.stack([1 + 10 * np.cos(angles), 2 + 10 * np.sin(angles)], axis=1))
 
 
+def test_between_the_holes_of_a_pattern_the_tool_stays_where_the_cycle_left_it():
+    path = read("MCALL CYCLE81(3,0,1,-2)\nHOLES1(10,20,90,5,10,3)\nMCALL", start="G54 G64 F300\nG0 X0 Y0 Z5\n")
+    first = int(np.argmin(path.tip[:, 2]))
+    assert path.tip[first:, 2].max() == pytest.approx(3e-3)
+
+
 def test_a_cycle_without_mcall_runs_where_the_tool_stands():
     path = read("CYCLE81(5,0,1,-2)\nG0 X9", start="G54 G64 F300\nG0 X3 Y4 Z5\n")
     assert (path.tip[-1] * 1e3).tolist() == pytest.approx([9, 4, 5]) and path.tip[:, 2].min() == pytest.approx(-0.002)

@@ -37,6 +37,7 @@ class Step(NamedTuple):
     feeds: bool = False
     """At the feed of the cycle; else a rapid."""
     dwells: bool = False
+    stops: bool = False
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,8 @@ class Cycle:
     """Pecks step back by `back`, else to `start`."""
     back: float = GAP
     feeds_out: bool = False
+    stops: bool = False
+    """Whether the motion comes to rest at the bottom: the spindle turns back."""
     dwell: float | None = None
     """Wait at the bottom [s], or in revolutions."""
     dwell_revolutions: bool = False
@@ -77,7 +80,7 @@ class Cycle:
             else:
                 yield Step(self.start)
                 yield Step(min(self.start, depth + GAP))
-        yield Step(self.bottom, feeds=True, dwells=True)
+        yield Step(self.bottom, feeds=True, dwells=True, stops=self.stops)
         if self.feeds_out:
             yield Step(self.start, feeds=True)
         yield Step(retract)
@@ -182,6 +185,7 @@ class CycleReader:
         return replace(
             cycle,
             feeds_out=feeds_out,
+            stops="TAP" in given,
             pecks=pecks,
             breaks_chips="BRKCHP" in given,
             back=lengths["BACK"][0] if "BACK" in given else GAP,

@@ -63,8 +63,10 @@ class Drilling:
         x, y, z = point
         i, j, k = axis
         steps = self._steps_at(cycle, point, axis)
-        for height, feeds, dwells in steps:
+        for height, feeds, dwells, stops in steps:
             self.track.move((x + height * i, y + height * j, z + height * k), line, cut if feeds else RAPID)
+            if stops:
+                self.track.stop()
             if dwells and cycle.dwell:
                 self.track.stop(self.feed.seconds(cycle.dwell, cycle.dwell_revolutions, "CYCLE", self._line))
         self._steps += len(steps)

@@ -48,6 +48,9 @@ def _move(control: Control, joints: list[float], *, rapid: bool) -> None:
     """Move to joints (3 + rotary) [m, rad]; words then speak of the place that is reached."""
     placement, moves, line = control.placement, control.moves, control.line
     rate = Rate() if rapid else control.feed.rate(None, line)
+    if placement.tip_mode and len(moves):
+        # the way begins at the joints, and the last row is a tip
+        moves.add(_joints(control), Rate(), line, JUMP, False, control.named)
     moves.add(joints, rate, line, RAPID if rapid else FEED, False, control.named)
     place = joints
     if placement.tip_mode:

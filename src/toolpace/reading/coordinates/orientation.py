@@ -18,6 +18,11 @@ class Orientation:
 
     def __init__(self, poses: Poses) -> None:
         self.poses = poses
+        machine = poses.machine
+        self.travel: list[list[float]] = (
+            [] if machine is None else np.asarray(machine.travel, dtype=float)[list(poses.rotary)].tolist()
+        )
+        """Lowest and highest position of each rotary joint [rad]."""
 
     def rotary(self, axis: list[float], present: list[float], sign: int = 0) -> tuple[list[float], str]:
         """Rotary positions [rad] for a tool axis (3,) on the part, and what is wrong, or "".
@@ -31,23 +36,19 @@ class Orientation:
         length = math.hypot(*axis)
         if not 1e-6 < length < 1e6:
             return [], "the tool vector is zero: give the direction from the tip to the spindle"
-        unit = np.array([axis]) / length
-        solutions, pole = machine.rotary_solutions(unit)
-        travel = np.asarray(machine.travel)[list(self.poses.rotary)]
+        unit = [value / length for value in axis]
+        solutions, pole = machine.rotary_solutions(np.array([unit]))
         choices = []
-        for solution in np.asarray(solutions)[0]:
-            if np.isnan(solution).any():
-                continue
-            wanted = [float(value) for value in solution]
+        for wanted in solutions[0].tolist():
             if bool(pole[0]):
                 wanted[0] = present[0]
-            if sign and wanted[1] * sign < -FREE:
+            if any(map(math.isnan, wanted)) or (sign and wanted[1] * sign < -FREE):
                 continue
-            turned = [near(value, here, low, high) for value, here, (low, high) in zip(wanted, present, travel)]
-            if all(value is not None for value in turned):
+            turned = [near(value, here, *ends) for value, here, ends in zip(wanted, present, self.travel)]
+            if None not in turned:
                 choices.append([value for value in turned if value is not None])
         if not choices:
-            shown = ", ".join(f"{value:.4g}" for value in unit[0])
+            shown = ", ".join(f"{value:.4g}" for value in unit)
             return [], (
                 f"machine '{machine.name}' cannot bring its tool to the direction {shown} within the travel of "
                 f"{' and '.join(self.poses.rotary_names)}: choose a machine that can, or clamp the part otherwise"

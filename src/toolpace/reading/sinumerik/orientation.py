@@ -103,9 +103,10 @@ class Vectors:
             if fault:
                 raise ValueFault(fault)
             words = [x - y for x, y in zip(wanted, shift)]
-            middle = control.poses.axis([(x + y) / 2 + z for x, y, z in zip(here, words, shift)])
-            meant = between(first, last, (begin + share) / 2)
-            if halved < MOST_HALVINGS and math.dist(middle, meant) > AXIS_GAP:
+            turned = sum(abs(y - x) for x, y in zip(here, words))
+            # each way leaves its chord by at most the square of the turn over eight: below this both are one
+            apart = halved < MOST_HALVINGS and turned * turned > 4.0 * AXIS_GAP
+            if apart and self._strays(first, last, (begin + share) / 2, here, words):
                 ends.append(((begin + share) / 2, halved + 1))
                 ends[-2] = (share, halved + 1)
                 continue
@@ -113,6 +114,14 @@ class Vectors:
             begin, here = share, words
             ends.pop()
         return done
+
+    def _strays(
+        self, first: list[float], last: list[float], share: float, here: list[float], words: list[float]
+    ) -> bool:
+        """Whether rotary words halfway between two are off the great circle at its share."""
+        shift = self.control.placement.shift or (0.0,) * len(words)
+        middle = self.control.poses.axis([(x + y) / 2 + z for x, y, z in zip(here, words, shift)])
+        return math.dist(middle, between(first, last, share)) > AXIS_GAP
 
 
 def between(a: list[float], b: list[float], share: float) -> list[float]:

@@ -13,6 +13,8 @@ FARTHEST = 1e6
 """Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""
 MOST_TURNS = 1000
 """Most whole turns of an arc (P): more is a slip, and would fill memory with points."""
+ROUNDING = 1e-12
+"""Of a radius [m]."""
 _CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
 
 
@@ -80,21 +82,22 @@ class ArcReader:
         """The centre that lies equally far from both ends, of those that the words may mean."""
         first, second = ((0, 1), (2, 0), (1, 2))[plane]
         complete = all(letter in arc_words for letter, _ in _CENTRES[plane])
-        off: dict[float, list[float]] = {}
+        fits: list[tuple[float, list[float]]] = []
         for absolute, sign in ((True, 1.0), (False, 1.0), (False, -1.0)):
             if absolute and not complete:
                 continue
             centre = self._centre(arc_words, start, plane, absolute, sign)
             radii = [math.hypot(end[first] - centre[first], end[second] - centre[second]) for end in (start, target)]
-            off.setdefault(abs(radii[1] - radii[0]), centre)
-        best = min(off)
+            fits.append((abs(radii[1] - radii[0]), centre))
+        best = min(off for off, _ in fits)
         if best > 1e-4:
             raise ArcError(
                 "the arc's centre is equally far from both ends neither as a position nor as a distance from the "
                 "start: correct I, J, K"
             )
         self.control.findings.assumed("I, J, K of arcs mean what makes both radii equal: a position, or a distance")
-        return off[best]
+        # all fit a full circle: then it is the first, and roundings do not choose
+        return next(centre for off, centre in fits if off <= best + ROUNDING)
 
     def _refuse_far(self, value: float, letter: str) -> None:
         if not abs(value) <= FARTHEST * self.state.unit:

@@ -11,7 +11,7 @@ from toolpace.reading.arcs import Arc
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.corners import ROUND, SIDES, Corners
 from toolpace.reading.control.feed import INVERSE
-from toolpace.reading.control.tool_axis import rotary_for
+from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
@@ -192,10 +192,11 @@ class MotionReader:
         return self.state.vectors and any(letter in numbers for letter in "IJK")
 
     def _rotary_of(self, vector: dict[str, float]) -> list[float]:
+        """Rotary words of a tool axis, which is in the program's coordinates as the tip is (A-79348E, G43.5)."""
         size = math.hypot(*vector.values())
         if size < 1e-6:
             raise WordError("the tool axis I, J, K is zero: give the direction from the tip to the spindle")
-        return rotary_for(self.control, [value / size for value in vector.values()])
+        return rotary_for(self.control, direction_on_part(self.control, list(vector.values())))
 
     def _refuse_word(self, letter: str) -> None:
         if letter in _USES:

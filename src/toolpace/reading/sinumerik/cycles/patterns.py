@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.sinumerik.given import Arguments
@@ -14,20 +15,18 @@ MOST = 10_000
 """Holes of a pattern."""
 
 
-def places(name: str, values: list[Value | None], control: Control, state: State) -> list[list[float]]:
-    """Words (3 + rotary) of the holes of a pattern, in their order."""
+def places(name: str, values: list[Value | None], control: Control, state: State) -> Iterator[list[float]]:
+    """Words (3 + rotary) of the holes of a pattern, in their order; each as high as the one before was left."""
     arguments = Arguments(name, values, 12)
     if name == "HOLES1":
         points = _row(arguments)
     else:
         points = _circle(arguments)
     first, second = ((0, 1), (2, 0), (1, 2))[state.plane]
-    found = []
     for a, b in points:
         words = list(control.words)
         words[first], words[second] = a * state.unit, b * state.unit
-        found.append(words)
-    return found
+        yield words
 
 
 def _count(arguments: Arguments, place: int) -> int:
