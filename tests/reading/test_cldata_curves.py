@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from toolpace.errors import ProgramError
 from toolpace.reading import read_text
-from toolpace.reading.splines import Spline, SplineError
+from toolpace.reading.curves.splines import Spline, SplineError
 from toolpace.toolpath import ToolPath
 
 

@@ -192,7 +192,7 @@ def test_set_position_names_the_place_where_the_machine_is():
 
 
 def test_a_frame_shifts_and_turns_words_and_arcs_start_and_end_on_it():
-    from toolpace.reading.arcs import arc_about
+    from toolpace.reading.curves.arcs import arc_about
 
     made = control(None)
     made.set_frame(affine.product(affine.shift((0.1, 0.0, 0.0)), affine.rotation(2, math.pi / 2)))

@@ -6,8 +6,8 @@ import math
 import re
 from typing import NamedTuple
 
-from toolpace.reading.arcs import Arc, ArcError, Vector, arc_about
 from toolpace.reading.cldata.words import NUMBER, Statement, figure, numbers
+from toolpace.reading.curves.arcs import Arc, ArcError, Vector, arc_about
 from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
 

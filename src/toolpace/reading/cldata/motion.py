@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from toolpace.reading.arcs import Arc
 from toolpace.reading.cldata.circles import Circle, circle_arc
 from toolpace.reading.cldata.drilling import Drilling
 from toolpace.reading.cldata.feed import ClFeed
 from toolpace.reading.cldata.frame import ClFrame
 from toolpace.reading.cldata.track import RAPID, Point, Track
 from toolpace.reading.cldata.words import Statement, numbers
+from toolpace.reading.curves.arcs import Arc
+from toolpace.reading.curves.splines import Spline
 from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
-from toolpace.reading.splines import Spline
 
 UPRIGHT = (0.0, 0.0, 1.0)
 """The tool axis with which a program and each TOOL PATH begin."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.reading.cldata.words import Statement, numbers
+from toolpace.reading.curves.splines import Spline, SplineError
 from toolpace.reading.source import Source
-from toolpace.reading.splines import Spline, SplineError
 
 PARTS = frozenset(("KNOT", "CNTRL", "WEIGHT"))
 

@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.reading.arcs import Arc, ArcTable
 from toolpace.reading.cldata.feed import Caps
 from toolpace.reading.control.unroll import slerp
+from toolpace.reading.curves.arcs import Arc, ArcTable
+from toolpace.reading.curves.splines import Spline
 from toolpace.reading.findings import Findings
 from toolpace.reading.points import ProgramFacts, ProgramPoints, assemble, unit_axes
 from toolpace.reading.source import Source
-from toolpace.reading.splines import Spline
 from toolpace.toolpath import Operation, ToolPath
 
 MOST_POINTS = 50_000_000

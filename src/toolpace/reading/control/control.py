@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
-from toolpace.reading.arcs import Arc
-from toolpace.reading.beziers import Bezier
 from toolpace.reading.control.feed import Feed, FeedRules
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, Rate
 from toolpace.reading.control.operations import Operations
@@ -23,6 +21,8 @@ from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.coordinates.orientation import Orientation
 from toolpace.reading.coordinates.placement import Datum
 from toolpace.reading.coordinates.setup import Position
+from toolpace.reading.curves.arcs import Arc
+from toolpace.reading.curves.beziers import Bezier
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.points import ProgramFacts, refuse_still

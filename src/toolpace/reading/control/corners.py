@@ -6,8 +6,8 @@ import math
 from contextlib import nullcontext
 from typing import NamedTuple
 
-from toolpace.reading.arcs import plane_arc
 from toolpace.reading.control.control import Control
+from toolpace.reading.curves.arcs import plane_arc
 
 ROUND, SIDES, EDGE = "round", "sides", "edge"
 """What the size of a corner is: the radius, how much of both lines is cut away, or the length of the new edge."""

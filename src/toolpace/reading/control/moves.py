@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.reading.arcs import Arc
-from toolpace.reading.beziers import Bezier
+from toolpace.reading.curves.arcs import Arc
+from toolpace.reading.curves.beziers import Bezier
 
 RAPID, FEED, JUMP = 0.0, 1.0, 2.0
 """Kinds of rows. A jump is no motion: it re-reads the same place in the other mode (tip or joints)."""

@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.reading.arcs import Arc, ArcTable
-from toolpace.reading.beziers import Bezier, BezierTable
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.reading.coordinates.kinematics import Poses
+from toolpace.reading.curves.arcs import Arc, ArcTable
+from toolpace.reading.curves.beziers import Bezier, BezierTable
 from toolpace.reading.points import SAME, ProgramFacts, ProgramPoints, assemble
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.reading.arcs import Arc
-from toolpace.reading.beziers import Bezier
+from toolpace.reading.curves.arcs import Arc
+from toolpace.reading.curves.beziers import Bezier
 
 Matrix = tuple[tuple[float, float, float, float], ...]
 """Three rows of a 4 by 4 matrix: rotation and shift; the fourth is (0, 0, 0, 1)."""

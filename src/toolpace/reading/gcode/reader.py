@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 
-from toolpace.reading.arcs import ArcError
-from toolpace.reading.beziers import CurveError
 from toolpace.reading.control.control import Control, Rules
 from toolpace.reading.control.corners import CornerError
 from toolpace.reading.control.feed import FeedRules
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
+from toolpace.reading.curves.arcs import ArcError
+from toolpace.reading.curves.beziers import CurveError
 from toolpace.reading.findings import Findings
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.execute import Executor

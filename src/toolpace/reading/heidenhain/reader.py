@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from toolpace.reading.arcs import ArcError
 from toolpace.reading.control.control import Control, Rules
 from toolpace.reading.control.feed import FeedRules
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
+from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from toolpace.reading.arcs import Arc
 from toolpace.reading.control.corners import Corner
+from toolpace.reading.curves.arcs import Arc
 from toolpace.units import MILLIMETRE
 
 INCH = 25.4 * MILLIMETRE
@@ -14,7 +14,7 @@ PLANES = ("YZ", "ZX", "XY")
 OF_AXIS = ((1, 2), (2, 0), (0, 1))
 """First and second axis of the plane across each axis."""
 ARC_PLANE = (2, 1, 0)
-"""Its number in `reading.arcs`."""
+"""Its number in `reading.curves.arcs`."""
 
 
 @dataclass

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from toolpace.reading.arcs import ArcError
 from toolpace.reading.control.joint_moves import reference
+from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik.cycles.holes import Holes
 from toolpace.reading.sinumerik.cycles.patterns import places
 from toolpace.reading.sinumerik.cycles.swivel import swivel

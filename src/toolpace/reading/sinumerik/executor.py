@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from toolpace.reading.arcs import ArcError
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik import state as modes
 from toolpace.reading.sinumerik.commands import Commands
 from toolpace.reading.sinumerik.feed_words import FeedWords

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.arcs import Arc, ArcError, centre_of_radius, plane_arc
 from toolpace.reading.control.control import Control
+from toolpace.reading.curves.arcs import Arc, ArcError, centre_of_radius, plane_arc
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import WordError
 

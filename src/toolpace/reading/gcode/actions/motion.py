@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.reading.arcs import Arc
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.corners import ROUND, SIDES, Corners
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
+from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.program.words import WordError

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from toolpace.reading.beziers import Bezier, CurveError, curves_of, even_knots
 from toolpace.reading.control.control import Control
+from toolpace.reading.curves.beziers import Bezier, CurveError, curves_of, even_knots
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.program.words import Numbers, WordError

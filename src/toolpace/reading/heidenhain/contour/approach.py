@@ -9,9 +9,9 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from toolpace.reading.arcs import plane_arc
 from toolpace.reading.control.feed import PER_MINUTE
 from toolpace.reading.control.moves import RAPID
+from toolpace.reading.curves.arcs import plane_arc
 from toolpace.reading.heidenhain.contour.circles import Circles
 from toolpace.reading.heidenhain.contour.motion import Axis, Step
 from toolpace.reading.heidenhain.contour.polar import POLAR, Polar

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.arcs import Arc, centre_of_radius, plane_arc
 from toolpace.reading.control.control import Control
+from toolpace.reading.curves.arcs import Arc, centre_of_radius, plane_arc
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.arcs import arc_about
+from toolpace.reading.curves.arcs import arc_about
 from toolpace.reading.heidenhain.contour.circles import Circles
 from toolpace.reading.heidenhain.contour.motion import Axis, Step
 from toolpace.reading.heidenhain.klartext.expressions import evaluate

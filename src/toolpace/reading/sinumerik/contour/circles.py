@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.arcs import Arc, ArcError, arc_about, centre_of_radius, plane_arc
 from toolpace.reading.control.control import Control
+from toolpace.reading.curves.arcs import Arc, ArcError, arc_about, centre_of_radius, plane_arc
 from toolpace.reading.sinumerik.given import Words, bounded, number
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from toolpace.reading.beziers import CurveError, curves_of, even_knots
 from toolpace.reading.control.control import Control
+from toolpace.reading.curves.beziers import CurveError, curves_of, even_knots
 from toolpace.reading.sinumerik.given import Words, number
 from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.arcs import arc_about, plane_arc
 from toolpace.reading.control.control import Control
+from toolpace.reading.curves.arcs import arc_about, plane_arc
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.reading.arcs import SAG
+from toolpace.reading.curves.arcs import SAG
 
 MOST_ORDER = 10
 """Most order of a spline, its degree and one: more is a slip, and its points lose their digits."""

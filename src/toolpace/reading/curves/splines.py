@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.reading.arcs import SAG
+from toolpace.reading.curves.arcs import SAG
 
 DEGREE = 3
 KNOT_DECIMALS = 10

@@ -1,0 +1,1 @@
+"""Curves of programs, kept exact until points are laid along them."""
