@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from toolpace.reading.collector import at_rest
+from toolpace.reading.control.collector import at_rest
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.coordinates.setup import SetUp
