@@ -109,3 +109,23 @@ def test_jerks_that_no_number_bounds_fail_and_hold_nothing_back():
         assert {check.joint for check in checks} == set(motions.machine().joints)
         assert not sum(shares.values())
     assert sum(usage_of(1.0, 0.1)[1].values()) > 0.1
+
+
+def test_the_share_of_what_binds_is_that_of_its_set_points():
+    """An acceleration at twice its limit now and then, and the feed in one step, whatever is said of jerks."""
+    peaks, n = motions.peaks(POINTS), len(POINTS)
+    machine = motions.with_limits(motions.machine(), **{kind: 1.3 * peak for kind, peak in peaks.items()})
+    limit = np.append(1.3 * peaks["acceleration"][:-1], 0.5 * peaks["acceleration"][-1])
+    machine = motions.with_limits(machine, acceleration=limit)
+    last = machine.joints[-1]
+    known = ["feed", *(f"{kind} {joint}" for kind in ("velocity", "acceleration", "jerk") for joint in machine.joints)]
+    still = int(np.flatnonzero(np.abs(POINTS.qdd[:, -1]) < 1e-3 * limit[-1])[5])
+    use = np.zeros(n - 1)
+    use[still] = 1.0
+    for jerk in (None, 0.5):
+        said = {"usage": {"jerk": dict.fromkeys(machine.joints, jerk)}}
+        shares = UsageFigures(said, POINTS, machine, None, SimpleNamespace(ratio=use), 1e-3).shares(known)
+        binds = np.abs(POINTS.qdd[:, -1]) >= 0.995 * limit[-1]
+        assert {name: share for name, share in shares.items() if share} == {
+            "feed": 2.0 / n, f"acceleration {last}": binds.sum() / n
+        }  # fmt: skip
