@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.kernels.motion import between_nodes, usage
+from toolpace.kernels.motion import between_nodes, spline_peaks, usage
 from toolpace.kernels.optimal import first_guess
 from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw
@@ -61,7 +61,7 @@ class Look:
         self.hints = np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes)
         """(k,) places between nodes where the path's derivatives may bend: no probe would hit a top there."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
-        """By the first cell of a chunk: three derivatives (3, n k, m) of the path, and caps (n k,) on ds/dt."""
+        """By the first cell of a chunk: three derivatives (n, 3, m, k) of the path, and caps (n, k) on ds/dt."""
 
     def peaks(self, law: SplineLaw, workers: Workers | None = None) -> Peaks:
         """The peaks in all cells."""
@@ -167,33 +167,32 @@ class Look:
         unlike = ~(between_nodes.unlike(nodes[:-1], *ends, middle, length, z, *of_joints) <= UNLIKE)
         unlike[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, count - 2)] |= ~np.isin(self.run.breaks, nodes)
         self.hiding[which] = unlike
-        out = np.empty((3, len(which) * len(inside), q.shape[2]))
+        out = np.empty((len(which), 3, q.shape[2], len(inside)))
         between_nodes.path_between(np.arange(len(which)), *ends, length, inside, out)
         if self.run.smooth_cap:
             quarters = [self.run.speed_cap(nodes[:-1] + share * length) for share in (0.25, 0.75)]
             five = np.stack([cap[: count - 1], quarters[0], cap_middle, quarters[1], cap_high[1:]])
-            told, bend = caps_between(five, inside)
-            caps = told.ravel()
+            caps, bend = caps_between(five, inside)
             unlike |= ~(bend <= BENT)
         else:
-            caps = self.run.speed_cap(np.clip(probes(nodes, inside), self.run.s0, self.run.s1))
+            caps = self.run.speed_cap(np.clip(probes(nodes, inside), self.run.s0, self.run.s1)).reshape(len(which), -1)
         self.unlike[which] = unlike
         if unlike.any():
-            at = (np.flatnonzero(unlike)[:, None] * len(inside) + np.arange(len(inside))).ravel()
-            out[:, at], caps[at] = self._asked(which[unlike], inside)
+            out[unlike], caps[unlike] = self._asked(which[unlike], inside)
         return out, caps
 
     def _asked(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
-        """Derivatives and caps at the shares `inside` of some cells, asked at each."""
+        """Derivatives (n, 3, m, k) and caps (n, k) at the shares `inside` (k,) of some cells, asked at each."""
         s = probes(np.stack([self.nodes[which], self.nodes[which + 1]], axis=1), inside)
         q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
-        return np.ascontiguousarray(q[1:]), cap
+        by_cell = q[1:].reshape(3, len(which), len(inside), -1).transpose(1, 0, 3, 2)
+        return np.ascontiguousarray(by_cell), cap.reshape(len(which), -1)
 
     def _of(self, which: Ints, law: SplineLaw, q: Floats, cap: Floats) -> Peaks:
         """The peaks in cells whose path is known."""
         limits = self.limits
         return Peaks(
-            *usage.spline_peaks(
+            *spline_peaks.spline_peaks(
                 which, q, cap, law.nodes, law.cells, law.inside, limits.velocity, limits.acceleration, limits.jerk
             )
         )
