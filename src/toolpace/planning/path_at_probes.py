@@ -119,11 +119,10 @@ class PathAtProbes:
         told = [path_between(one, other, half, share) for one, other, share in parts]
         return alike, np.concatenate(told, axis=3)
 
-    def _caps(
-        self, nodes: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats
-    ) -> tuple[Floats, Bools]:
+    def _caps(self, nodes: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats) -> tuple[Floats, Bools]:
         """Caps (n, k) from those at the ends and in the middle (n,) of cells and a few more, and where these do not
         tell them."""
+
         def at(shares: Floats) -> Floats:
             places = probes(nodes[:-1], nodes[1:], shares)
             return self.run.speed_cap(np.clip(places, self.run.s0, self.run.s1)).reshape(-1, len(shares)).T

@@ -50,19 +50,33 @@ class Look:
         """(k,) places between nodes where the path's derivatives may bend: no probe would hit a top there."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
         """By the first cell of a chunk: three derivatives (n, 3, m, k) of the path, and caps (n, k) on ds/dt."""
+        self._last: tuple[Floats, Peaks] | None = None
+        """The cells of the law that was looked at last, and its peaks at the probes."""
 
     def peaks(self, law: SplineLaw, workers: Workers | None = None) -> Peaks:
-        """The peaks in all cells."""
-        last = len(self.nodes) - 1
+        """The peaks in all cells; only those in which z is not as it was in the law before are looked at."""
+        last, cells, workers = len(self.nodes) - 1, law.cells.copy(), workers or Workers()
+        changed = np.ones(last, dtype=np.bool_) if self._last is None else (cells != self._last[0]).any(axis=1)
 
         def of_chunk(first: int) -> Peaks:
             which = np.arange(first, min(first + CHUNK, last))
             path = self._kept.get(first) or self.path.told(which, law.inside)
             if last <= KEPT_CELLS:
                 self._kept[first] = path
-            return self._of(which, law, *path)
+            mine = changed[which]
+            return (
+                self._of(which, law, *path) if mine.all() else self._of(which[mine], law, path[0][mine], path[1][mine])
+            )
 
-        return self._with_hints(law, joined((workers or Workers()).each(of_chunk, range(0, last, CHUNK))))
+        chunks = [first for first in range(0, last, CHUNK) if changed[first : first + CHUNK].any()]
+        peaks = joined(workers.each(of_chunk, chunks))
+        if self._last is not None:
+            used, place = self._last[1].used.copy(), self._last[1].place.copy()
+            used[changed], place[changed] = peaks.used, peaks.place
+            peaks = Peaks(used, place)
+        if last <= KEPT_CELLS:
+            self._last = cells, peaks
+        return self._with_hints(law, peaks)
 
     def _with_hints(self, law: SplineLaw, peaks: Peaks) -> Peaks:
         """The peaks, or what is used at hints where that is more."""

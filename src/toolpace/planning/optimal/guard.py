@@ -31,7 +31,7 @@ MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
 PATIENCE = 3
 """Rounds after which limits are lowered by more than usual, and at nodes too."""
-MOST_USED = 3
+MOST_USED = 2
 """Rows of a kind that a point keeps where it is solved again: the next look misses nothing."""
 EASED_BY = 3e-5
 """Share of the duration that easing may cost: less is not worth another round."""
@@ -53,7 +53,8 @@ def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, pr
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
     slow the best one down to the guarantee
     """
-    best, least = None, np.inf
+    best: tuple[MeshedRun, SplineLaw, Floats] | None = None
+    least = np.inf
     for number in range(MOST_ROUNDS + 1):
         peaks, now = looked_at(meshed, law, number, workers)
         dips = law.dips()
@@ -74,6 +75,7 @@ def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, pr
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
+    assert best is not None
     return within_guarantee(*best, workers)
 
 

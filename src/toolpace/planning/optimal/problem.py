@@ -110,14 +110,8 @@ class Problem(OnMesh):
         half = self.rows.shape[1] // 2
         if most is None or half <= most:
             return self
-        state = np.einsum("pdj,pj->pd", self.basis, c[self.first[:, None] + np.arange(4)])
-        used = -np.abs(np.einsum("prd,pd->pr", self.rows, state))
-        rows = [
-            np.take_along_axis(self.rows[:, kind], np.argpartition(used[:, kind], most, axis=1)[:, :most, None], axis=1)
-            for kind in (slice(0, half), slice(half, 2 * half))
-        ]
         part = copy(self)
-        part.rows = np.concatenate(rows, axis=1)
+        part.rows = limit_rows.most_used(self.as_points(), c, most)
         return part
 
     def stretch(self, low: int, high: int) -> Problem:
@@ -170,7 +164,9 @@ def discretise(
     return problem
 
 
-def rows_at(run: AxisRun | KnownPath, limits: Limits, s: Floats, ahead: Floats) -> tuple[Floats, tuple[Floats, Floats], Floats]:
+def rows_at(
+    run: AxisRun | KnownPath, limits: Limits, s: Floats, ahead: Floats
+) -> tuple[Floats, tuple[Floats, Floats], Floats]:
     """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 m, 3) at s (n,).
 
     Acceleration is held `ahead` (n,) of its place.

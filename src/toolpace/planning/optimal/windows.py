@@ -107,12 +107,11 @@ def mend(
     progress: Progress = UNTOLD,
     least: float = LEAST_LEFT,
     give: float = 0.0,
-    most_used: int | None = None,
 ) -> tuple[Floats, list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
 
     Each stretch starts from c, slowed down by the share `loss` in its middle, with limits that are higher by the share
-    `give`, and with the rows of each point that c uses most (see solve_run). The stretches are solved on all cores;
+    `give`. The stretches are solved on all cores;
     one that finds no way, or leaves less than the share `least` of a coefficient, is solved once more, wider, when
     the others are done, and on a long run a third time, much wider. Returns the coefficients, and the stretches that
     found no way, which are as they were.
@@ -121,7 +120,7 @@ def mend(
 
     def one(part: Stretch) -> Stretch | None:
         try:
-            mend_one(meshed, c, out, part, loss, spread, least, give, most_used)
+            mend_one(meshed, c, out, part, loss, spread, least, give, once=True)
         except Stalled:
             return part
         return None
@@ -134,7 +133,7 @@ def mend(
         still = []
         for part in around(meshed, first, last, wide):
             try:
-                mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least, give, most_used)
+                mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least, give, once=False)
             except Stalled:
                 still.append(part)
         stuck = still
@@ -143,13 +142,13 @@ def mend(
 
 def mend_one(
     meshed: MeshedRun, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float, give: float,
-    most_used: int | None,
+    once: bool,
 ) -> None:  # fmt: skip
     """Set the coefficients in `out` that lie inside one stretch of nodes, from those in c. Raises Stalled."""
     mine = c[part.low : part.high + 3]
-    piece = meshed.problem(part.low, part.high).of_most_used(mine, most_used).raised(give)
+    piece = meshed.problem(part.low, part.high).raised(give)
     taper = part.first - part.low, part.high - part.last
-    mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
+    mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread, once)
     if least > 0.0 and (mended < least * mine).any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
         raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]), "some limit")
