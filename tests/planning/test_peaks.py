@@ -8,7 +8,8 @@ import pytest
 from testbed.jets import harmonics, path_of
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
-from toolpace.planning.peaks import BENT, Look, caps_between
+from toolpace.planning.path_at_probes import BENT, caps_between
+from toolpace.planning.peaks import Look
 
 INSIDE = np.linspace(0.0, 1.0, 17)
 

@@ -8,31 +8,25 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.kernels.motion import between_nodes, usage
-from toolpace.kernels.optimal import first_guess
+from toolpace.kernels.motion import spline_peaks, usage
 from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.look import unexplained
 from toolpace.motion.usage import ratios_along
+from toolpace.planning.known_path import KnownPath
+from toolpace.planning.path_at_probes import PathAtProbes
 from toolpace.workers import Workers
 
 CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""
 KEPT_CELLS = 20_000
 """Cells of a mesh up to which the path at its probes is kept from one look to the next."""
-UNLIKE = 1e-6
-"""Share of a limit up to which the path may differ from what its derivatives at the nodes tell of it."""
-BENT = 1e-4
-"""How far the cap on ds/dt may be from a polynomial of the third degree in a cell, relative to itself; one of the
-fourth is taken, and beyond this it is asked at each probe."""
 CHASED_FROM, MOST_CHASED = 9, 500
 """Places in such a cell between which what hides is chased, and cells after which no more is."""
 VAGUE_ABOVE, CLOSELY = 0.98, 65
 """Usage from which such a cell is looked at closely, and the number of its probes then."""
-FASTER = 4.0
-"""How much of the z at steady speed a motion may have."""
 
 
 @dataclass(frozen=True)
@@ -46,35 +40,43 @@ class Peaks:
 
 
 class Look:
-    """Looks between the nodes of one mesh.
+    """Looks between the nodes of one mesh."""
 
-    The path is asked at the nodes and in the middle of the cells. Where the middle, and what the positions gain, are as
-    the derivatives at the nodes say, these tell the path at all probes; elsewhere it is asked at each of them.
-    """
-
-    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats) -> None:
+    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: KnownPath | None = None) -> None:
+        """Take the nodes (n,) of the mesh, and what is known of the path already."""
         self.run, self.limits, self.nodes = run, limits, nodes
-        self.unlike = np.zeros(len(nodes) - 1, dtype=np.bool_)
-        """(n,) cells in which the path, or its cap, does more than what is known at the nodes says, as far as seen."""
-        self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
-        """(n,) those in which the path does."""
+        self.path = PathAtProbes(run, limits, nodes, known)
         self.hints = np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes)
         """(k,) places between nodes where the path's derivatives may bend: no probe would hit a top there."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
-        """By the first cell of a chunk: three derivatives (3, n k, m) of the path, and caps (n k,) on ds/dt."""
+        """By the first cell of a chunk: three derivatives (n, 3, m, k) of the path, and caps (n, k) on ds/dt."""
+        self._last: tuple[Floats, Peaks] | None = None
+        """The cells of the law that was looked at last, and its peaks at the probes."""
 
     def peaks(self, law: SplineLaw, workers: Workers | None = None) -> Peaks:
-        """The peaks in all cells."""
-        last = len(self.nodes) - 1
+        """The peaks in all cells; only those in which z is not as it was in the law before are looked at."""
+        last, cells, workers = len(self.nodes) - 1, law.cells.copy(), workers or Workers()
+        changed = np.ones(last, dtype=np.bool_) if self._last is None else (cells != self._last[0]).any(axis=1)
 
         def of_chunk(first: int) -> Peaks:
             which = np.arange(first, min(first + CHUNK, last))
-            path = self._kept.get(first) or self._path(which, law.inside)
+            path = self._kept.get(first) or self.path.told(which, law.inside)
             if last <= KEPT_CELLS:
                 self._kept[first] = path
-            return self._of(which, law, *path)
+            mine = changed[which]
+            return (
+                self._of(which, law, *path) if mine.all() else self._of(which[mine], law, path[0][mine], path[1][mine])
+            )
 
-        return self._with_hints(law, joined((workers or Workers()).each(of_chunk, range(0, last, CHUNK))))
+        chunks = [first for first in range(0, last, CHUNK) if changed[first : first + CHUNK].any()]
+        peaks = joined(workers.each(of_chunk, chunks))
+        if self._last is not None:
+            used, place = self._last[1].used.copy(), self._last[1].place.copy()
+            used[changed], place[changed] = peaks.used, peaks.place
+            peaks = Peaks(used, place)
+        if last <= KEPT_CELLS:
+            self._last = cells, peaks
+        return self._with_hints(law, peaks)
 
     def _with_hints(self, law: SplineLaw, peaks: Peaks) -> Peaks:
         """The peaks, or what is used at hints where that is more."""
@@ -100,13 +102,13 @@ class Look:
 
         def of_part(first: int) -> Peaks:
             which = cells[first : first + CHUNK]
-            return self._of(which, law, *self._asked(which, law.inside))
+            return self._of(which, law, *self.path.asked(which, law.inside))
 
         return joined((workers or Workers()).each(of_part, range(0, len(cells), CHUNK)))
 
     def confirmed(self, law: SplineLaw, peaks: Peaks, workers: Workers | None = None) -> Peaks:
         """The peaks, looked for again in cells where the path does more than the nodes say."""
-        cells = np.flatnonzero(self.unlike)
+        cells = np.flatnonzero(self.path.unlike)
         if not len(cells):
             return peaks
         near = cells[peaks.used[cells].max(axis=1) > VAGUE_ABOVE]
@@ -121,7 +123,7 @@ class Look:
 
     def with_hidden(self, law: SplineLaw, peaks: Peaks) -> Peaks:
         """The peaks, with what hides between the probes of cells where the path does more than the nodes say."""
-        cells = np.flatnonzero(self.hiding)[:MOST_CHASED]
+        cells = np.flatnonzero(self.path.hiding)[:MOST_CHASED]
         if not len(cells):
             return peaks
         found: list[tuple[Floats, Floats]] = []
@@ -147,82 +149,14 @@ class Look:
         s, of_kinds = (np.concatenate(parts) for parts in zip(*found))
         return self._with(peaks, s, of_kinds)
 
-    def _path(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
-        """Derivatives and caps at the shares `inside` of the cells `which`, which follow each other."""
-        limits, nodes = self.limits, self.nodes[which[0] : which[-1] + 2]
-        of_joints = limits.velocity, limits.acceleration, limits.jerk
-        length, count = np.diff(nodes), len(nodes)
-        broken = np.flatnonzero(np.isin(nodes, self.run.breaks))
-        s = np.concatenate([nodes, nodes[:-1] + length / 2.0, np.nextafter(nodes[broken], -np.inf)])
-        q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
-        middle, cap_middle = np.ascontiguousarray(q[:, count : 2 * count - 1]), cap[count : 2 * count - 1].copy()
-        high, cap_high = q[:, :count].copy(), cap[:count].copy()
-        high[:, broken], cap_high[broken] = q[:, 2 * count - 1 :], cap[2 * count - 1 :]
-        ends = np.ascontiguousarray(q[:, : count - 1]), np.ascontiguousarray(high[:, 1:])
-
-        fastest, steady, _ = first_guess.pointwise(np.ascontiguousarray(q), *of_joints, cap)
-        z = np.minimum(fastest, FASTER * steady)[: 2 * count - 1]
-        z = np.maximum(np.maximum(z[: count - 1], z[1:count]), z[count:])
-        z[z == np.inf] = 0.0
-        unlike = ~(between_nodes.unlike(nodes[:-1], *ends, middle, length, z, *of_joints) <= UNLIKE)
-        unlike[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, count - 2)] |= ~np.isin(self.run.breaks, nodes)
-        self.hiding[which] = unlike
-        out = np.empty((3, len(which) * len(inside), q.shape[2]))
-        between_nodes.path_between(np.arange(len(which)), *ends, length, inside, out)
-        if self.run.smooth_cap:
-            quarters = [self.run.speed_cap(nodes[:-1] + share * length) for share in (0.25, 0.75)]
-            five = np.stack([cap[: count - 1], quarters[0], cap_middle, quarters[1], cap_high[1:]])
-            told, bend = caps_between(five, inside)
-            caps = told.ravel()
-            unlike |= ~(bend <= BENT)
-        else:
-            caps = self.run.speed_cap(np.clip(probes(nodes, inside), self.run.s0, self.run.s1))
-        self.unlike[which] = unlike
-        if unlike.any():
-            at = (np.flatnonzero(unlike)[:, None] * len(inside) + np.arange(len(inside))).ravel()
-            out[:, at], caps[at] = self._asked(which[unlike], inside)
-        return out, caps
-
-    def _asked(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
-        """Derivatives and caps at the shares `inside` of some cells, asked at each."""
-        s = probes(np.stack([self.nodes[which], self.nodes[which + 1]], axis=1), inside)
-        q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
-        return np.ascontiguousarray(q[1:]), cap
-
     def _of(self, which: Ints, law: SplineLaw, q: Floats, cap: Floats) -> Peaks:
         """The peaks in cells whose path is known."""
         limits = self.limits
         return Peaks(
-            *usage.spline_peaks(
+            *spline_peaks.spline_peaks(
                 which, q, cap, law.nodes, law.cells, law.inside, limits.velocity, limits.acceleration, limits.jerk
             )
         )
-
-
-def probes(nodes: Floats, inside: Floats) -> Floats:
-    """(n k,) places at the shares `inside` (k,) of cells, their ends taken from inside.
-
-    The cells are those between nodes (n + 1,), or given by both their ends (n, 2).
-    """
-    low, high = (nodes[:-1], nodes[1:]) if nodes.ndim == 1 else (nodes[:, 0], nodes[:, 1])
-    s = low[:, None] + (high - low)[:, None] * inside
-    s[:, -1] = np.nextafter(high, -np.inf)
-    return np.asarray(s.ravel())
-
-
-def caps_between(caps: Floats, inside: Floats) -> tuple[Floats, Floats]:
-    """(n, k) caps on ds/dt at the shares `inside` (k,) of cells, from those at five even places of each (5, n).
-
-    A feed over the speed of the tip: the square of its inverse is taken for a polynomial of the fourth degree. Returns
-    with them how far, relative to itself, it is (n,) from one of the third.
-    """
-    square = np.square(1.0 / caps)
-    order = np.vander(np.linspace(0.0, 1.0, 5), 5)
-    told = square.T @ np.linalg.solve(order.T, np.vander(inside, 5).T)
-    bend = np.abs(np.array([1.0, -4.0, 6.0, -4.0, 1.0]) @ square)
-    least = square.min(axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return 1.0 / np.sqrt(np.maximum(told, 0.5 * least[:, None])), np.where(least > 0.0, bend / least, bend)
 
 
 def joined(parts: list[Peaks]) -> Peaks:

@@ -12,7 +12,7 @@ from toolpace.kernels.motion import between_nodes
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import ALLOWED, PROMISED
 from toolpace.planning.optimal.problem import basis_between, with_rows_between
-from toolpace.planning.optimal.rows_between import MOST_LOWERED, SAME_PLACE, RowsBetween
+from toolpace.planning.optimal.rows_between import LOWERED, MOST_LOWERED, SAME_PLACE, RowsBetween
 from toolpace.planning.optimal.solve import solve, start_from
 from toolpace.planning.peaks import Look, Peaks
 
@@ -104,7 +104,8 @@ def test_neighbours_of_a_place_that_passes_by_far_get_rows_too():
     used, place = np.zeros((20, 3)), np.full((20, 3), 0.5)
     used[10, 2] = 1.5
     rows = RowsBetween().held(nodes, Peaks(used, place), used.max(axis=1) > 1.0, np.zeros(20, dtype=bool), 1.0)
-    assert rows.place == pytest.approx(np.arange(7.0, 14.0) + 0.5)
+    assert rows.place == pytest.approx(np.sort(np.append(np.arange(7.0, 14.0) + 0.5, [10.25, 10.75])))
+    assert rows.lowered[2] == pytest.approx(1.0) and rows.lowered[4] == pytest.approx(1.0 + LOWERED)
 
 
 def test_derivatives_at_the_nodes_tell_a_smooth_path_to_the_sixth_order():
@@ -113,11 +114,12 @@ def test_derivatives_at_the_nodes_tell_a_smooth_path_to_the_sixth_order():
     for count in (40, 80):
         nodes = np.linspace(0.2, 0.8, count + 1)
         q = path.evaluate(nodes)
-        out = np.empty((3, count * 11, 5))
+        out = np.empty((count, 3, 5, 11))
         ends = np.ascontiguousarray(q[:, :-1]), np.ascontiguousarray(q[:, 1:])
         between_nodes.path_between(np.arange(count), *ends, np.diff(nodes), inside, out)
         s = (nodes[:-1, None] + np.diff(nodes)[:, None] * inside).ravel()
-        errors.append(np.abs(out[0] - path.evaluate(s)[1]).max())
+        told = out[:, 0].transpose(0, 2, 1).reshape(-1, 5)
+        errors.append(np.abs(told - path.evaluate(s)[1]).max())
     assert errors[1] < errors[0] / 2.0**5.5
 
 

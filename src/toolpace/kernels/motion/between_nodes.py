@@ -14,7 +14,7 @@ def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside:
     """Set q', q'', q''' at the shares `inside` (k,) of some cells.
 
     Parameters: which (n,) cells; low and high (4, N, m) position and derivatives at the beginning and at the end of
-    each cell of the mesh, and length (N,) of it; out (3, n k, m). The error of q' is of the sixth order of the length.
+    each cell of the mesh, and length (N,) of it; out (n, 3, m, k). The error of q' is of the sixth order of the length.
     """
     k, m = len(inside), low.shape[2]
     for i in range(len(which)):
@@ -30,10 +30,9 @@ def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside:
             a5 = 6.0 * rise - 3.0 * slope + 0.5 * bend
             for p in range(k):
                 x = inside[p]
-                at = i * k + p
-                out[0, at, axis] = f0 + x * (d0 + x * (0.5 * c0 + x * (a3 + x * (a4 + x * a5))))
-                out[1, at, axis] = (d0 + x * (c0 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))) / h
-                out[2, at, axis] = (c0 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5))) / (h * h)
+                out[i, 0, axis, p] = f0 + x * (d0 + x * (0.5 * c0 + x * (a3 + x * (a4 + x * a5))))
+                out[i, 1, axis, p] = (d0 + x * (c0 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))) / h
+                out[i, 2, axis, p] = (c0 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5))) / (h * h)
 
 
 @jit()
@@ -47,15 +46,15 @@ def unlike(
     middle and high (4, N, m) position and derivatives; length (N,) of the cells.
     """
     out = np.zeros(len(length))
-    half, told = np.array([0.5]), np.empty((3, 1, low.shape[2]))
+    half, told = np.array([0.5]), np.empty((1, 3, low.shape[2], 1))
     missed = missing(low, high, s, length, np.sqrt(z), np.zeros((3, low.shape[2])))
     for i in range(len(length)):
         h, v = length[i], np.sqrt(z[i])
         path_between(np.array([i]), low, high, length, half, told)
         for axis in range(low.shape[2]):
-            by = abs(middle[1, i, axis] - told[0, 0, axis]) * v / velocity[axis]
-            by = max(by, abs(middle[2, i, axis] - told[1, 0, axis]) * v**2 / acceleration[axis])
-            by = max(by, abs(middle[3, i, axis] - told[2, 0, axis]) * v**3 / jerk[axis])
+            by = abs(middle[1, i, axis] - told[0, 0, axis, 0]) * v / velocity[axis]
+            by = max(by, abs(middle[2, i, axis] - told[0, 1, axis, 0]) * v**2 / acceleration[axis])
+            by = max(by, abs(middle[3, i, axis] - told[0, 2, axis, 0]) * v**3 / jerk[axis])
             gain = missed[i, 0, axis] * v / h
             by = max(by, gain / velocity[axis], gain * v / h / acceleration[axis], gain * (v / h) ** 2 / jerk[axis])
             out[i] = max(out[i], by)

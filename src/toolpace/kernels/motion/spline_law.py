@@ -62,9 +62,13 @@ def dips(nodes: Floats, cells: Floats, inside: Floats) -> Bools:
     for k in range(n - 1):
         h = nodes[k + 1] - nodes[k]
         low = min(cells[k, 0], value(cells[k], h))
-        for f in inside:
-            if value(cells[k], f * h) < 0.5 * low:
-                out[k] = True
+        # z is no lower than the lowest of the points that control it
+        first = cells[k, 0] + cells[k, 1] * h / 3.0
+        second = 2.0 * first - cells[k, 0] + cells[k, 2] * h * h / 3.0
+        if not min(first, second) >= 0.5 * low:
+            for f in inside:
+                if value(cells[k], f * h) < 0.5 * low:
+                    out[k] = True
         if max(cells[k, 0], value(cells[k], h)) > STEEP * low:
             floor = floor_of(cells[k], h)
             whole = time_over(cells[k], floor, 0.0, h)

@@ -54,6 +54,8 @@ def within_guarantee(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: W
 
 def eased(look: Look, law: SplineLaw, peak: Floats, ramp: float, workers: Workers) -> SplineLaw | None:
     """The law slowed down about its peaks (cells, 3) above the guarantee; None where that is not enough."""
+    if peak.max() <= GUARANTEE:
+        return law
     gently = SplineLaw(law.nodes, law.c * easing(law, peak, ramp), law.rest)
     if gently.dips().any():
         return None

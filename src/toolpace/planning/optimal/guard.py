@@ -31,73 +31,90 @@ MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
 PATIENCE = 3
 """Rounds after which limits are lowered by more than usual, and at nodes too."""
-MOST_USED = 3
-"""Rows of a kind that a point keeps where a whole run is solved again: the next look misses nothing."""
-EASED_BY = 1e-5
+MOST_USED = 2
+"""Rows of a kind that a point keeps where it is solved again: the next look misses nothing."""
+EASED_BY = 3e-5
 """Share of the duration that easing may cost: less is not worth another round."""
 URGE, MOST_URGE = 1.3, 6.0
 """By how much more after each further round, and at most."""
-MOST_MENDED = 0.3
+MOST_MENDED = 0.4
 """Share of the nodes beyond which mending is no cheaper than solving anew."""
+GIVE = 1e-5
+"""Share by which limits are raised in a stretch that is mended: between ends that are at their limits already there may
+be no other motion within the same ones."""
 
 
 def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD) -> SplineLaw:
     """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
 
     repeat
-      look between the nodes:  nothing passed?  done
-      cut the cells that pass a limit by far (unless the mesh is fixed);  put rows where the others pass one most
+      look between the nodes:  (nearly) nothing passed?  ease it, done
+      cut the cells that pass a limit by far (unless the mesh is fixed);  put rows where the others pass one
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
     slow the best one down to the guarantee
     """
-    peaks = meshed.look.peaks(law, workers)
-    now = worth(law, peaks.used, meshed.ramp)
-    best, least = (meshed, law, peaks.used), now
-    for number in range(MOST_ROUNDS):
+    best: tuple[MeshedRun, SplineLaw, Floats] | None = None
+    least = np.inf
+    for number in range(MOST_ROUNDS + 1):
+        peaks, now = looked_at(meshed, law, number, workers)
         dips = law.dips()
-        if number < REFINE_ROUNDS:
-            # cells are cut in these rounds only: nothing may hide by then
-            peaks = meshed.look.with_hidden(law, peaks)
-            now = worth(law, peaks.used, meshed.ramp)
-        if now <= (1.0 + EASED_BY) * law.duration:
-            # good enough to be the last: worth a closer look
-            peaks = meshed.look.confirmed(law, peaks, workers)
-            now = worth(law, peaks.used, meshed.ramp)
         if not dips.any() and now <= (1.0 + EASED_BY) * law.duration:
             gently = eased(meshed.look, law, peaks.used, meshed.ramp, workers)
             if gently is not None:
                 return gently
-        wrong = (peaks.used.max(axis=1) > ALLOWED) | dips
-        loss = START_LOSS + 1.0 - 1.0 / min(float(peaks.used.max()), MOST_PASSED)
-        parts = np.where(dips, 4, 1 if fixed or number >= REFINE_ROUNDS else halves(peaks.used))
-        parts[(np.diff(law.times) < meshed.ramp * LEAST_CELL) | too_short(law.nodes)] = 1
-        urge = min(URGE ** max(number - PATIENCE, 0), MOST_URGE)
-        meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, wrong, urge)
+        if best is None or now < least:
+            best, least = (meshed, law, peaks.used), now
+        if number == MOST_ROUNDS:
+            break
+        parts = parts_of_cells(meshed, law, peaks, dips, fixed or number >= REFINE_ROUNDS)
+        meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, dips, number)
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
-            c = resolve(meshed, c, wrong, loss, workers, halfway)
+            c = resolve(meshed, c, wrong, float(peaks.used.max()), workers, halfway)
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
-        peaks = meshed.look.peaks(law, workers)
-        now = worth(law, peaks.used, meshed.ramp)
-        if now < least:
-            best, least = (meshed, law, peaks.used), now
+    assert best is not None
     return within_guarantee(*best, workers)
 
 
+def looked_at(meshed: MeshedRun, law: SplineLaw, number: int, workers: Workers) -> tuple[Peaks, float]:
+    """The peaks of a law, and about how long it takes once it is slowed down for the guarantee [s].
+
+    One that is good enough to be the last is worth a closer look. Cells are cut in the first rounds only: nothing may
+    hide from them.
+    """
+    peaks = meshed.look.peaks(law, workers)
+    now = worth(law, peaks.used, meshed.ramp)
+    if now <= (1.0 + EASED_BY) * law.duration:
+        closer = meshed.look.confirmed(law, peaks, workers)
+    elif number < REFINE_ROUNDS:
+        closer = meshed.look.with_hidden(law, peaks)
+    else:
+        closer = peaks
+    return closer, now if closer is peaks else worth(law, closer.used, meshed.ramp)
+
+
+def parts_of_cells(meshed: MeshedRun, law: SplineLaw, peaks: Peaks, dips: Bools, kept: bool) -> Ints:
+    """(cells,) in how many parts each cell is cut; where the mesh is `kept`, only those in which z falls too far."""
+    parts = np.where(dips, 4, 1 if kept else halves(peaks.used))
+    parts[(np.diff(law.times) < meshed.ramp * LEAST_CELL) | too_short(law.nodes)] = 1
+    return parts
+
+
 def cut_and_held(
-    meshed: MeshedRun, law: SplineLaw, peaks: Peaks, parts: Ints, wrong: Bools, urge: float
+    meshed: MeshedRun, law: SplineLaw, peaks: Peaks, parts: Ints, dips: Bools, number: int
 ) -> tuple[MeshedRun, Floats, Bools]:
     """The run with its cells cut in so many parts (cells,), and rows where those pass a limit that are not.
 
     Returns with it the coefficients of the same law, and which cells are wrong.
     """
     meshed, c = meshed.cut(law, parts)
-    wrong = np.repeat(wrong, parts)
+    wrong = np.repeat((peaks.used.max(axis=1) > ALLOWED) | dips, parts)
     used = np.repeat(np.where(parts[:, None] > 1, 1.0, peaks.used), parts, axis=0)
     fresh = np.repeat(parts > 1, parts)
+    urge = min(URGE ** max(number - PATIENCE, 0), MOST_URGE)
     meshed.hold(Peaks(used, np.repeat(peaks.place, parts, axis=0)), wrong, fresh, urge)
     return meshed, c, wrong
 
@@ -109,15 +126,16 @@ def halves(used: Floats) -> Ints:
 
 
 def resolve(
-    meshed: MeshedRun, c: Floats, wrong: Bools, loss: float, workers: Workers, progress: Progress = UNTOLD
+    meshed: MeshedRun, c: Floats, wrong: Bools, used: float, workers: Workers, progress: Progress = UNTOLD
 ) -> Floats:
-    """New coefficients after the rows or the mesh at the marked cells changed.
+    """New coefficients after the rows or the mesh at the marked cells changed, because c `used` so much of a limit.
 
     Only stretches around those cells are solved again, unless they are most of the run.
     """
+    loss = START_LOSS + 1.0 - 1.0 / min(used, MOST_PASSED)
     parts = stretches(meshed, wrong)
     if sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
-        mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress)
+        mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress, give=GIVE)
         if not stuck:
             return mended
     return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, MOST_USED)

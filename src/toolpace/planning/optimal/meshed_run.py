@@ -10,6 +10,7 @@ from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import EndState
 from toolpace.planning.guarantee import ALLOWED
+from toolpace.planning.known_path import KnownPath
 from toolpace.planning.mesh.guess import Guess, ramp_time
 from toolpace.planning.mesh.nodes import cut_cells
 from toolpace.planning.optimal.dips import on_finer_mesh
@@ -18,9 +19,9 @@ from toolpace.planning.optimal.rows_between import RowsBetween
 from toolpace.planning.optimal.solve import pinned
 from toolpace.planning.peaks import Look, Peaks
 
-LEAST_REACH = 40
+LEAST_REACH = 20
 """Fewest nodes on either side of a place that is mended."""
-KEPT = 12_000
+KEPT = 20_000
 """Nodes up to which the problem of the whole run is kept."""
 BESIDE = 2
 """Knots on either side of a stretch that its basis functions know."""
@@ -41,19 +42,22 @@ class MeshedRun(OnMesh):
         highest: float,
         passed: tuple[Floats, Floats],
         ramp: float,
+        known: KnownPath | None = None,
     ) -> None:
         """Take the nodes from s0 to s1, and the highest z that the limits allow anywhere at steady speed.
 
-        `passed`: parameters, and about when they are passed [s]; `ramp`: in which time an acceleration builds up [s].
+        `passed`: parameters, and about when they are passed [s]; `ramp`: in which time an acceleration builds up [s];
+        `known`: what is known of the path already, which a run that is too long for one problem does not keep.
         """
         inner = nodes[1 if ends[0].at_rest else 0 : -1 if ends[1].at_rest else len(nodes)]
         super().__init__(inner, (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1])), ends)
         self.run, self.limits, self.ends, self.highest = run, limits, ends, highest
         self.lowered = np.ones((len(inner), 3))
         self.between = RowsBetween()
-        self.look = Look(run, limits, self.nodes)
+        self._known = (known or KnownPath(run)) if len(nodes) <= KEPT else None
+        self.look = Look(run, limits, self.nodes, self._known)
         self.clock, self.ramp = np.interp(self.nodes, *passed), ramp
-        self._given = discretise(run, limits, nodes, *ends, highest) if len(nodes) <= KEPT else None
+        self._given = discretise(run, limits, nodes, *ends, highest, self._known) if self._known else None
         """The problem of the whole run with its limits as they are given; None where it is too long for one."""
         self._whole = self._given
 
@@ -126,8 +130,9 @@ class MeshedRun(OnMesh):
         nodes = cut_cells(self.nodes, parts)
         passed = law.nodes, law.times
         finer = MeshedRun(
-            self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest, passed, self.ramp
-        )
+            self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest, passed, self.ramp,
+            self._known,
+        )  # fmt: skip
         finer.lowered = np.repeat(self.lowered, np.append(parts, 1), axis=0)
         finer.between = self.between.among(finer.nodes)
         c, least = on_finer_mesh(law, finer.nodes)

@@ -14,6 +14,7 @@ from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.planning.endstate import EndState
+from toolpace.planning.known_path import KnownPath
 from toolpace.planning.mesh.guess import highest_of
 
 AT_NODE = 0.02
@@ -92,22 +93,25 @@ class Problem(OnMesh):
         part.rows = self.rows * np.repeat(at_point[:, 1:], half, axis=1)[:, :, None]
         return part
 
-    def of_most_used(self, c: Floats, most: int) -> Problem:
+    def raised(self, by: float) -> Problem:
+        """With limits that are higher by this share."""
+        if by == 0.0:
+            return self
+        part = copy(self)
+        part.cap, part.rows = self.cap * (1.0 + by) ** 2, self.rows / (1.0 + by)
+        return part
+
+    def of_most_used(self, c: Floats, most: int | None) -> Problem:
         """The problem with at most so many rows of acceleration, and of jerk, at each point: those that c uses most.
+        None: with all.
 
         A point has a row for each joint, and hardly ever are more than two of a kind near their limits at once.
         """
         half = self.rows.shape[1] // 2
-        if half <= most:
+        if most is None or half <= most:
             return self
-        state = np.einsum("pdj,pj->pd", self.basis, c[self.first[:, None] + np.arange(4)])
-        used = -np.abs(np.einsum("prd,pd->pr", self.rows, state))
-        rows = [
-            np.take_along_axis(self.rows[:, kind], np.argpartition(used[:, kind], most, axis=1)[:, :most, None], axis=1)
-            for kind in (slice(0, half), slice(half, 2 * half))
-        ]
         part = copy(self)
-        part.rows = np.concatenate(rows, axis=1)
+        part.rows = limit_rows.most_used(self.as_points(), c, most)
         return part
 
     def stretch(self, low: int, high: int) -> Problem:
@@ -127,11 +131,13 @@ class Problem(OnMesh):
 
 
 def discretise(
-    run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end: EndState, highest: float | None = None
-) -> Problem:
+    run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end: EndState, highest: float | None = None,
+    known: KnownPath | None = None,
+) -> Problem:  # fmt: skip
     """The rows of a run, or of a part of it, at the nodes (n,) from end to end.
 
-    `highest` is the highest z that the limits allow anywhere at steady speed (default: at these nodes).
+    `highest` is the highest z that the limits allow anywhere at steady speed (default: at these nodes); `known`, what
+    is known of the path already.
     """
     inner = nodes[1 if start.at_rest else 0 : -1 if end.at_rest else len(nodes)]
     rest = (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1]))
@@ -141,7 +147,7 @@ def discretise(
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
-    cap, scale, problem.rows = rows_at(run, limits, point, ahead)
+    cap, scale, problem.rows = rows_at(known or run, limits, point, ahead)
     half = len(limits)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
@@ -158,7 +164,9 @@ def discretise(
     return problem
 
 
-def rows_at(run: AxisRun, limits: Limits, s: Floats, ahead: Floats) -> tuple[Floats, tuple[Floats, Floats], Floats]:
+def rows_at(
+    run: AxisRun | KnownPath, limits: Limits, s: Floats, ahead: Floats
+) -> tuple[Floats, tuple[Floats, Floats], Floats]:
     """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 m, 3) at s (n,).
 
     Acceleration is held `ahead` (n,) of its place.

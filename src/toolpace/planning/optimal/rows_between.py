@@ -19,8 +19,11 @@ SAME_PLACE = 0.12
 """Share of a cell up to which two places are one: the row there is lowered, and no other put beside it."""
 BESIDE_NODE = 0.02
 """Share of a cell that a place between two nodes keeps from them."""
-FAR_PASSED, NEIGHBOURS = 1.003, 3
-"""Usage from which as many cells on either side get a row too: what such a place loses they would gain."""
+QUARTERS, LOWERED = np.array([0.25, 0.5, 0.75]), 3e-4
+"""Where a cell that passes a limit by more than a little gets its first rows, and how far their limits are lowered."""
+A_LITTLE, FAR_PASSED, NEIGHBOURS = 1.0003, 1.001, 3
+"""Usage from which that is so; and from which as many cells on either side get a row too: what such a place loses they
+would gain."""
 
 
 def no_places() -> Floats:
@@ -59,16 +62,20 @@ class RowsBetween:
         A cell marked `fresh` has just been cut from one that passed by far: it gets a row whatever. `urge` is how much
         more than usual limits are lowered.
         """
-        cell, kind = np.nonzero((peaks.used > ALLOWED) & wrong[:, None])
+        bare = fresh | wrong & (peaks.used.max(axis=1) > A_LITTLE)
+        bare[np.searchsorted(nodes, self.place, side="right") - 1] = False
+        cell, kind = np.nonzero((peaks.used > ALLOWED) & (wrong & ~bare)[:, None])
         excess, length = peaks.used[cell, kind] - 1.0, np.diff(nodes)[cell]
         place = nodes[cell] + np.clip(peaks.place[cell, kind], BESIDE_NODE, 1.0 - BESIDE_NODE) * length
         there = np.abs(nearest(self.place, place)[1]) < SAME_PLACE * length
         by = 1.0 + np.where(there, urge * OVERSHOOT * excess, np.minimum(urge * SHARE * excess, MOST_LOWERED))
         new = merged(place[~there], SAME_PLACE * length[~there])
-        far = np.concatenate([cell[excess > FAR_PASSED - 1.0], np.flatnonzero(fresh)])
-        beside = self._beside(nodes, far, cell)
-        places = np.unique(np.concatenate([self.place, new, beside]))
+        quarters = (nodes[:-1, None] + np.diff(nodes)[:, None] * QUARTERS)[bare].ravel()
+        far = np.flatnonzero(fresh | wrong & (peaks.used.max(axis=1) > FAR_PASSED))
+        beside = self._beside(nodes, far, np.concatenate([cell, np.flatnonzero(bare)]))
+        places = np.unique(np.concatenate([self.place, new, quarters, beside]))
         lowered = np.ones((len(places), 3))
+        lowered[np.searchsorted(places, quarters)] = 1.0 + LOWERED
         lowered[np.searchsorted(places, self.place)] = self.lowered
         factor = np.ones_like(lowered)
         np.maximum.at(factor, (nearest(places, place)[0], kind), by)

@@ -92,15 +92,18 @@ class Attempt:
         return self.used is not None and bool(self.used.max() <= 1.0 + BROKEN_BY)
 
 
-def solve(problem: Problem, c: Floats, spread: float) -> Floats:
+def solve(problem: Problem, c: Floats, spread: float, once: bool = False) -> Floats:
     """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
 
     A start from which the core does not come to its end is followed by slower ones, between two rests at last by one
-    within all limits at the nodes, which is as good as the answer gets where the core does not move from it.
+    within all limits at the nodes, which is as good as the answer gets where the core does not move from it. `once`: by
+    none, where something else can be tried.
     """
-    starts = [(slower(problem, c, loss), first_gap) for loss, first_gap in ((0.0, spread), (0.6, 1.0), (0.9, 1.0))]
+    starts = [(c, spread)]
+    if not once:
+        starts += [(slower(problem, c, loss), 1.0) for loss in (0.6, 0.9)]
     rests = bool((problem.end == newton.REST).all())
-    if rests:
+    if rests and not once:
         starts.append((well_inside(problem, c), 1.0))
     attempts: list[Attempt] = []
     for begin, first_gap in starts:

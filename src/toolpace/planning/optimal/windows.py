@@ -14,11 +14,11 @@ from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, slower, solve
 from toolpace.workers import UNTOLD, Progress, Workers
 
-MEND_RAMPS = 7.0
+MEND_RAMPS = 3.0
 """How far a mended place may move its surroundings, in times in which an acceleration builds up."""
 LEAST_LEFT = 0.7
 """Least share of a coefficient that mending leaves: limits move by little, and so must the motion."""
-WIDER, MUCH_WIDER = 4.0, 30.0
+WIDER, MUCH_WIDER = 10.0, 70.0
 """How much wider a stretch is made that finds no way; and again, on a long run."""
 WINDOW = 8_000
 """Nodes that are solved in one piece, unless what joins two pieces would be wider."""
@@ -74,8 +74,7 @@ def solve_run(
     last = len(meshed.nodes) - 1
 
     def whole(c: Floats) -> Problem:
-        problem = meshed.problem(0, last)
-        return problem if most_used is None else problem.of_most_used(c, most_used)
+        return meshed.problem(0, last).of_most_used(c, most_used)
 
     count = int(np.ceil(last / WINDOW)) if meshed.is_long else 1
     while count > 1:
@@ -107,10 +106,12 @@ def mend(
     workers: Workers,
     progress: Progress = UNTOLD,
     least: float = LEAST_LEFT,
+    give: float = 0.0,
 ) -> tuple[Floats, list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
 
-    Each stretch starts from c, slowed down by the share `loss` in its middle. The stretches are solved on all cores;
+    Each stretch starts from c, slowed down by the share `loss` in its middle, with limits that are higher by the share
+    `give`. The stretches are solved on all cores;
     one that finds no way, or leaves less than the share `least` of a coefficient, is solved once more, wider, when
     the others are done, and on a long run a third time, much wider. Returns the coefficients, and the stretches that
     found no way, which are as they were.
@@ -119,7 +120,7 @@ def mend(
 
     def one(part: Stretch) -> Stretch | None:
         try:
-            mend_one(meshed, c, out, part, loss, spread, least)
+            mend_one(meshed, c, out, part, loss, spread, least, give, once=True)
         except Stalled:
             return part
         return None
@@ -132,7 +133,7 @@ def mend(
         still = []
         for part in around(meshed, first, last, wide):
             try:
-                mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least)
+                mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least, give, once=False)
             except Stalled:
                 still.append(part)
         stuck = still
@@ -140,13 +141,14 @@ def mend(
 
 
 def mend_one(
-    meshed: MeshedRun, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float
-) -> None:
+    meshed: MeshedRun, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float, give: float,
+    once: bool,
+) -> None:  # fmt: skip
     """Set the coefficients in `out` that lie inside one stretch of nodes, from those in c. Raises Stalled."""
-    piece = meshed.problem(part.low, part.high)
     mine = c[part.low : part.high + 3]
+    piece = meshed.problem(part.low, part.high).raised(give)
     taper = part.first - part.low, part.high - part.last
-    mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread)
+    mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread, once)
     if least > 0.0 and (mended < least * mine).any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
         raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]), "some limit")

@@ -1,0 +1,167 @@
+"""A path at the probes of a mesh's cells, from as few questions as tell it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats, Ints
+from toolpace.axispath.run import AxisRun
+from toolpace.kernels.motion import between_nodes
+from toolpace.kernels.optimal import first_guess
+from toolpace.machine.limits import Limits
+from toolpace.planning.known_path import KnownPath
+
+UNLIKE = 1e-6
+"""Share of a limit up to which the path may differ from what its derivatives at the nodes tell of it."""
+BENT = 1e-4
+"""How far a smooth cap on ds/dt may be from a polynomial of the third degree in a cell, relative to itself; one of the
+fourth is taken, and beyond this it is asked at each probe."""
+QUARTERS, EIGHTHS = np.array([0.25, 0.75]), np.array([0.125, 0.375, 0.625, 0.875])
+OFF = 1e-6
+"""How far any other cap may be from that polynomial at the eighths of a cell, relative to itself."""
+FASTER = 4.0
+"""How much of the z at steady speed a motion may have."""
+
+
+class PathAtProbes:
+    """What is known of a path between the nodes of one mesh.
+
+    It is asked at the nodes and in the middle of the cells. Where the middle, and what the positions gain, are as the
+    derivatives at the nodes say, these tell the path at all probes. Elsewhere the same is tried with both halves of a
+    cell, and where that does not do either, the path is asked at each probe.
+    """
+
+    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: KnownPath | None = None) -> None:
+        """Take the nodes (n,), and what is known of the path already."""
+        self.run, self.limits, self.nodes, self.known = run, limits, nodes, known or run
+        self.unlike = np.zeros(len(nodes) - 1, dtype=np.bool_)
+        """(n - 1,) cells in which the path, or its cap, does more than what is known at few places says, as far as
+        seen."""
+        self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
+        """(n - 1,) those in which the path does."""
+
+    def told(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
+        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, in a row."""
+        nodes = self.nodes[which[0] : which[-1] + 2]
+        low, middle, high = self._ends_and_middles(nodes)
+        z = self._highest_z(low, middle, high)
+        length = np.diff(nodes)
+        unlike = ~self._alike(nodes[:-1], length, low[0], middle[0], high[0], z)
+        torn = np.zeros(len(which), dtype=np.bool_)
+        torn[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, len(which) - 1)] = ~np.isin(self.run.breaks, nodes)
+        out = path_between(low[0], high[0], length, inside)
+        halved = np.flatnonzero(unlike & ~torn)
+        alike, of_halves = self._halves(nodes, halved, low[0], middle[0], high[0], z, inside)
+        out[halved[alike]], unlike[halved[alike]] = of_halves[alike], False
+        self.hiding[which] = unlike | torn
+        caps, vague = self._caps(nodes, low[1], middle[1], high[1], inside)
+        self.unlike[which] = asked = unlike | torn | vague
+        if asked.any():
+            out[asked], caps[asked] = self.asked(which[asked], inside)
+        return out, caps
+
+    def asked(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
+        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` (k,) of some cells, asked at each."""
+        s = probes(self.nodes[which], self.nodes[which + 1], inside)
+        q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
+        by_cell = q[1:].reshape(3, len(which), len(inside), -1).transpose(1, 0, 3, 2)
+        return np.ascontiguousarray(by_cell), cap.reshape(len(which), -1)
+
+    def _ends_and_middles(self, nodes: Floats) -> list[tuple[Floats, Floats]]:
+        """Path (4, n, m) and cap (n,) where the cells between these nodes begin, in their middles, and where they end.
+
+        The path is from inside a cell at a break.
+        """
+        count = len(nodes)
+        broken = np.flatnonzero(np.isin(nodes, self.run.breaks))
+        s = np.concatenate([nodes, nodes[:-1] + np.diff(nodes) / 2.0, np.nextafter(nodes[broken], -np.inf)])
+        q, cap = self.known.with_cap(np.clip(s, self.run.s0, self.run.s1))
+        high, cap_high = q[:, :count].copy(), cap[:count].copy()
+        high[:, broken], cap_high[broken] = q[:, 2 * count - 1 :], cap[2 * count - 1 :]
+        parts = (
+            (q[:, : count - 1], cap[: count - 1]),
+            (q[:, count : 2 * count - 1], cap[count : 2 * count - 1]),
+            (high[:, 1:], cap_high[1:]),
+        )
+        return [(np.ascontiguousarray(path), of_path) for path, of_path in parts]
+
+    def _highest_z(self, *places: tuple[Floats, Floats]) -> Floats:
+        """(n,) the highest z that a motion may have in cells, from path (4, n, m) and cap (n,) at places of them."""
+        z = np.zeros(len(places[0][1]))
+        for q, cap in places:
+            limits = self.limits.velocity, self.limits.acceleration, self.limits.jerk
+            fastest, steady, _ = first_guess.pointwise(q, *limits, cap)
+            z = np.maximum(z, np.minimum(fastest, FASTER * steady))
+        z[z == np.inf] = 0.0
+        return z
+
+    def _alike(self, s: Floats, length: Floats, low: Floats, middle: Floats, high: Floats, z: Floats) -> Bools:
+        """(n,) whether the derivatives at both ends (4, n, m) tell the path in the middle, and what positions gain."""
+        limits = self.limits
+        of_joints = limits.velocity, limits.acceleration, limits.jerk
+        alike: Bools = between_nodes.unlike(s, low, high, middle, length, z, *of_joints) <= UNLIKE
+        return alike
+
+    def _halves(
+        self, nodes: Floats, cells: Ints, low: Floats, middle: Floats, high: Floats, z: Floats, inside: Floats
+    ) -> tuple[Bools, Floats]:
+        """Whether both halves of some cells (n,) tell the path in them, and the path (n, 3, m, k) that they tell."""
+        if not len(cells):
+            return np.zeros(0, dtype=np.bool_), np.empty((0, 3, low.shape[2], len(inside)))
+        low, middle, high = (np.ascontiguousarray(part[:, cells]) for part in (low, middle, high))
+        begin, half, z = nodes[cells], (nodes[cells + 1] - nodes[cells]) / 2.0, z[cells]
+        quarters, _ = self.known.with_cap((begin[:, None] + 2.0 * half[:, None] * QUARTERS).ravel())
+        first, last = np.ascontiguousarray(quarters[:, ::2]), np.ascontiguousarray(quarters[:, 1::2])
+        alike = self._alike(begin, half, low, first, middle, z)
+        alike &= self._alike(begin + half, half, middle, last, high, z)
+        before = inside <= 0.5
+        parts = (low, middle, 2.0 * inside[before]), (middle, high, 2.0 * inside[~before] - 1.0)
+        told = [path_between(one, other, half, share) for one, other, share in parts]
+        return alike, np.concatenate(told, axis=3)
+
+    def _caps(self, nodes: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats) -> tuple[Floats, Bools]:
+        """Caps (n, k) from those at the ends and in the middle (n,) of cells and a few more, and where these do not
+        tell them."""
+
+        def at(shares: Floats) -> Floats:
+            places = probes(nodes[:-1], nodes[1:], shares)
+            return self.run.speed_cap(np.clip(places, self.run.s0, self.run.s1)).reshape(-1, len(shares)).T
+
+        quarters = at(QUARTERS)
+        five = np.stack([low, quarters[0], middle, quarters[1], high])
+        caps, bend = caps_between(five, inside)
+        if self.run.smooth_cap:
+            return caps, ~(bend <= BENT)
+        told, asked = caps_between(five, EIGHTHS)[0].T, at(EIGHTHS)
+        with np.errstate(invalid="ignore"):
+            same = (np.abs(told - asked) <= OFF * asked) | (told == asked)
+        return caps, ~same.all(axis=0)
+
+
+def path_between(low: Floats, high: Floats, length: Floats, inside: Floats) -> Floats:
+    """q', q'', q''' (n, 3, m, k) at the shares `inside` (k,) of cells, from the path (4, n, m) at both their ends."""
+    out = np.empty((len(length), 3, low.shape[2], len(inside)))
+    between_nodes.path_between(np.arange(len(length)), low, high, length, inside, out)
+    return out
+
+
+def probes(low: Floats, high: Floats, inside: Floats) -> Floats:
+    """(n k,) places at the shares `inside` (k,) of cells between low and high (n,), their ends taken from inside."""
+    s = low[:, None] + (high - low)[:, None] * inside
+    s[:, inside == 1.0] = np.nextafter(high, -np.inf)[:, None]
+    return np.asarray(s.ravel())
+
+
+def caps_between(caps: Floats, inside: Floats) -> tuple[Floats, Floats]:
+    """(n, k) caps on ds/dt at the shares `inside` (k,) of cells, from those at five even places of each (5, n).
+
+    A feed over the speed of the tip: the square of its inverse is taken for a polynomial of the fourth degree. Returns
+    with them how far, relative to itself, it is (n,) from one of the third.
+    """
+    square = np.square(1.0 / caps)
+    order = np.vander(np.linspace(0.0, 1.0, 5), 5)
+    told = square.T @ np.linalg.solve(order.T, np.vander(inside, 5).T)
+    bend = np.abs(np.array([1.0, -4.0, 6.0, -4.0, 1.0]) @ square)
+    least = square.min(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return 1.0 / np.sqrt(np.maximum(told, 0.5 * least[:, None])), np.where(least > 0.0, bend / least, bend)
