@@ -11,8 +11,8 @@ from toolpace.kernels.motion.spline_law import inside_cell
 
 SPEED, ACCELERATION, JERK = 0, 1, 2
 """Kinds of limits; the feed is one of speed."""
-HIGH, NEAR_LIMIT = 0.9, 0.98
-"""Usage from which it matters how high a peak goes between probes, and from which such a peak is looked at closer."""
+HIGH = 0.8
+"""Usage from which it matters how high a peak goes between probes: three of them tell it to a fifth of a limit."""
 CLOSER_LOOKS, FIVE = 12, 5
 """Places on either side of such a peak at which it is looked for again, and probes that tell the path there: beside a
 narrow bend the terms of jerk are hundreds of limits each, and all but one of them are taken away by the others."""
@@ -173,25 +173,23 @@ def highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Float
 
 @jit(inline=True)
 def about_top(inside: Floats, value: Floats, p: int) -> tuple[float, float]:
-    """Ends of the part of a cell in which values near the limit go higher about probe p; the same where none does.
+    """Ends of the part of a cell in which high values go higher about probe p; the same where none does.
 
-    Beside a node, where a limit is held, the highest may lie between the outermost two probes. A parabola tells how
-    high values go between probes, and may be off by half of what it adds.
+    Beside a node, where a limit is held, the highest may lie between the outermost two probes.
     """
     begin, end = 0.0, 0.0
     last = len(inside) - 1
     if value[p] > HIGH:
-        m = min(max(p, 1), last - 1)
-        top, at = summit(inside[m - 1], inside[m], inside[m + 1], value[m - 1], value[m], value[m + 1])
-        if top + 0.5 * (top - value[p]) > NEAR_LIMIT:
-            if p == 0:
-                if value[1] <= value[0] and inside[0] < at < inside[1]:
-                    begin, end = inside[0], inside[1]
-            elif p == last:
-                if value[p - 1] <= value[p] and inside[p - 1] < at < inside[p]:
-                    begin, end = inside[p - 1], inside[p]
-            elif value[p] >= value[p - 1] and value[p] >= value[p + 1]:
-                begin, end = inside[p - 1], inside[p + 1]
+        if p == 0:
+            _, at = summit(inside[0], inside[1], inside[2], value[0], value[1], value[2])
+            if value[1] <= value[0] and inside[0] < at < inside[1]:
+                begin, end = inside[0], inside[1]
+        elif p == last:
+            _, at = summit(inside[p - 2], inside[p - 1], inside[p], value[p - 2], value[p - 1], value[p])
+            if value[p - 1] <= value[p] and inside[p - 1] < at < inside[p]:
+                begin, end = inside[p - 1], inside[p]
+        elif value[p] >= value[p - 1] and value[p] >= value[p + 1]:
+            begin, end = inside[p - 1], inside[p + 1]
     return begin, end
 
 
