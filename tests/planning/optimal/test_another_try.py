@@ -51,14 +51,14 @@ def test_plans_near_their_bound_have_no_notes_and_cost_no_other_try():
 
 
 def test_the_same_plan_twice():
-    """What may be spent is counted in questions, and not in seconds."""
+    """What may be spent is counted in knots, and not in seconds."""
     one, two = planned(1000071), planned(1000071)
     assert one.lower_bound == two.lower_bound
     assert np.array_equal(one.laws[0].c, two.laws[0].c)
 
 
 def test_an_allowance_is_spent():
-    allowance = Allowance(questions=5)
+    allowance = Allowance(knots=5)
     assert allowance.take(3) and not allowance.is_spent
     assert not allowance.take(3)
     assert allowance.is_spent

@@ -87,7 +87,7 @@ def close(
         patience = PATIENCE if worst.value > best + LEAST_GAIN * lost else patience - 1
         best = max(best, worst.value)
         progress(min(best, enough) - base)
-        if best >= enough or not allowance.take(ASKED * len(open_knots(part.knots, worst))):
+        if best >= enough or not allowance.take(work(part, worst, ramp)):
             break
         tighter = tightened(part, worst, cut, allowance.until, ramp, workers)
         pieces.remove(worst)
@@ -96,6 +96,12 @@ def close(
         else:
             pieces += [relaxed_in(part, low, high, tighter) for low, high in split_at_widest(tighter, part.knots)]
     return max(min(min(piece.value for piece in pieces), cut) - base, 0.0)
+
+
+def work(part: Part, piece: Box, ramp: float) -> int:
+    """Knots of all the relaxations that one round in a piece solves, at most."""
+    low, high = surroundings(part.clock, open_knots(part.knots, piece), KNOT_RAMPS * ramp)
+    return ASKED * int((high - low + 1).sum()) + 3 * len(part.clock)
 
 
 def tightened(part: Part, piece: Box, wanted: float, until: float, ramp: float, workers: Workers) -> Box:

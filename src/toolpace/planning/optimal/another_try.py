@@ -35,8 +35,8 @@ from toolpace.workers import Workers
 
 FAR = 0.02
 """Gap above which a plan is worth another try."""
-QUESTIONS = 600
-"""How many may be asked for a proof: about as much work as the plan on a few thousand nodes."""
+KNOTS_A_NODE = 60
+"""How many knots the relaxations of a proof may have together, for each node of the plan: a few times its own work."""
 PARTS = 4
 """Into how many the cells are cut about which the gap lies."""
 START_LOSS, START_SPREAD = 0.1, 0.1
@@ -78,7 +78,8 @@ def another_try(
     best = first
     for way in ("proof", "mesh") if opening.stands > 0.5 else ("mesh", "proof"):
         if way == "proof":
-            bound = prove_run(run, limits, best.law, FAR, Allowance(questions=QUESTIONS), start, end, workers)
+            allowance = Allowance(knots=KNOTS_A_NODE * len(best.law.nodes))
+            bound = prove_run(run, limits, best.law, FAR, allowance, start, end, workers)
             if bound.gap < best.bound.gap:
                 said.append(f"the bound was loose: a proof by ranges of speed leaves {bound.gap:.2%}")
                 best = Plan(best.law, bound)
