@@ -58,7 +58,9 @@ class Look:
         """(n,) cells in which the path, or its cap, does more than what is known at the nodes says, as far as seen."""
         self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n,) those in which the path does."""
-        self.hints = places_about(np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes), nodes)
+        self.hints = places_about(
+            np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes), nodes
+        )
         """(k,) places between nodes where the path's derivatives may bend, and between two such: probes of a cell may
         all miss a top there."""
         self._at_hints: tuple[Floats, Floats] | None = None
