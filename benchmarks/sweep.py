@@ -121,9 +121,12 @@ def run(count: int, seed: int, workers: int) -> None:
     first = seed * 1_000_000
     done = {row["seed"] for row in read(file)}
     left = [k for k in range(first, first + count) if k not in done]
-    guarded(first)  # compiled once, before many do it
+    guarded(first)  # compiled once, before many do it; each of these is warm, too, before it is timed
     context = multiprocessing.get_context("spawn")
-    with file.open("a", encoding="utf-8") as out, context.Pool(workers, maxtasksperchild=400) as pool:
+    with (
+        file.open("a", encoding="utf-8") as out,
+        context.Pool(workers, guarded, (first,), maxtasksperchild=400) as pool,
+    ):
         for k, row in enumerate(pool.imap_unordered(guarded, left, chunksize=4), start=1):
             out.write(json.dumps(row) + "\n")
             out.flush()
