@@ -15,6 +15,7 @@ from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from testbed.cases import Case, all_cases
 from toolpace.errors import ToolpaceError
+from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import Bound, bound_run
@@ -86,7 +87,7 @@ def proofs(cases: list[Case]) -> Table:
         after = before
         if before.gap > WORTH_IT:
             began, spent = time.perf_counter(), time.process_time()
-            after = prove_run(case.run, case.limits, law, GAP, time.monotonic() + WITHIN)
+            after = prove_run(case.run, case.limits, law, GAP, Allowance(time.monotonic() + WITHIN))
             table.lines.append([
                 case.name, str(points), "yes" if guard else "no", f"{100.0 * before.gap:.4f}",
                 f"{100.0 * after.gap:.4f}", f"{time.perf_counter() - began:.1f}", f"{time.process_time() - spent:.1f}",

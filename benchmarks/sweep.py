@@ -16,8 +16,13 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from toolpace.arrays import Floats
+    from toolpace.axispath.run import AxisRun
 
 LONGEST = 120
 """Time after which a plan is given up [s]."""
@@ -39,15 +44,38 @@ def one(seed: int) -> dict[str, Any]:
     except InfeasibleError as error:
         return row | {"refused": f"whole path: {error}"}
     row |= {"joints": len(made.limits), "mesh": made.options.get("mesh")}
+    asked = timed(made.path.runs)
     began = time.process_time()
     try:
         trajectory = plan(made.path, made.limits, **made.options)
     except ToolpaceError as error:
         return row | {"refused": str(error), "cpu": time.process_time() - began}
     row |= {"cpu": time.process_time() - began, "points": trajectory.mesh_points, "duration": trajectory.duration}
+    row |= {"path_cpu": sum(asked), "notes": list(trajectory.notes)}
     positions = used_by_positions(trajectory)
     gap = trajectory.gap if trajectory.gap < 1e300 else None
     return row | {"usage": [float(x) for x in positions], "told": trajectory.usage().worst, "gap": gap}
+
+
+def timed(runs: Sequence[AxisRun]) -> list[float]:
+    """CPU times [s] of what is asked of some runs from now on: a path's own cost."""
+    asked: list[float] = []
+
+    def watched(question: Callable[[Floats], Any]) -> Callable[[Floats], Any]:
+        def answer(s: Floats) -> Any:
+            began, before = time.thread_time(), len(asked)
+            try:
+                return question(s)
+            finally:
+                # one question may ask another
+                asked[before:] = [time.thread_time() - began]
+
+        return answer
+
+    for run in runs:
+        for name in ("evaluate", "with_cap"):
+            setattr(run, name, watched(getattr(run, name)))
+    return asked
 
 
 def guarded(seed: int) -> dict[str, Any]:
@@ -93,9 +121,12 @@ def run(count: int, seed: int, workers: int) -> None:
     first = seed * 1_000_000
     done = {row["seed"] for row in read(file)}
     left = [k for k in range(first, first + count) if k not in done]
-    guarded(first)  # compiled once, before many do it
+    guarded(first)  # compiled once, before many do it; each of these is warm, too, before it is timed
     context = multiprocessing.get_context("spawn")
-    with file.open("a", encoding="utf-8") as out, context.Pool(workers, maxtasksperchild=400) as pool:
+    with (
+        file.open("a", encoding="utf-8") as out,
+        context.Pool(workers, guarded, (first,), maxtasksperchild=400) as pool,
+    ):
         for k, row in enumerate(pool.imap_unordered(guarded, left, chunksize=4), start=1):
             out.write(json.dumps(row) + "\n")
             out.flush()

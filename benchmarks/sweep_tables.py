@@ -16,7 +16,27 @@ KINDS = ("feed", "velocity", "acceleration", "jerk")
 NAMED = 60
 """Most rows of each list."""
 PROMISED = 1.0001
+FAR = 0.02
+FEW = 300
+"""Points of a mesh up to which a plan costs about the same, however few they are: a round of it takes milliseconds."""
+ASKING = 0.5
+"""Share of a plan's time from which its cost is that of the path."""
 Row = dict[str, Any]
+
+
+def cause(row: Row, cost: float, slow: float, few: float) -> str:
+    """Why a plan takes more than `slow` for each of its points; "" where it does not, or nobody knows.
+
+    `cost`: what it takes [s a point]; `few`: three times what a plan on few points takes in all, in the median [s].
+    """
+    if cost <= slow:
+        return ""
+    if row["points"] <= FEW and row["cpu"] <= few:
+        return f"few points: {row['cpu'] * 1e3:.0f} ms in all"
+    own = row.get("path_cpu", 0.0)
+    if own > ASKING * row["cpu"] or row["cpu"] - own <= slow * row["points"]:
+        return f"the path: {own / row['points'] * 1e6:.0f} microseconds a point"
+    return "; ".join(row.get("notes", []))
 
 
 def write_tables(rows: list[Row], command: str, slow: float) -> None:
@@ -26,6 +46,11 @@ def write_tables(rows: list[Row], command: str, slow: float) -> None:
         print("nothing is there yet")
         return
     cost = np.array([row["cpu"] / max(row["points"], 1) for row in planned]) * 1e6
+    limit = slow * float(np.median(cost)) * 1e-6
+    small = [row["cpu"] for row in planned if row["points"] <= FEW]
+    few = slow * float(np.median(small)) if small else 0.0
+    causes = [cause(row, each * 1e-6, limit, few) for row, each in zip(planned, cost)]
+    unsaid = [each > limit * 1e6 and not said for each, said in zip(cost, causes)]
     tables = [
         table("By family", rows, lambda row: row["family"]),
         table("By way: by default, on a fixed mesh, in motion at one end or both", rows, lambda row: row["way"]),
@@ -47,9 +72,15 @@ def write_tables(rows: list[Row], command: str, slow: float) -> None:
         ],
         f"More than {slow:g} times the median CPU time a point ({np.median(cost):.0f} microseconds)": [
             f"seed {row['seed']} ({row['family']}, {row['way']}, mesh {row['mesh']}, {row['joints']} joints):"
-            f" {each:.0f} microseconds for each of {row['points']} points, gap {row['gap'] or 0.0:.2g}"
-            for each, row in sorted(zip(cost, planned), key=lambda pair: -pair[0])
+            f" {each:.0f} microseconds for each of {row['points']} points, gap {row['gap'] or 0.0:.2g};"
+            f" {said or 'without a stated cause'}"
+            for each, row, said in sorted(zip(cost, planned, causes), key=lambda three: (bool(three[2]), -three[0]))
             if each > slow * np.median(cost)
+        ],
+        f"Gap above {FAR:.0%}, by default": [
+            f"seed {row['seed']} ({row['family']}): {'; '.join(row.get('notes', []))}"
+            for row in sorted(planned, key=lambda row: -(row["gap"] or 0.0))
+            if row["way"] == "default" and (row["gap"] or 0.0) > FAR
         ],
     }
     for each in tables:
@@ -63,6 +94,8 @@ def write_tables(rows: list[Row], command: str, slow: float) -> None:
             "median": float(np.median(cost)), "99 percent": float(np.quantile(cost, 0.99)), "worst": float(cost.max()),
         },
         "slow": int((cost > slow * np.median(cost)).sum()),
+        "slow without a stated cause": sum(unsaid),
+        "by default with a gap above 2 percent": len(lists[f"Gap above {FAR:.0%}, by default"]),
     }  # fmt: skip
     print(json.dumps(figures, indent=1))
     text = f"# Random plans, judged from positions alone\n\n{written_by(command)}\n\n"

@@ -11,6 +11,7 @@ import itertools
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.motion import least_changes
 from toolpace.trajectory import Trajectory
 
 WEIGHTS = (np.array([-1.0, 1.0]), np.array([1.0, -2.0, 1.0]), np.array([-1.0, 3.0, -3.0, 1.0]))
@@ -43,6 +44,7 @@ def used_by_positions(trajectory: Trajectory) -> Floats:
             blur = ROUNDING * (
                 np.abs(q[0]).max(axis=0) + duration * swift + behind_the_parameter(trajectory, first, q, step)
             )
+            blur += grain(trajectory, q)
             blur = np.maximum(blur, noise(trajectory, first[:: max(len(first) // 3000, 1)], step / 1000.0))
             for order, (weights, bound) in enumerate(zip(WEIGHTS, bounds), start=1):
                 change = np.abs(sum(w * at for w, at in zip(weights, q)))
@@ -66,6 +68,17 @@ def behind_the_parameter(trajectory: Trajectory, first: Floats, q: list[Floats],
     # where s hardly moves its rounding is all there is
     slope[moved <= 1e3 * np.spacing(size)] = 0.0
     return size * slope.max(axis=0, initial=0.0)
+
+
+def grain(trajectory: Trajectory, q: list[Floats]) -> Floats:
+    """(m,) the least by which a joint's positions differ over a step, where over others they do not: their rounding.
+
+    A position next to zero may be a difference of larger numbers. No more than a change of position that is let pass.
+    """
+    change = np.abs(q[1] - q[0])
+    least = np.where(change > 0.0, change, np.inf).min(axis=0)
+    rounded = (change == 0.0).any(axis=0) & np.isfinite(least)
+    return np.where(rounded, np.minimum(least, least_changes(trajectory.limits)[0]), 0.0)
 
 
 def noise(trajectory: Trajectory, first: Floats, step: float) -> Floats:

@@ -54,6 +54,8 @@ class Trajectory:
     """No motion that keeps the limits all along the path is faster than this [s], on no mesh; 0 when unknown."""
     open_places: tuple[OpenPlace, ...] = ()
     """Where most of the gap between duration and lower bound lies, in the order of time."""
+    notes: tuple[str, ...] = ()
+    """Sentences on the runs whose duration was far from its bound: why, and what came of another try."""
     mesh_points: int = 0
     solve_seconds: float = 0.0
     starts: Floats = field(init=False)

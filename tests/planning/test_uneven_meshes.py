@@ -17,6 +17,9 @@ from toolpace.planning.planner import plan
         (1005858, "a bend of 1e-7 of the run between nine probes of a cell: jerk 7e9 times its limit"),
         (1005020, "the same in motion on a fixed mesh: 35 000 times"),
         (1001824, "a bend of the third derivative at a hint of the path, inside a cell of a fixed mesh: 1.01"),
+        (1003624, "the same between two hints inside a cell: 1.019"),
+        (1007407, "a top between probes that were at 0.94 of the limit: 1.0006"),
+        (1001037, "the same beside a place where all joints stand: 1.012, told and not to be seen in positions"),
     ],
 )
 def test_what_is_narrow_is_seen(seed, why):
@@ -30,6 +33,12 @@ def test_blends_far_shorter_than_the_cells_do_not_keep_the_spline_from_moving():
     """The solver gave up, and all was slowed down to 17 000 s."""
     made = random_plan(1001230)
     assert plan(made.path, made.limits, **made.options).duration < 20.2
+
+
+def test_breaks_next_to_each_other_do_not_keep_the_solver_from_its_end():
+    """Cells of 4e-10 of the run between breaks made the curvature of z noise: all was slowed down to 761 s."""
+    made = random_plan(1003308)
+    assert plan(made.path, made.limits, **made.options).duration < 7.75
 
 
 def test_cells_side_by_side_are_alike():

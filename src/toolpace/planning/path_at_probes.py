@@ -16,9 +16,10 @@ UNLIKE = 1e-6
 BENT = 1e-4
 """How far a smooth cap on ds/dt may be from a polynomial of the third degree in a cell, relative to itself; one of the
 fourth is taken, and beyond this it is asked at each probe."""
-QUARTERS, EIGHTHS = np.array([0.25, 0.75]), np.array([0.125, 0.375, 0.625, 0.875])
+QUARTERS = np.array([0.25, 0.75])
 OFF = 1e-6
-"""How far any other cap may be from that polynomial at the eighths of a cell, relative to itself."""
+"""How far any other cap, which is asked at each probe, may be from that polynomial in a cell that is taken for simple,
+relative to itself."""
 FASTER = 4.0
 """How much of the z at steady speed a motion may have."""
 
@@ -132,10 +133,10 @@ class PathAtProbes:
         caps, bend = caps_between(five, inside)
         if self.run.smooth_cap:
             return caps, ~(bend <= BENT)
-        told, asked = caps_between(five, EIGHTHS)[0].T, at(EIGHTHS)
+        asked = at(inside).T
         with np.errstate(invalid="ignore"):
-            same = (np.abs(told - asked) <= OFF * asked) | (told == asked)
-        return caps, ~same.all(axis=0)
+            same = (np.abs(caps - asked) <= OFF * asked) | (caps == asked)
+        return asked, ~same.all(axis=1)
 
 
 def path_between(low: Floats, high: Floats, length: Floats, inside: Floats) -> Floats:

@@ -13,7 +13,7 @@ from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.motion.look import unexplained
+from toolpace.motion.look import IN_A_STRETCH, unexplained
 from toolpace.motion.usage import ratios_along
 from toolpace.planning.known_path import KnownPath
 from toolpace.planning.path_at_probes import PathAtProbes
@@ -46,8 +46,13 @@ class Look:
         """Take the nodes (n,) of the mesh, and what is known of the path already."""
         self.run, self.limits, self.nodes = run, limits, nodes
         self.path = PathAtProbes(run, limits, nodes, known)
-        self.hints = np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes)
-        """(k,) places between nodes where the path's derivatives may bend: no probe would hit a top there."""
+        self.hints = places_about(
+            np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes), nodes
+        )
+        """(k,) places between nodes where the path's derivatives may bend, and between two such: probes of a cell may
+        all miss a top there."""
+        self._at_hints: tuple[Floats, Floats] | None = None
+        """The path (4, k, m) there, and its cap (k,)."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
         """By the first cell of a chunk: three derivatives (n, 3, m, k) of the path, and caps (n, k) on ds/dt."""
         self._last: tuple[Floats, Peaks] | None = None
@@ -82,10 +87,13 @@ class Look:
         """The peaks, or what is used at hints where that is more."""
         if not len(self.hints):
             return peaks
-        state = law.states_at(self.hints)
-        state[0] = self.hints
-        of_kinds = by_kind(limit_ratios(self.run, self.limits, state, np.ones(len(self.hints))), len(self.limits))
-        return self._with(peaks, self.hints, of_kinds)
+        limits = self.limits
+        if self._at_hints is None:
+            q, cap = self.run.with_cap(self.hints)
+            self._at_hints = np.ascontiguousarray(q), cap
+        of_joints = limits.velocity, limits.acceleration, limits.jerk
+        ratio = usage.ratios(self._at_hints[0], law.states_at(self.hints), self._at_hints[1], *of_joints)
+        return self._with(peaks, self.hints, by_kind(ratio, len(limits)))
 
     def _with(self, peaks: Peaks, s: Floats, of_kinds: Floats) -> Peaks:
         """The peaks, or what is used (k, 3) at the places s (k,) where that is more."""
@@ -157,6 +165,17 @@ class Look:
                 which, q, cap, law.nodes, law.cells, law.inside, limits.velocity, limits.acceleration, limits.jerk
             )
         )
+
+
+def places_about(hints: Floats, nodes: Floats) -> Floats:
+    """(k,) hints between nodes, and places in the stretches from them to the next of either kind."""
+    if not len(hints):
+        return hints
+    ends = np.union1d(hints, nodes)
+    at = np.searchsorted(ends, hints)
+    beside = np.unique(np.concatenate([at - 1, at]))
+    stretch = ends[beside, None] + (ends[beside + 1] - ends[beside])[:, None] * IN_A_STRETCH
+    return np.union1d(hints, stretch.ravel())
 
 
 def joined(parts: list[Peaks]) -> Peaks:

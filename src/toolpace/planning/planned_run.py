@@ -23,6 +23,8 @@ class PlannedRun:
     """No motion on the mesh is faster than this [s]; None where that was not asked, or is not known."""
     open_places: tuple[OpenPlace, ...] = ()
     """Where the motion may be faster, or the bound too low; in time since the start of the run."""
+    notes: tuple[str, ...] = ()
+    """Why its bound was far from it at first, and what came of another try."""
 
 
 def total_bound(axis_path: AxisPath, planned: Sequence[PlannedRun]) -> tuple[float, tuple[OpenPlace, ...]]:

@@ -110,6 +110,7 @@ def plan(
         planner=chosen.name,
         lower_bound=lower_bound,
         open_places=open_places,
+        notes=tuple(note for run in planned for note in run.notes),
         mesh_points=sum(run.mesh_points for run in planned),
         solve_seconds=time.perf_counter() - began,
     )

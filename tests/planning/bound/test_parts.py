@@ -13,6 +13,7 @@ from tests.support.mesh_problems import solved
 from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
 from toolpace.planning.bound import prove as proving
+from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.open_places import settled
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import prove, prove_run
@@ -63,7 +64,8 @@ def test_places_that_stay_open_are_named_with_what_they_may_be_worth():
     case = flank()
     law, _ = fastest_law(case.run, case.limits, cells=300, guard=False)
     open_, closed = (
-        prove_run(case.run, case.limits, law, 1e-4, time.monotonic() + within).places for within in (0.0, 60.0)
+        prove_run(case.run, case.limits, law, 1e-4, Allowance(time.monotonic() + within)).places
+        for within in (0.0, 60.0)
     )
     assert len(open_) == len(closed) > 0
     assert (open_[:, 2] > 0.0).all() and (open_[:, 0] <= open_[:, 1]).all()

@@ -13,6 +13,7 @@ from tests.support.conic import conic_optimum
 from tests.support.mesh_problems import mesh_time, small, solved
 from toolpace.errors import UsageError
 from toolpace.laws.spline import SplineLaw
+from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.branch_and_bound import Box, Neighbourhood, Part, close
 from toolpace.planning.bound.open_places import losses_by_knot, settled
 from toolpace.planning.bound.problem import PADDING, Knots
@@ -129,7 +130,7 @@ def test_jcde2022_flank_is_the_best_there_is():
     case = flank()
     law, _ = fastest_law(case.run, case.limits, cells=400, guard=False)
     before = bound_run(case.run, case.limits, law)
-    after = prove_run(case.run, case.limits, law, 1e-4, time.monotonic() + FAR)
+    after = prove_run(case.run, case.limits, law, 1e-4, Allowance(time.monotonic() + FAR))
     assert before.gap > 0.015 and 0.0 <= after.gap < 1e-4
     assert after.mesh_bound <= after.mesh_duration
 
@@ -139,7 +140,9 @@ def test_random_cases_with_a_gap_are_the_best_there_is(number):
     case = next(case for case in all_cases() if case.name.startswith(f"random {number}"))
     law, _ = fastest_law(case.run, case.limits, cells=400, guard=False)
     shares: list[float] = []
-    after = prove_run(case.run, case.limits, law, 1e-4, time.monotonic() + FAR, progress=Progress(shares.append))
+    after = prove_run(
+        case.run, case.limits, law, 1e-4, Allowance(time.monotonic() + FAR), progress=Progress(shares.append)
+    )
     assert after.gap < 1e-4 and shares == sorted(shares)
 
 
@@ -149,7 +152,7 @@ def test_what_is_proved_is_never_above_the_best_found(seed):
     _, c = solved(600 + seed, cells=60)
     law = SplineLaw(problem.nodes, c, problem.rest)
     before = bound_run(run, limits, law)
-    after = prove_run(run, limits, law, 1e-5, time.monotonic() + 3.0)
+    after = prove_run(run, limits, law, 1e-5, Allowance(time.monotonic() + 3.0))
     assert before.mesh_bound <= after.mesh_bound <= after.mesh_duration * (1.0 + 1e-9)
 
 
@@ -159,7 +162,7 @@ def test_a_worse_plan_is_not_proved_to_be_the_best():
     _, c = solved(604, cells=60)
     best = mesh_time(Knots(problem), c)
     slow = SplineLaw(problem.nodes, c / 1.06, problem.rest)
-    assert prove_run(run, limits, slow, 1e-6, time.monotonic() + 10.0).mesh_bound <= best * (1.0 + 1e-7)
+    assert prove_run(run, limits, slow, 1e-6, Allowance(time.monotonic() + 10.0)).mesh_bound <= best * (1.0 + 1e-7)
 
 
 def test_a_trajectory_with_its_proof():
@@ -190,4 +193,4 @@ def test_only_plans_with_a_mesh_can_be_proved():
 def test_nothing_to_close_ends_at_once():
     problem, c = solved(1, cells=40)
     part, _ = whole(Knots(problem), c)
-    assert close(part, 0.0, 0.0, time.monotonic() + FAR, 1.0, Workers(), UNTOLD) == 0.0
+    assert close(part, 0.0, 0.0, Allowance(time.monotonic() + FAR), 1.0, Workers(), UNTOLD) == 0.0

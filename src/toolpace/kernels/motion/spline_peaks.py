@@ -13,8 +13,6 @@ from toolpace.kernels.motion.usage import HIGH, summit
 
 SPEED, ACCELERATION, JERK = 0, 1, 2
 """Kinds of limits; the feed is one of speed."""
-NEAR_LIMIT = 0.98
-"""Usage from which a peak between probes is looked for, and not only reckoned."""
 LOOKS, FIVE = 12, 5
 """Places about such a peak at which it is looked for again, and probes that tell the path there: beside a narrow bend
 the terms of jerk are hundreds of limits each, and all but one of them are taken away by the others."""
@@ -133,7 +131,7 @@ def _all_low(most: Floats, inside: Floats, kind: int, peak: Floats, place: Float
 def _highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Floats) -> bool:
     """Raise the peak (3,) of a kind, and set its place (3,), where the values (k,) at shares `inside` go higher.
 
-    Returns whether any is so near its limit that tops between them are worth a closer look.
+    Returns whether any is so high that a top between them may be near the limit.
     """
     k, most = len(value), 0.0
     for p in range(k):
@@ -146,7 +144,7 @@ def _highest(value: Floats, inside: Floats, kind: int, peak: Floats, place: Floa
             top, at = summit(inside[p - 1], at, inside[p + 1], value[p - 1], top, value[p + 1])
         if top > peak[kind] or np.isnan(top):
             peak[kind], place[kind] = top, at
-    return most > NEAR_LIMIT
+    return most > HIGH
 
 
 @jit()
@@ -171,12 +169,12 @@ def _closer_looks(inside: Floats) -> Closer:
 
 @jit(inline=True)
 def _is_top(inside: Floats, value: Floats, p: int) -> bool:
-    """Whether values near the limit go higher about probe p.
+    """Whether high values go higher about probe p.
 
     Beside a node, where a limit is held, the highest may lie between the outermost two probes.
     """
     last = len(inside) - 1
-    if not value[p] > NEAR_LIMIT:
+    if not value[p] > HIGH:
         return False
     if p == 0:
         _, at = summit(inside[0], inside[1], inside[2], value[0], value[1], value[2])

@@ -7,8 +7,8 @@ import numpy as np
 from toolpace.kernels.arrays import Bools, Floats
 from toolpace.kernels.jit import jit
 
-HIGH = 0.9
-"""Usage from which it matters how high a peak goes between probes."""
+HIGH = 0.8
+"""Usage from which it matters how high a peak goes between probes: three of them tell it to a fifth of a limit."""
 
 
 @jit()

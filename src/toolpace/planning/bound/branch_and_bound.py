@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
 from toolpace.kernels.optimal import dual
+from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.open_places import settled, surroundings
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import Relaxation, relaxed
@@ -36,6 +37,8 @@ NOT_ZERO = 1e-4
 """Share of the relaxation's z below which no range from a z on is looked for."""
 NECESSARY = 0.999
 """Share of what the best motion known loses at a place that is to be proved necessary."""
+ASKED = 3
+"""Questions that a knot is asked in a round, at most."""
 PROBE_TOLERANCE = 1e-4
 LEAST_PROGRESS = 0.2
 """Share of what is open that a round must close; else the range of a knot is split."""
@@ -66,7 +69,7 @@ class Box:
 
 
 def close(
-    part: Part, lost: float, needed: float, until: float, ramp: float, workers: Workers, progress: Progress
+    part: Part, lost: float, needed: float, allowance: Allowance, ramp: float, workers: Workers, progress: Progress
 ) -> float:
     """How much more than its multipliers say any motion takes in a part; `lost` is how much more the best known takes.
 
@@ -79,20 +82,26 @@ def close(
     low = np.zeros_like(part.knots.cap)
     pieces = [Box(base, low, part.knots.cap, part.found)]
     patience, best = PATIENCE, base
-    while patience and time.monotonic() < until:
+    while patience and not allowance.is_spent:
         worst = min(pieces, key=lambda piece: piece.value)
         patience = PATIENCE if worst.value > best + LEAST_GAIN * lost else patience - 1
         best = max(best, worst.value)
         progress(min(best, enough) - base)
-        if best >= enough:
+        if best >= enough or not allowance.take(work(part, worst, ramp)):
             break
-        tighter = tightened(part, worst, cut, until, ramp, workers)
+        tighter = tightened(part, worst, cut, allowance.until, ramp, workers)
         pieces.remove(worst)
         if tighter.value >= min(worst.value + LEAST_PROGRESS * (cut - worst.value), enough):
             pieces.append(tighter)
         else:
             pieces += [relaxed_in(part, low, high, tighter) for low, high in split_at_widest(tighter, part.knots)]
     return max(min(min(piece.value for piece in pieces), cut) - base, 0.0)
+
+
+def work(part: Part, piece: Box, ramp: float) -> int:
+    """Knots of all the relaxations that one round in a piece solves, at most."""
+    low, high = surroundings(part.clock, open_knots(part.knots, piece), KNOT_RAMPS * ramp)
+    return ASKED * int((high - low + 1).sum()) + 3 * len(part.clock)
 
 
 def tightened(part: Part, piece: Box, wanted: float, until: float, ramp: float, workers: Workers) -> Box:

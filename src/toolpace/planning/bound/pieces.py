@@ -24,11 +24,12 @@ from toolpace.planning.bound.relaxation import (
     Bound,
     bound_run,
     coefficients_of,
+    highest_speed,
     relaxed,
     standstills,
 )
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.mesh.guess import highest_of, ramp_time, steady_speed
+from toolpace.planning.mesh.guess import ramp_time
 from toolpace.planning.optimal.problem import OnMesh, discretise, weights
 from toolpace.workers import UNTOLD, Progress, Workers
 
@@ -51,10 +52,7 @@ class JoinedPieces:
     def __init__(self, run: AxisRun, limits: Limits, law: SplineLaw, ends: tuple[EndState, EndState]) -> None:
         n = len(law.nodes)
         self.run, self.limits, self.law, self.ends = run, limits, law, ends
-        every = law.nodes[:: max(n // SAMPLES, 1)]
-        self.highest = max(
-            highest_of(*steady_speed(run, limits, every), run.s1 - run.s0), ends[0].speed ** 2, ends[1].speed ** 2
-        )
+        self.highest = highest_speed(run, limits, law, law.nodes[:: max(n // SAMPLES, 1)])
         self.gathered, self.cap, self.wait = np.zeros((n, 8)), np.empty(n), np.zeros(n)
         self.terms = 4 * len(limits)
         self.lock = threading.Lock()

@@ -13,6 +13,7 @@ from toolpace.axispath.run import AxisRun
 from toolpace.errors import UsageError
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
+from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.any_motion import with_continuous_bound
 from toolpace.planning.bound.branch_and_bound import Part, close
 from toolpace.planning.bound.open_places import Place, losses_by_knot, open_places, settled
@@ -72,7 +73,9 @@ def prove(
             share = open_[k] / total
             part = told.part(done, done + share)
             states = end_states(laws[k])
-            bounds[k] = prove_run(runs[k], limits, laws[k], gap, until, *states, workers=workers, progress=part)
+            bounds[k] = prove_run(
+                runs[k], limits, laws[k], gap, Allowance(until), *states, workers=workers, progress=part
+            )
         done += open_[k] / total
     unmeshed = with_continuous_bound(trajectory, workers)
     told(1.0)
@@ -99,13 +102,13 @@ def prove_run(
     limits: Limits,
     law: SplineLaw,
     target: float,
-    until: float,
+    allowance: Allowance,
     start: EndState = AT_REST,
     end: EndState = AT_REST,
     workers: Workers | None = None,
     progress: Progress = UNTOLD,
 ) -> Bound:
-    """The bound of a run's plan, raised until the gap is at most `target` or the time is `until` (time.monotonic).
+    """The bound of a run's plan, raised until the gap is at most `target` or the allowance is spent.
 
     Place by place: the multipliers may change in a part around it; what lies outside is priced by those found. So
     what is gained at places whose parts do not overlap adds up.
@@ -123,14 +126,14 @@ def prove_run(
     ramp = min(ramp_time(limits), law.duration)
     for place in open_places(found.wait > STANDS_STILL * pace, losses, law.times, ramp):
         gained = 0.0
-        if value < wanted and time.monotonic() < until:
+        if value < wanted and not allowance.is_spent:
 
             def closed(gain: float, before: float = value) -> None:
                 progress(min((before + gain - first) / (wanted - first), 1.0))
 
             part = part_around(knots, place, found, dual, law.times)
             lost = place.open - to_gain(problem, c, place)
-            gained = close(part, lost, wanted - value, until, ramp, workers, Progress(closed))
+            gained = close(part, lost, wanted - value, allowance, ramp, workers, Progress(closed))
         value += gained
         places.append((law.nodes[place.first], law.nodes[place.last], place.open - gained))
     kept = np.array(places).reshape(-1, 3)

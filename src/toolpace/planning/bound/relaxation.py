@@ -15,7 +15,8 @@ from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.planning.bound.problem import Knots, start_within
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.optimal.problem import Problem, discretise
+from toolpace.planning.mesh.guess import fleeting, highest_of, steady_speed
+from toolpace.planning.optimal.problem import HIGHEST, Problem, discretise
 from toolpace.trajectory import OpenPlace
 
 TOLERANCE = 1e-5
@@ -108,7 +109,18 @@ def problem_of(run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, en
     """The problem on the mesh of a law, its limits as they are given."""
     outer = [law.s0] if start.at_rest else [], [law.s1] if end.at_rest else []
     nodes = np.concatenate([outer[0], law.nodes, outer[1]])
-    return discretise(run, limits, nodes, start, end)
+    return discretise(run, limits, nodes, start, end, highest_speed(run, limits, law, law.nodes))
+
+
+def highest_speed(run: AxisRun, limits: Limits, law: SplineLaw, s: Floats) -> float:
+    """The highest z that the limits allow anywhere at steady speed, as seen at s (k,), or that is worth anything.
+
+    Where all joints stand limits allow any; a plan's own z is never above.
+    """
+    length = run.s1 - run.s0
+    z = law.z_at_nodes()
+    worth = max(float(z.max()) / HIGHEST, fleeting(length, law.duration))
+    return max(min(highest_of(*steady_speed(run, limits, s), length), worth), float(z[0]), float(z[-1]))
 
 
 def places_in_time(run: AxisRun, law: SplineLaw, bound: Bound) -> tuple[OpenPlace, ...]:

@@ -17,7 +17,7 @@ ROUGH, ROUGH_BY = 0.05, 1.5
 SAMPLES = 4000
 MOST_PLACES = 4_000_000
 """Intervals that are looked at, and most places."""
-FLEETING = 1e-5
+FLEETING = 3e-3
 """Share of the time in which the whole run would be passed at the highest ds/dt of a guess: more would gain nothing."""
 UNLIMITED = 1e12
 """z [length of the run squared a second squared] that stands for the highest where no limit gives a scale."""
@@ -61,9 +61,14 @@ def guess(run: AxisRun, limits: Limits, ends: tuple[float, float], resolution: i
     steady[~np.isfinite(steady)] = 1e6 * highest
     z = first_guess.ramped(s, steady, third, ends[0], ends[1])
     # where nothing moves, or nearly so, ds/dt would be without bounds
-    fastest = (length / (FLEETING * first_guess.times(s, z)[-1])) ** 2
+    fastest = fleeting(length, first_guess.times(s, z)[-1])
     z = np.minimum(z, fastest)
     return Guess(s, z, first_guess.times(s, z), min(highest, fastest), closer)
+
+
+def fleeting(length: float, duration: float) -> float:
+    """The highest z that is worth anything on a run of some length that takes so long [s]."""
+    return (length / (FLEETING * duration)) ** 2
 
 
 def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Floats]:

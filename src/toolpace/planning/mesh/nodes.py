@@ -29,7 +29,7 @@ EVEN_SHARE = 0.25
 """Nodes that lie evenly along the run, as a share of the others: a fifth of all, for what the guess does not see."""
 ONE_PLACE = 1e-4
 """Share of a cell up to which breaks are one place: cells that short spoil the spline, and nothing happens in them."""
-NARROWEST = 1e-6
+NARROWEST = 1e-5
 """The same of breaks, and of places where more happens than even nodes would tell: of a cell that is shorter, z'' times
 its square is no more than the rounding of z."""
 MOST_UNLIKE = 8.0

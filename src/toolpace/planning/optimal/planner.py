@@ -7,6 +7,7 @@ of a run between two states:
       cut the cells that pass it by far, put rows where the others pass it most, and solve again around them
   what is left above the guarantee: slow down about it
   multipliers of the limits: no z on these nodes takes less time than ...                             (the bound)
+  where that is far off: a finer mesh, or a proof, about the places that keep it so                 (another try)
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.relaxation import places_in_time
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
+from toolpace.planning.optimal.another_try import Plan, another_try
 from toolpace.planning.optimal.guard import guarded
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
@@ -33,8 +35,8 @@ from toolpace.workers import UNTOLD, Progress, Workers
 
 START_SHARE = 0.4
 """Share of the guess at which a solve starts: well inside, where an interior point is quickest."""
-MESHED, SOLVED, GUARDED = 0.03, 0.25, 0.75
-"""Shares of a run's planning, for progress, that are done with the mesh, the first solve, and the guard."""
+MESHED, SOLVED, GUARDED, BOUNDED = 0.03, 0.25, 0.75, 0.95
+"""Shares of a run's planning, for progress, that are done with the mesh, the first solve, the guard, and the bound."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,13 @@ class Optimal(Options):
         law, points = fastest_law(run, limits, self.mesh, start, end, self.guard, workers, told)
         if not self.bound:
             return PlannedRun(law, points)
-        bound = bound_long_run(run, limits, law, start, end, workers, progress.part(GUARDED, 1.0))
-        return PlannedRun(law, points, bound.seconds, places_in_time(run, law, bound))
+        bound = bound_long_run(run, limits, law, start, end, workers, progress.part(GUARDED, BOUNDED))
+        first = Plan(law, bound)
+        best, notes = another_try(run, limits, first, start, end, self.mesh is not None, self.guard, workers)
+        progress(1.0)
+        return PlannedRun(
+            best.law, mesh_points(best.law), best.bound.seconds, places_in_time(run, best.law, best.bound), notes
+        )
 
 
 def fastest_law(
@@ -101,7 +108,12 @@ def fastest_law(
     except Stalled as stall:
         raise no_motion(run, stall, cells) from None
     progress(1.0)
-    return law, len(law.nodes) + sum(rest > 0.0 for rest in law.rest)
+    return law, mesh_points(law)
+
+
+def mesh_points(law: SplineLaw) -> int:
+    """The number of its nodes, those at rest with them."""
+    return len(law.nodes) + sum(rest > 0.0 for rest in law.rest)
 
 
 def no_motion(run: AxisRun, stall: Stalled, cells: int | None) -> InfeasibleError:

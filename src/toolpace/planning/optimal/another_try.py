@@ -1,0 +1,157 @@
+"""A plan far above its lower bound: what that comes from, and what another try makes of it.
+
+gap of a run above a few percent:
+  where most of it lies at places at which the relaxation stands still, the bound is loose there:
+      ranges of speed, proved knot by knot                                                  (planning/bound/prove.py)
+  where most of it lies elsewhere, the mesh is coarse there, for the motion or for the bound, which knows nodes only:
+      its cells cut, planned and bounded again
+  the other of both, if that did not do
+the better plan stays, and a note says what it was
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats
+from toolpace.axispath.run import AxisRun
+from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound.allowance import Allowance
+from toolpace.planning.bound.opening import Opening, opening_of
+from toolpace.planning.bound.prove import prove_run
+from toolpace.planning.bound.relaxation import Bound, bound_run, highest_speed
+from toolpace.planning.endstate import EndState
+from toolpace.planning.mesh.guess import ramp_time
+from toolpace.planning.mesh.nodes import cut_cells
+from toolpace.planning.optimal.dips import on_finer_mesh, too_short
+from toolpace.planning.optimal.guard import guarded
+from toolpace.planning.optimal.meshed_run import KEPT, MeshedRun
+from toolpace.planning.optimal.solve import Stalled, pinned, slower
+from toolpace.planning.optimal.windows import solve_run
+from toolpace.workers import Workers
+
+FAR = 0.02
+"""Gap above which a plan is worth another try."""
+KNOTS_A_NODE = 60
+"""How many knots the relaxations of a proof may have together, for each node of the plan: a few times its own work."""
+PARTS = 4
+"""Into how many the cells are cut about which the gap lies."""
+START_LOSS, START_SPREAD = 0.1, 0.1
+"""How the search on the finer mesh starts: the plan, so much slower, and its first gap relative to the duration."""
+AS_FAST = 1e-4
+"""How much slower a plan on a finer mesh may be and still be taken, if its bound is nearer."""
+CLOSED = 0.9
+"""Share of the gap that a proof leaves at most where the bound is called loose."""
+WORTH_SAYING = 1e-3
+"""Least share of the duration by which a mesh is called coarse."""
+
+
+class Plan(NamedTuple):
+    """A law of a run, and its bound."""
+
+    law: SplineLaw
+    bound: Bound
+
+
+def another_try(
+    run: AxisRun,
+    limits: Limits,
+    first: Plan,
+    start: EndState,
+    end: EndState,
+    fixed: bool,
+    guard: bool,
+    workers: Workers,
+) -> tuple[Plan, tuple[str, ...]]:
+    """The plan, or a better one, with its bound, and notes on why they were far apart; without any where they were not.
+
+    A mesh that is `fixed` stays as it is: what a finer one would gain is said.
+    """
+    gap = first.bound.gap
+    if gap <= FAR:
+        return first, ()
+    if len(first.law.nodes) > KEPT:
+        return first, (f"run at s = {run.s0:.6g}: gap of {gap:.1%}; too long for another try",)
+    opening = opening_of(run, limits, first.law, start, end)
+    said = [f"run at s = {run.s0:.6g}: gap of {gap:.1%}, mostly {opening.words}"]
+    best = first
+    for way in ("proof", "mesh") if opening.stands > 0.5 else ("mesh", "proof"):
+        if way == "proof":
+            allowance = Allowance(knots=KNOTS_A_NODE * len(best.law.nodes))
+            bound = prove_run(run, limits, best.law, FAR, allowance, start, end, workers)
+            if bound.gap < CLOSED * best.bound.gap:
+                said.append(f"the bound was loose: a proof by ranges of speed leaves {bound.gap:.2%}")
+            else:
+                said.append("a proof by ranges of speed closes next to nothing")
+            best = Plan(best.law, bound if bound.gap < best.bound.gap else best.bound)
+        else:
+            best, words = on_a_finer_mesh(run, limits, best, opening, start, end, fixed, guard, workers)
+            said.append(words)
+        if best.bound.gap <= FAR:
+            break
+    else:
+        said.append("what is left is the bound's, as far as tried" if not fixed else "the mesh is kept")
+    return best, ("; ".join(said),)
+
+
+def on_a_finer_mesh(
+    run: AxisRun,
+    limits: Limits,
+    plan: Plan,
+    opening: Opening,
+    start: EndState,
+    end: EndState,
+    fixed: bool,
+    guard: bool,
+    workers: Workers,
+) -> tuple[Plan, str]:
+    """The plan, or that on a mesh with the open cells cut, whichever is better, and what that says of the mesh."""
+    law = refined(run, limits, plan.law, opening.cells, start, end, guard, workers)
+    if law is None:
+        return plan, "no way was found on a finer mesh"
+    gain = 1.0 - law.duration / plan.law.duration
+    if fixed:
+        if gain > WORTH_SAYING:
+            return plan, f"the mesh is coarse there: cut in {PARTS}, its cells allow a motion faster by {gain:.2%}"
+        return plan, f"a mesh {PARTS} times as fine there is no faster"
+    bound = bound_run(run, limits, law, start, end)
+    if gain > WORTH_SAYING:
+        return Plan(law, bound), f"the mesh was coarse there: cut in {PARTS}, the motion is faster by {gain:.2%}"
+    if gain < -AS_FAST or bound.gap >= plan.bound.gap:
+        return plan, f"a mesh {PARTS} times as fine there is no faster"
+    return Plan(law, bound), f"the bound knew too few nodes there: with cells cut in {PARTS} it leaves {bound.gap:.2%}"
+
+
+def refined(
+    run: AxisRun,
+    limits: Limits,
+    law: SplineLaw,
+    cells: Bools,
+    start: EndState,
+    end: EndState,
+    guard: bool,
+    workers: Workers,
+) -> SplineLaw | None:
+    """The fastest law on the mesh of another one with the marked cells (cells,) cut; None where no way was found."""
+    nodes = cut_cells(law.nodes, np.where(cells & ~too_short(law.nodes), PARTS, 1))
+    ramp = min(ramp_time(limits), law.duration)
+    meshed = MeshedRun(
+        run, limits, with_rests(law, nodes), (start, end), highest_speed(run, limits, law, nodes),
+        (law.nodes, law.times), ramp,
+    )  # fmt: skip
+    c, least = on_finer_mesh(law, nodes)
+    begin = slower(meshed, pinned(meshed, np.maximum(c, least)), START_LOSS)
+    try:
+        found = SplineLaw(meshed.nodes, solve_run(meshed, begin, START_SPREAD, workers), meshed.rest)
+        return guarded(meshed, found, False, workers) if guard else found
+    except Stalled:
+        return None
+
+
+def with_rests(law: SplineLaw, nodes: Floats) -> Floats:
+    """The nodes with the ends of the run that are at rest."""
+    before, after = [law.s0] if law.rest[0] > 0.0 else [], [law.s1] if law.rest[1] > 0.0 else []
+    return np.concatenate([before, nodes, after])

@@ -1,0 +1,64 @@
+"""Plans far from their bound: another try, and a note on why."""
+
+import numpy as np
+import pytest
+
+from testbed.from_positions import used_by_positions
+from testbed.random_plans import random_plan
+from toolpace.planning.bound.allowance import Allowance
+from toolpace.planning.planner import plan
+
+
+def planned(seed, **options):
+    made = random_plan(seed)
+    return plan(made.path, made.limits, **(made.options | options))
+
+
+@pytest.mark.parametrize(
+    ("seed", "family", "before", "word"),
+    [
+        (1000071, "kinks", 0.097, "the bound was loose"),
+        (1000218, "narrow_bends", 0.022, "the bound was loose"),
+        (1000185, "slow_spots", 0.049, "the bound knew too few nodes"),
+        (1004403, "random_knots", 0.061, "the mesh was coarse"),
+    ],
+)
+def test_a_gap_is_closed_and_explained(seed, family, before, word):
+    assert random_plan(seed).family == family
+    trajectory = planned(seed)
+    assert trajectory.gap < 0.02 < before
+    (note,) = trajectory.notes
+    assert word in note and f"gap of {before:.1%}" in note
+    assert used_by_positions(trajectory).max() < 1.0001
+
+
+@pytest.mark.sweep
+def test_what_is_left_open_is_said():
+    trajectory = planned(1000122)
+    assert trajectory.gap > 0.02
+    assert "as far as tried" in trajectory.notes[0]
+
+
+def test_a_mesh_that_is_given_is_kept():
+    trajectory, finer = planned(1004403, mesh=200), planned(1004403)
+    assert trajectory.mesh_points < 1.2 * 200
+    assert finer.duration < 0.99 * trajectory.duration
+    assert "its cells allow a motion faster by" in trajectory.notes[0]
+
+
+def test_plans_near_their_bound_have_no_notes_and_cost_no_other_try():
+    assert planned(1000023, mesh=1000).notes == ()
+
+
+def test_the_same_plan_twice():
+    """What may be spent is counted in knots, and not in seconds."""
+    one, two = planned(1000071), planned(1000071)
+    assert one.lower_bound == two.lower_bound
+    assert np.array_equal(one.laws[0].c, two.laws[0].c)
+
+
+def test_an_allowance_is_spent():
+    allowance = Allowance(knots=5)
+    assert allowance.take(3) and not allowance.is_spent
+    assert not allowance.take(3)
+    assert allowance.is_spent
