@@ -29,7 +29,7 @@ SEEDS = Path(__file__).parent / "seeds"
 MACHINES = ("", "xyzac-trunnion", "xyzbc-nutating")
 FEEDS = (None, None, "120%", "3000mm/min")
 MOST_BLOCKS = 2000
-"""An endless loop of the slowest blocks, tilted planes of up to 0.5 ms, then stays well below what an input may take."""
+"""An endless loop of the slowest blocks, tilted planes of 0.5 ms, then stays well below what an input may take."""
 
 
 @dataclass(frozen=True)
