@@ -71,3 +71,9 @@ def test_the_cell_of_a_table_that_is_no_number_is_named(cell):
     with pytest.raises(ProgramError, match=f"^program:3: '{cell}' is no number") as caught:
         read_text(f"x [mm],y [mm],z [mm]\n0,0,0\n1,{cell},3\n", None, "csv")
     assert caught.value.line == 3
+
+
+def test_a_word_without_end_is_left_out_of_its_message():
+    with pytest.raises(ProgramError, match=r"^program:1: word A9999.* \.\.\. .*9999") as caught:
+        read_text(f"G7 A{'9' * 4400}=1\nM30\n", None, "gcode", controller="millplus")
+    assert len(str(caught.value)) < 1200

@@ -17,6 +17,8 @@ LARGEST = 1 << 30
 """Most bytes of a program: more is none, or would fill memory many times over before it is planned."""
 PIECE = 1 << 24
 """Bytes that are read at a time: what is no program, and may never end, is told by the first."""
+LONGEST_MESSAGE = 1500
+"""Characters; of a message that is longer, since a word in it has no end, the middle is left out."""
 MOST_NAMES = 2000
 """Files in a folder up to which one of a similar name is looked for."""
 
@@ -90,6 +92,8 @@ class Source:
         """Raise a ProgramError that shows the line (from 1; 0 speaks of the whole file)."""
         if line == len(self.lines) and not self.last_line_ended and "cut off" not in message:
             message += "; the file ends here without a line end: is it cut off?"
+        if len(message) > LONGEST_MESSAGE:
+            message = f"{message[: LONGEST_MESSAGE // 3]} ... {message[-LONGEST_MESSAGE // 3 :]}"
         text = self.lines[line - 1] if 0 < line <= len(self.lines) else ""
         shown = "".join(c if c.isprintable() else " " for c in text)
         raise ProgramError(message, source=self.name, line=line, text=shown)
