@@ -12,7 +12,7 @@ from testbed.jets import harmonics, path_of
 from tests.support.mesh_problems import solved
 from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
-from toolpace.planning.bound import prove as proving
+from toolpace.planning.bound import any_motion
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.open_places import settled
 from toolpace.planning.bound.problem import PADDING, Knots
@@ -55,7 +55,7 @@ def test_the_continuous_bound_is_that_of_all_runs_or_there_is_none(monkeypatch, 
     path, limits = two_runs()
     trajectory = plan(path, limits, mesh=40)
     given = dict(zip(path.runs, bounds, strict=True))
-    monkeypatch.setattr(proving, "continuous_bound", lambda run, *others: given[run])
+    monkeypatch.setattr(any_motion, "continuous_bound", lambda run, *others: given[run])
     assert prove(trajectory, within=0.0).continuous_bound == told
 
 

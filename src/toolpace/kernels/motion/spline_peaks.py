@@ -73,7 +73,7 @@ def spline_peaks(
             for axis in range(m):
                 if _highest(value[axis], inside, kind, peak[i], place[i]):
                     _closer(
-                        value[axis], z, floor, length, closer, q[i, :, axis], limits[kind, axis : axis + 1], kind,
+                        value[axis], z, floor, length, closer, q[i], axis, limits[kind, axis : axis + 1], kind,
                         peak[i], place[i],
                     )  # fmt: skip
     return peak, place
@@ -187,20 +187,20 @@ def _is_top(inside: Floats, value: Floats, p: int) -> bool:
 
 @jit(inline=True)
 def _closer(
-    value: Floats, cell: Floats, floor: float, length: float, closer: Closer, q: Floats, limit: Floats, kind: int,
-    peak: Floats, place: Floats,
+    value: Floats, cell: Floats, floor: float, length: float, closer: Closer, q: Floats, axis: int, limit: Floats,
+    kind: int, peak: Floats, place: Floats,
 ) -> None:  # fmt: skip
     """Raise the peak (3,) of a kind of one axis at places about each top of its values (k,) that is near the limit.
 
-    Parameters: cell (4,) polynomial of z, never below `floor`; q (3, k) derivatives of the path at the probes; limit
-    (1,). The path is interpolated between its probes, z is not: it is z that changes quickly.
+    Parameters: cell (4,) polynomial of z, never below `floor`; q (3, m, k) derivatives of the path at the probes; limit
+    (1,) of this axis. The path is interpolated between its probes, z is not: it is z that changes quickly.
     """
     inside, near, weight, state, path, found, most = closer
     for p in range(len(value)):
         if not _is_top(inside, value, p):
             continue
         _states(cell, floor, length, near[p], state)
-        _path_near(q, weight[p], min(max(p - 2, 0), len(value) - FIVE), kind, path)
+        _path_near(q, axis, weight[p], min(max(p - 2, 0), len(value) - FIVE), kind, path)
         _values(path, state, limit, kind, found, most)
         i = int(np.argmax(most))
         top, at = most[i], near[p, i]
@@ -211,12 +211,12 @@ def _closer(
 
 
 @jit(reorder=True)
-def _path_near(q: Floats, weight: Floats, first: int, highest: int, out: Floats) -> None:
-    """Set the derivatives of the path (3, 1, LOOKS), up to the `highest`, from those at five probes from `first` on."""
+def _path_near(q: Floats, axis: int, weight: Floats, first: int, highest: int, out: Floats) -> None:
+    """Set the derivatives of one axis (3, 1, LOOKS), up to the `highest`, from those at five probes from `first` on."""
     out[:] = 0.0
     for order in range(highest + 1):
         for one in range(FIVE):
-            known = q[order, first + one]
+            known = q[order, axis, first + one]
             for i in range(LOOKS):
                 out[order, 0, i] += weight[one, i] * known
 
