@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -274,3 +275,16 @@ def test_ctrl_c_within_a_step_ends_it_and_leaves_nothing(step, tmp_path):
     # a step has its line when it is done
     assert not re.search(rf"^{step} ", done.stdout, re.MULTILINE)
     assert [path.name for path in tmp_path.iterdir()] == ["blade.ngc"]
+
+
+def test_a_plan_far_above_its_bound_says_why(monkeypatch, tmp_path, capsys):
+    from toolpace.planning import planner
+
+    notes = tuple(f"run at s = {k}: gap of 3.0%, mostly a rest" for k in range(5))
+    real = planner.plan
+    monkeypatch.setattr(planner, "plan", lambda *given, **options: replace(real(*given, **options), notes=notes))
+    program = tmp_path / "part.ngc"
+    program.write_text("G21 G90 G0 X0 Y0 Z10\nG1 X10 F1000\nG1 X20 Y5\nM30\n")
+    assert main(["plan", str(program), "-m", "xyzac-trunnion", "-o", str(tmp_path / "out"), "--no-report"]) == 0
+    said = capsys.readouterr().out
+    assert "run at s = 2: gap of 3.0%" in said and "s = 3" not in said and "and so of 2 more runs" in said

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.cli.steps import Steps
+from toolpace.description import counted
 from toolpace.planning.guarantee import PROMISED
 from toolpace.reading.options import ReadOptions
 
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
     from toolpace.write import PlanRecord
+
+NOTES = 3
+"""Notes of a plan on what is left above its bound that are shown: each is of one run."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +149,10 @@ def plan_motion(job: Job, steps: Steps, path: SmoothPath) -> Trajectory:
         if job.prove_within is None and is_cheap(trajectory):
             trajectory = with_continuous_bound(trajectory)
         step.note = f"{trajectory.mesh_points} mesh points"
+    for note in trajectory.notes[:NOTES]:
+        steps.say(note)
+    if len(trajectory.notes) > NOTES:
+        steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
     if job.prove_within is not None:
         with steps.step("proving") as step:
             before = trajectory.gap

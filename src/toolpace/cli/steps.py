@@ -47,6 +47,10 @@ class Steps:
         self.console = console
         self.seconds: dict[str, float] = {}
 
+    def say(self, text: str) -> None:
+        """A line below that of a step."""
+        self.console.print(f"{'':<{WIDTH}} {text}", style="dim", soft_wrap=True)
+
     @contextmanager
     def step(self, name: str, note: str = "") -> Iterator[Step]:
         """Say the `note`, show a bar while the block runs, if there is a terminal; then a line with the step's time.
