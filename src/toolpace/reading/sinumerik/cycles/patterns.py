@@ -1,4 +1,4 @@
-"""Rows and circles of holes: HOLES1, HOLES2 (Programming Manual Cycles, 2.3)."""
+"""Rows, circles and grids of holes: HOLES1, HOLES2, CYCLE801 (Programming Manual Cycles, 2.3)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from toolpace.reading.control.control import Control
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
-from toolpace.reading.sinumerik.syntax.values import Value, ValueFault
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 from toolpace.units import DEGREE
 
 MOST = 10_000
@@ -17,11 +17,8 @@ MOST = 10_000
 
 def places(name: str, values: list[Value | None], control: Control, state: State) -> Iterator[list[float]]:
     """Words (3 + rotary) of the holes of a pattern, in their order; each as high as the one before was left."""
-    arguments = Arguments(name, values, 12)
-    if name == "HOLES1":
-        points = _row(arguments)
-    else:
-        points = _circle(arguments)
+    arguments = Arguments(name, values, 16)
+    points = {"HOLES1": _row, "HOLES2": _circle, "CYCLE801": _grid}[name](arguments)
     first, second = ((0, 1), (2, 0), (1, 2))[state.plane]
     for a, b in points:
         words = list(control.words)
@@ -52,3 +49,24 @@ def _circle(arguments: Arguments) -> list[tuple[float, float]]:
     start = arguments.number(3) * DEGREE
     angles = [start + step * k for k in range(count)]
     return [(a + radius * math.cos(angle), b + radius * math.sin(angle)) for angle in angles]
+
+
+def _grid(arguments: Arguments) -> list[tuple[float, float]]:
+    """SPCA, SPCO, STA, DIS1, DIS2, NUM1, NUM2: reference, angle, distances and numbers of columns and rows.
+
+    The way through them is not in the manual: row by row, there and back. Frames and gaps are refused.
+    """
+    columns, rows = _count(arguments, 5), _count(arguments, 6)
+    if columns * rows > MOST:
+        raise ValueFault(f"CYCLE801 makes {columns * rows} holes, and at most {MOST} are read: correct the numbers")
+    if any(arguments.number(place) for place in (7, 9, 10)) or arguments.text(11):
+        raise Unread("CYCLE801 with _VARI, _ANG1, _ANG2 or _HIDE", "write the places as blocks of their own")
+    angle = arguments.number(2) * DEGREE
+    c, s = math.cos(angle), math.sin(angle)
+    found = []
+    for row in range(rows):
+        for place in range(columns):
+            column = place if row % 2 == 0 else columns - 1 - place
+            along, across = column * arguments.number(3), row * arguments.number(4)
+            found.append((arguments.number(0) + along * c - across * s, arguments.number(1) + along * s + across * c))
+    return found
