@@ -101,10 +101,11 @@ class _Reading:
     """Why it cannot be read there, or the machine cannot follow it."""
 
     @property
-    def rank(self) -> tuple[bool, bool, int, bool]:
-        """The greater, the more it tells; of equal ones, a machine whose words X, Y, Z are those of the part."""
+    def rank(self) -> tuple[bool, bool, bool, int, bool]:
+        """The greater, the more it tells of the program; last, whether X, Y, Z of the machine are those of the part."""
         line = self.fault.line if isinstance(self.fault, ProgramError) else 0
-        return self.fault is None, self.toolpath is not None, line, _counts_as_the_part(self.machine)
+        of_machine = self.machine is not None and f"'{self.machine.name}'" in str(self.fault)
+        return self.fault is None, self.toolpath is not None, not of_machine, line, _counts_as_the_part(self.machine)
 
 
 def unreadable(program: str, error: ToolpaceError) -> Inspection:
