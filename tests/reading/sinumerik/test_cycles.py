@@ -95,11 +95,18 @@ def test_patterns_of_holes():
     assert deep[:, :2] == pytest.approx(np.stack([1 + 10 * np.cos(angles), 2 + 10 * np.sin(angles)], axis=1))
 
 
-def test_a_grid_of_holes():
-    """Cycles, "Grid or frame of positions": CYCLE801 from its reference, columns along the angle, rows across it."""
-    grid = read("MCALL CYCLE81(5,0,1,-2)\nCYCLE801(10,20,90,3,7,2,3)\nMCALL", start="G54 G64 F300\nG0 X0 Y0 Z5\n")
+@pytest.mark.parametrize(
+    ("call", "places"),
+    [
+        ("CYCLE801(10,20,90,3,7,2,3)", [[-4, 20], [-4, 23], [3, 23], [3, 20], [10, 20], [10, 23]]),
+        ("CYCLE801(10,20,0,-7,3,2,3)", [[10, 20], [10, 23], [10, 26], [17, 26], [17, 23], [17, 20]]),
+        ("CYCLE801(-9,-2,0,2,5,3,2)", [[-5, 3], [-7, 3], [-9, 3], [-9, -2], [-7, -2], [-5, -2]]),
+    ],
+)
+def test_a_grid_of_holes(call, places):
+    """Cycles, "Grid or frame of positions": from the corner nearer to the tool, the shorter distance first."""
+    grid = read(f"MCALL CYCLE81(5,0,1,-2)\n{call}\nMCALL", start="G54 G64 F300\nG0 X0 Y2 Z5\n")
     deep = grid.tip[grid.tip[:, 2] < -1e-3] * 1e3
-    places = [[10, 20], [10, 23], [3, 23], [3, 20], [-4, 20], [-4, 23]]
     assert deep[:, :2] == pytest.approx(np.array(places)) and "there and back" in " ".join(grid.assumed)
 
 

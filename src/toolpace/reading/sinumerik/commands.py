@@ -107,7 +107,7 @@ class Commands:
         if modal is not None and modal[0].name not in self.known:
             raise Unread(f"{name} with a subprogram under MCALL", "write the places as blocks of their own")
         if name == "CYCLE801":
-            self.run.findings.assumed("CYCLE801 drills its grid row by row, there and back")
+            self.run.findings.assumed("CYCLE801 goes from the nearer corner along the shorter distance, there and back")
         for words in places(name, values, self.control, self.state):
             self.control.straight(words, 7, rapid=True)
             if modal is not None:
