@@ -306,3 +306,11 @@ def test_a_plan_keeps_how_it_was_read_and_is_judged_by_it(five, tmp_path, capsys
         assert f"{name} is not there" in capsys.readouterr().err
         (out / name).write_text(before)
     assert main(["verify", str(out)]) == 0
+
+
+def test_what_the_program_says_wrong_goes_before_what_a_machine_lacks(tmp_path, capsys):
+    """The file is cut off for every machine, while only some lack A."""
+    cut = tmp_path / "cut.nc"
+    cut.write_text("%\nG21 G90\nG0 X0 Y0 Z5 A0\nG1 X1 F100\n")
+    _, (found,) = inspected(capsys, str(cut))
+    assert "cut off" in found["refused"][0]["cure"]

@@ -41,6 +41,24 @@ def test_repeats_under_g91_go_on_by_the_distance(controller, letter):
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(("controller", "letter"), [("fanuc", "K"), ("haas", "L"), ("iso", "L")])
+def test_g91_behind_a_cycle_places_holes_and_leaves_their_depths(controller, letter):
+    """Haas mill operator's manual, "Looping canned cycles": G81 Z-1.5 R.1, then G91 X1. L9 drills nine more holes as
+    deep; Fanuc 0i, 13.1: drilling data are kept as they were specified."""
+    got = tips(controller, START + f"G99 G81 Z-3 R2\nG91 X4 {letter}2\nG90 G80\nM30")
+    assert got == [
+        [0, 0, 10], [0, 0, 2], [0, 0, -3], [0, 0, 2], [4, 0, 2], [4, 0, -3], [4, 0, 2],
+        [8, 0, 2], [8, 0, -3], [8, 0, 2],
+    ]  # fmt: skip
+
+
+def test_a_cycle_of_haas_without_r_feeds_from_where_it_began():
+    """The manual marks R of G81 to G89 as optional."""
+    path = read_for("haas", START + "G82 X1 Z-3 P500\nX2\nG80\nM30")
+    assert tips("haas", START + "G81 X1 Z-3\nG80\nM30") == [[0, 0, 10], [1, 0, 10], [1, 0, -3], [1, 0, 10]]
+    assert any("without R" in sentence for sentence in path.assumed)
+
+
 def test_no_repeat_keeps_the_words_for_the_next_block():
     """Fanuc 0i, 13.1: K0 stores the drilling data and drills nothing."""
     got = tips("fanuc", START + "G99 G81 X4 Z-5. R2. K0\nX6\nG80\nM30")

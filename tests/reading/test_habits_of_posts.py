@@ -53,6 +53,8 @@ def test_a_comment_ends_with_its_line_where_no_controller_is_told():
 def test_klartext_without_block_numbers_is_klartext():
     """TNC 640 Klartext Programming, 3.4: BEGIN PGM opens a program; files of posts may lack the numbers."""
     assert is_conversational(Source.from_text("BEGIN PGM A MM\nL X+1 Y+1 FMAX\nEND PGM A MM\n", "a.txt"))
+    assert is_conversational(Source.from_text("N1 TOOL CALL 1 Z S9\n", "a.txt"))
+    assert is_conversational(Source.from_text("L X1.5 Y2 FMAX\nL Z-0.2 F100\n", "a.txt"))
     assert not is_conversational(Source.from_text("%\n(BEGIN PGM A)\nG0 X1\nM30\n", "a.txt"))
 
 

@@ -380,3 +380,13 @@ def test_a_turn_of_the_joints_to_a_plane_begins_where_the_joints_are():
     path = read_for("fanuc", f"{begin}\nG68.2 X0. Y0. Z0. I10. J30. K0.\nG53.1\nM30", trunnion, setup=setup)
     joints = trunnion.joints_at(path.tip, path.rotary)[:, [trunnion.joints.index(letter) for letter in "XYZ"]]
     assert len(path) > 5 and np.ptp(joints, axis=0) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_program_without_a_unit_says_how_it_is_taken():
+    """Which unit is in force before G20 or G21 is a setting of the control (Haas: Setting 9)."""
+    text = "G90 G94 F100\nG0 X0 Y0 Z0\nG1 X1\nM30"
+    unsaid = read_for("haas", text)
+    assert unsaid.tip[-1, 0] == 0.001 and any("are millimetres" in said for said in unsaid.assumed)
+    inches = read_for(with_options("haas", units="inch"), text)
+    assert inches.tip[-1, 0] == 0.0254 and any("are inches" in said for said in inches.assumed)
+    assert not any("unit of lengths" in said for said in read_for("haas", "G21\n" + text).assumed)

@@ -20,6 +20,7 @@ DIALECTS = {
 }
 SUFFIXES = {
     **dict.fromkeys((".ngc", ".nc", ".gcode", ".gc", ".g", ".tap", ".cnc", ".eia", ".ncc", ".din", ".iso"), "gcode"),
+    **dict.fromkeys((".mpf", ".spf", ".h"), "gcode"),
     **dict.fromkeys((".apt", ".cls", ".cl", ".clsf", ".cldata", ".aptsource", ".ncl"), "cldata"),
     **dict.fromkeys((".csv", ".tsv"), "csv"),
 }
@@ -33,7 +34,7 @@ _GCODE = re.compile(
     rf"^{_BLANK}(?:%|/?(?:N{_BLANK}[0-9]++{_BLANK})?[GM][ \t]*+[0-9]|O[0-9]++\b)", re.IGNORECASE | re.MULTILINE
 )
 _CONVERSATIONAL = re.compile(
-    rf"^{_BLANK}(?:(?:[0-9]++{_BLANK}(?<=\s))?BEGIN PGM\b|[0-9]++{_BLANK}(?<=\s)(?:L{_BLANK}(?<=\s)[XYZ]|TOOL CALL))",
+    rf"^{_BLANK}(?:N?[0-9]++{_BLANK}(?<=\s))?(?:BEGIN PGM\b|L{_BLANK}(?<=\s)I?[XYZ]|TOOL CALL\b)",
     re.IGNORECASE | re.MULTILINE,
 )
 HEAD = 200

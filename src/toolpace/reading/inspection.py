@@ -12,7 +12,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import ProgramError, ToolpaceError
 from toolpace.reading import read_source
-from toolpace.reading.coordinates.kinematics import Kinematics
+from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.dialect import CONTROLS
 from toolpace.reading.findings import Findings, Refusal, Used
 from toolpace.reading.languages import Recognised, recognised
@@ -101,10 +101,11 @@ class _Reading:
     """Why it cannot be read there, or the machine cannot follow it."""
 
     @property
-    def rank(self) -> tuple[bool, bool, int]:
-        """The greater, the more it tells."""
+    def rank(self) -> tuple[bool, bool, bool, int, bool]:
+        """The greater, the more it tells of the program; last, whether X, Y, Z of the machine are those of the part."""
         line = self.fault.line if isinstance(self.fault, ProgramError) else 0
-        return self.fault is None, self.toolpath is not None, line
+        of_machine = self.machine is not None and f"'{self.machine.name}'" in str(self.fault)
+        return self.fault is None, self.toolpath is not None, not of_machine, line, _counts_as_the_part(self.machine)
 
 
 def unreadable(program: str, error: ToolpaceError) -> Inspection:
@@ -164,6 +165,15 @@ def _readings(
             return [once]
         return [_followed(dataclasses.replace(once, machine=machine), asked.follow) for machine in machines]
     return [_followed(_read(source, machine, asked, lenient), asked.follow) for machine in machines]
+
+
+def _counts_as_the_part(machine: Candidate | None) -> bool:
+    """Whether X, Y and Z of a machine move the tip along those of the part, where its rotary joints are at zero."""
+    poses = Poses(machine)
+    if machine is None or len(poses.linear) < 3:
+        return False
+    _, columns, _ = poses.linear_map([0.0] * len(poses.rotary))
+    return np.allclose(columns, np.eye(3), atol=TURNED)
 
 
 def _read(source: Source, machine: Candidate | None, asked: _Asked, options: ReadOptions) -> _Reading:

@@ -19,6 +19,19 @@ def test_block_numbers_may_be_there_padded_or_missing():
     assert numbered == last("L X+1 F100\nL Y+2\nL Z+3") == (1, 2, 3)
 
 
+def test_a_set_up_sheet_before_the_program_and_n_before_the_numbers():
+    """Simulators for training write their set-up behind open brackets, and number blocks as in DIN 66025."""
+    sheet = "( Set-up\n\n(   Offset G54: X1 Y2\n"
+    source = Source.from_text(
+        sheet + "BEGIN PGM 01 MM\nN1 TOOL CALL 1 Z S9\nN2 L X0 Y2 F100\nN3 L X1\nN4 END PGM 01 MM\n"
+    )
+    found = Findings()
+    path = HeidenhainReader(source, None, CONTROLLER, ReadOptions(CONTROLLER), found).run()
+    assert path.tip[-1, 0] == 0.001 and found.skipped["( before BEGIN PGM"] == 1
+    with pytest.raises(ProgramError, match="no statement of Klartext"):
+        read("( within the program\nL X+1 F100")
+
+
 @pytest.mark.parametrize("word", ["X+1.5", "X1.5", "X+1,5", "X 1.5", "X+01.50", "X +1.5"])
 def test_numbers_have_point_or_comma_and_a_sign_if_they_like(word):
     assert last(f"L {word} F100") == (1.5, 0, 0)

@@ -65,6 +65,31 @@ def test_deep_drilling():
     assert levels(cycle(205, rest))[0] == [100, 12, -2, 12, -1, -10, 60]
 
 
+def test_single_lip_drilling_begins_in_the_hole_that_is_there():
+    """241 ("Single-lip deep-hole drilling"): at Q253 to a fifth of Q379 above the starting point, at most Q200; to the
+    depth at Q206; out at Q208."""
+    heights, path = levels(cycle(241, "Q379=+15 ~\nQ253=+600 ~\nQ208=+300 ~\nQ427=+50 ~\nQ429=+7 ~\nQ435=+0"))
+    assert heights == [100, 12, -3, -10, 12, 60]
+    assert path.feed[-4:] == pytest.approx([0.01, 0.0025, 0.005, np.inf])
+    near = cycle(241, "Q379=+5 ~\nQ253=FMAX ~\nQ208=+0")
+    heights, path = levels(near)
+    assert heights == [100, 12, 6, -10, 12, 60] and path.rapid[-4]
+    assert "0.2 * Q379" in findings(ABOVE + near).assumptions[0]
+    assert levels(cycle(241, "Q379=+0 ~\nQ208=+300"))[0] == [100, 12, -10, 12, 60]
+
+
+@pytest.mark.parametrize(("rest", "word"), [("Q202=+5", "Q202"), ("Q435=-8", "Q435")])
+def test_strokes_and_stays_of_single_lip_drilling_are_refused(rest, word):
+    (refusal,) = findings(ABOVE + cycle(241, rest)).refusals
+    assert refusal.word == f"CYCL DEF 241 with {word}" and word in refusal.cure
+
+
+def test_a_builders_cycle_that_tunes_drives_moves_nothing():
+    """Cycles 300 to 399 are the builder's; 392 is DMG's "Application Tuning Control"."""
+    found = findings("CYCL DEF 392 ATC ~\nQ240=+0 ;MODE ~\nQ241=+1 ;WEIGHT\nL X+1 F100")
+    assert not found.refusals and found.skipped["CYCL DEF 392"] == 1
+
+
 @pytest.mark.parametrize(
     ("number", "rest", "feed"), [(206, "Q211=+0", 150), (207, "Q239=+1.5", 1500), (209, "Q239=-1 ~\nQ257=+0", 1000)]
 )

@@ -128,6 +128,27 @@ def test_ctp():
 
 
 @pytest.mark.parametrize(
+    ("pole", "begin", "end"),
+    [("Y+0 Z+0", (0, 0, -10), (0, 10, 0)), ("X+0 Z+0", (-10, 0, 0), (0, 0, 10)), ("X+0 Y+0", (0, -10, 0), (10, 0, 0))],
+)
+def test_the_coordinates_of_the_pole_tell_the_plane(pole, begin, end):
+    """ "Setting the datum for polar coordinates": poles in YZ, ZX and XY count angles from +Y, +Z and +X.
+
+    Fusion's post writes its upright arcs so."""
+    there = "L X{:+d} Y{:+d} Z{:+d} F100\n".format(*begin)
+    assert last(f"{there}CC {pole}\nCP IPA+90 DR+") == end
+    points = tips(f"{there}CC {pole}\nCP IPA+90 DR+")[1:]
+    assert np.linalg.norm(points, axis=1) == pytest.approx(10, abs=1e-3)
+    assert last(there + f"CC {pole}\nC X{end[0]:+d} Y{end[1]:+d} Z{end[2]:+d} DR+") == end
+    assert last(there + f"CC {pole}\nCC X+5 Y+0\nLP PR+5 PA+90") == (5, 5, begin[2])
+
+
+def test_a_tangent_arc_in_an_upright_plane_is_refused():
+    with pytest.raises(ProgramError, match="across the tool only"):
+        read("L Y+5 F100\nCC Y+5 Z+5\nCTP PR+5 PA+0")
+
+
+@pytest.mark.parametrize(
     ("axis", "start", "end"), [("X", "Y+10", "Z+10 Y+0"), ("Y", "Z+10", "X+10 Z+0"), ("Z", "X+10", "Y+10 X+0")]
 )
 def test_the_plane_is_across_the_tool_axis(axis, start, end):

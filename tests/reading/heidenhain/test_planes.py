@@ -173,3 +173,9 @@ def test_a_plane_out_of_reach_names_machine_and_joints():
 def test_vectors_that_span_no_plane():
     with pytest.raises(ProgramError, match="span no plane"):
         read("PLANE VECTOR BX0 BY0 BZ1 NX0 NY0 NZ1 STAY\nL X+1 F100", MACHINE)
+
+
+def test_table_rot_of_no_tilt_turns_the_table_back():
+    """TNC 640 manual, "Transformation types": the table turns to the spatial angle, which is zero here."""
+    turned = read("L A+30 C+40 FMAX\nPLANE SPATIAL SPA+0 SPB+0 SPC+0 TURN FMAX TABLE ROT\nL X+1 F100", MACHINE)
+    assert np.allclose(turned.rotary[-1], 0.0) and np.ptp(turned.rotary[:, 0]) > 0.5

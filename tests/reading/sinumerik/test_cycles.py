@@ -95,6 +95,21 @@ def test_patterns_of_holes():
     assert deep[:, :2] == pytest.approx(np.stack([1 + 10 * np.cos(angles), 2 + 10 * np.sin(angles)], axis=1))
 
 
+@pytest.mark.parametrize(
+    ("call", "places"),
+    [
+        ("CYCLE801(10,20,90,3,7,2,3)", [[-4, 20], [-4, 23], [3, 23], [3, 20], [10, 20], [10, 23]]),
+        ("CYCLE801(10,20,0,-7,3,2,3)", [[10, 20], [10, 23], [10, 26], [17, 26], [17, 23], [17, 20]]),
+        ("CYCLE801(-9,-2,0,2,5,3,2)", [[-5, 3], [-7, 3], [-9, 3], [-9, -2], [-7, -2], [-5, -2]]),
+    ],
+)
+def test_a_grid_of_holes(call, places):
+    """Cycles, "Grid or frame of positions": from the corner nearer to the tool, the shorter distance first."""
+    grid = read(f"MCALL CYCLE81(5,0,1,-2)\n{call}\nMCALL", start="G54 G64 F300\nG0 X0 Y2 Z5\n")
+    deep = grid.tip[grid.tip[:, 2] < -1e-3] * 1e3
+    assert deep[:, :2] == pytest.approx(np.array(places)) and "there and back" in " ".join(grid.assumed)
+
+
 def test_between_the_holes_of_a_pattern_the_tool_stays_where_the_cycle_left_it():
     path = read("MCALL CYCLE81(3,0,1,-2)\nHOLES1(10,20,90,5,10,3)\nMCALL", start="G54 G64 F300\nG0 X0 Y0 Z5\n")
     first = int(np.argmin(path.tip[:, 2]))
@@ -131,6 +146,8 @@ def test_thread_milling():
         ('CYCLE81("A",0,1,-9)', "is no number"),
         ("CYCLE81(" + ",".join("0" * 30) + ")", "at most 24 arguments"),
         ("HOLES1(0,0,0,0,1,0)", "number of its holes"),
+        ("CYCLE801(0,0,0,1,1,200,200)", "at most 10000"),
+        ("CYCLE801(0,0,0,1,1,2,2,1)", "_VARI"),
         ("POCKET3(1,2,3)", "POCKET3 is not read: cycles that clear areas"),
         ("CYCLE977(1)", "CYCLE977 is not read"),
     ],

@@ -72,6 +72,35 @@ def test_subprograms_with_arguments():
     ]
 
 
+def test_a_parameter_of_var_is_the_variable_itself():
+    """Job Planning, "Subprogram call with parameter transfer", call by reference: what the subprogram writes stays."""
+    text = (
+        "DEF REAL AT[2], STEP=3\nEXTERN STEPS(VAR REAL[2], VAR REAL, REAL)\nAT[0]=1\nSTEPS(AT, STEP, 10)\n"
+        "G1 X=AT[0] Y=AT[1]\nX=STEP\nM30\n"
+        "PROC STEPS(VAR REAL PLACE[2], VAR REAL BY, REAL MORE)\nPLACE[0]=PLACE[0]+MORE\nPLACE[1]=BY\nBY=BY+4\nRET"
+    )
+    assert ends(text)[1:].tolist() == [[11, 3, 0], [7, 3, 0]]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("SUB1(5)", "hand over a variable"),
+        ("SUB1(COUNT+1)", "hand over a variable"),
+        ("SUB1(WHOLE)", "stands for a variable of type INT"),
+        ("SUB2(LIST)", "write VAR before its type"),
+    ],
+)
+def test_what_var_may_not_stand_for(call, said):
+    subprograms = "PROC SUB1(VAR REAL A_IN)\nRET\nPROC SUB2(REAL B_IN)\nRET"
+    with pytest.raises(ProgramError, match=said):
+        read(f"DEF REAL COUNT, LIST[2]\nDEF INT WHOLE\n{call}\nG1 X1\nM30\n{subprograms}")
+
+
+def test_a_percent_sign_alone_is_passed_over():
+    assert xs("%\nG1 X1\n % \nX2\n%") == [1, 2]
+
+
 def test_subprograms_by_number_and_their_repetitions():
     """L7 is not L07: leading zeros count (Fundamentals, names of subprograms)."""
     text = "L7 P3\nL07\nM30\n%_N_L7_SPF\nG1 X=IC(1)\nM17\n%_N_L07_SPF\nG1 X100\nM17"

@@ -22,6 +22,10 @@ class Drilling:
     bottom: float
     back: float
     """Level that is gone back to behind the hole."""
+    start: float | None = None
+    """Level at which cutting begins, where there is a hole down to it already; None: the top."""
+    start_speed: float = 0.0
+    """Of the way from the top to it [m/s]; 0: rapid."""
     over: float | None = None
     """Level at which the tool arrives over the hole, straight from where it is; None: at its own, or the top where
     that is above."""
@@ -114,7 +118,7 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
 
 
 def _arrive(control: Control, cycle: Drilling, hole: list[float], down: float) -> None:
-    """Rapid over the hole, then to the top."""
+    """Rapid over the hole, then to the top, and on to where cutting begins."""
     axis = cycle.axis
     present = control.words[axis]
     over = list(hole)
@@ -129,6 +133,10 @@ def _arrive(control: Control, cycle: Drilling, hole: list[float], down: float) -
     over = list(hole)
     over[axis] = cycle.top
     control.straight(over, 7, rapid=True)
+    if cycle.start is not None:
+        over[axis] = cycle.start
+        with control.feed.held(cycle.start_speed) if cycle.start_speed else nullcontext():
+            control.straight(over, 7, rapid=not cycle.start_speed)
 
 
 def bore_backwards(control: Control, cycle: Drilling, hole: list[float], aside: list[float], middle: float) -> None:

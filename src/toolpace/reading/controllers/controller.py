@@ -27,6 +27,8 @@ class Sign(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Regular expression, matched line by line, in capitals."""
     reason: str
     """What it is, in words: "G43.4 is Fanuc's tool-centre-point mode"."""
+    comments: bool = False
+    """Whether it is looked for in comments too, as what a post says of itself."""
     weight: float = 1.0
 
 

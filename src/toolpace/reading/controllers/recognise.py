@@ -26,11 +26,16 @@ def built_in() -> tuple[Controller, ...]:
 def recognise(source: Source, controllers: tuple[Controller, ...] | None = None) -> tuple[Controller, str]:
     """The controller whose signs weigh most, and why; each sign counts once. Time is linear in the program."""
     controllers = built_in() if controllers is None else controllers
-    text = _COMMENT.sub("", "\n".join(line[:LENGTH] for line in source.lines[:LINES]).upper())
+    said = "\n".join(line[:LENGTH] for line in source.lines[:LINES]).upper()
+    text = _COMMENT.sub("", said)
     suffix = PurePath(source.name).suffix.lower()
     best: tuple[float, Controller | None, str] = (0.0, None, "")
     for controller in controllers:
-        found = [(sign.weight, sign.reason) for sign in controller.signs if re.search(sign.pattern, text, re.MULTILINE)]
+        found = [
+            (sign.weight, sign.reason)
+            for sign in controller.signs
+            if re.search(sign.pattern, said if sign.comments else text, re.MULTILINE)
+        ]
         weight = sum(part for part, _ in found)
         if suffix and suffix in controller.suffixes:
             weight += SUFFIX_WEIGHT

@@ -283,7 +283,12 @@ class Executor:
         state.motion, control.feed.value, control.feed.turn = before
 
     def _hole_circle(self, numbers: Numbers, word: str) -> None:
-        """Haas G70 and G71: the cycle in force on a circle about the place at hand."""
+        """Haas G70 and G71: the cycle in force on a circle about the place at hand. Its lathes turn with them."""
+        if numbers.keys() & {"P", "Q", "U", "W", "D"}:
+            numbers.clear()
+            raise RefusedError(
+                word, "with P, Q, U, W or D it is a cycle of turning: only programs for milling are read"
+            )
         if self.state.cycle is None:
             raise WordError(f"{word} drills with the cycle in force: write one before it, with L0 for its own hole")
         self.pattern = word

@@ -24,6 +24,7 @@ from toolpace.reading.gcode.system import System
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
+from toolpace.units import INCH, MILLIMETRE
 
 MOST_KEPT = 5000
 """Lines that are kept taken apart: those of loops come again, those of long programs do not."""
@@ -53,8 +54,12 @@ class WordAddressReader:
         )
         rules = Rules(feed, by("tip_frame_where_switched", False))
         self.control = Control(source, machine, controller, options, findings, rules)
+        self.inches = by("units", "mm") == "inch"
+        """Whether lengths are inches before the program says their unit."""
         self.state = Modal(
-            to_initial=by("cycles_go_back_to_initial", True), switched_tip_mode=by("tip_mode_at_start", False)
+            unit=INCH if self.inches else MILLIMETRE,
+            to_initial=by("cycles_go_back_to_initial", True),
+            switched_tip_mode=by("tip_mode_at_start", False),
         )
         if self.state.switched_tip_mode:
             self.control.set_tip_mode(True)
@@ -96,6 +101,12 @@ class WordAddressReader:
             self._line(frame, text)
         self.executor.close()
         self._refuse_cut_off()
+        if not state.unit_said:
+            taken, other = ("inches", "mm") if self.inches else ("millimetres", "inch")
+            self.findings.assumed(
+                f'the program does not say its unit of lengths (G20, G21): they are {taken} (units = "{other}" in the '
+                "controller's file takes the others)"
+            )
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control.toolpath()
 

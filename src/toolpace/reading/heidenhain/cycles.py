@@ -26,7 +26,7 @@ OLD_PECKING = {1: 200, 2: 201, 3: 202, 4: 211, 5: 206}
 ORIENTATION = 13
 LINES = ("7", "8", "9", "10", "11", "19", "26", "32")
 """Cycles that are written in lines 7.0, 7.1, ... and act at once."""
-CURE = "export this operation as motions (L and C blocks), or drill with cycles 200 to 207 and 240"
+CURE = "export this operation as motions (L and C blocks), or drill with cycles 200 to 207, 240 and 241"
 
 
 class Cycles:
@@ -44,6 +44,7 @@ class Cycles:
     ) -> None:
         self.control, self.frames, self.tilting, self.holes = control, frames, tilting, holes
         self.patterns, self.parameters = patterns, parameters
+        self.controller = controller
         self.axial = controller.option("cycle_19_angles", "spatial") == "axes"
         self.state = tilting.machine.state
         self.lines: dict[str, Callable[[str], Step]] = {
@@ -71,6 +72,8 @@ class Cycles:
             return self.old_pecking(line, rest)
         if int(number) == ORIENTATION:
             return lambda: findings.ignored("CYCL DEF 13")
+        if f"CYCL DEF {number}" in self.controller.ignored:
+            return lambda: findings.ignored(f"CYCL DEF {number}")
         items = self.items(rest)
         if int(number) in self.holes.makers:
             return lambda: self.holes.define(int(number), self.evaluated(items))

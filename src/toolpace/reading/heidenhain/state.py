@@ -43,6 +43,8 @@ class State:
     """R0, RL or RR."""
     pole: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """CC, in the program's coordinates [m]."""
+    pole_across: int | None = None
+    """The axis across which the plane of the last CC lies, where its two coordinates tell; None: the tool axis."""
     pole_known: bool = False
     pole_in_space: bool = False
     """Whether a CC has named the coordinate along the tool axis too, as NX does for arcs across another axis."""

@@ -146,9 +146,13 @@ class Tilting:
         moves = bool(words & {"MOVE", "TURN"})
         if control.poses.machine is None and not moves:
             return
+        straight = reset
         if "TABLEROT" in words and upright(plane_axis(control)):
-            control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
-        wanted = [0.0] * len(control.poses.rotary) if reset else rotary_for(control, plane_axis(control), sign)
+            # the table turns to the angle of the plane, which is told without its axis where it is zero
+            straight = np.allclose(self.frames.plane or affine.IDENTITY, affine.IDENTITY, atol=STRAIGHT)
+            if not straight:
+                control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
+        wanted = [0.0] * len(control.poses.rotary) if straight else rotary_for(control, plane_axis(control), sign)
         self.note(wanted)
         if not moves:
             return

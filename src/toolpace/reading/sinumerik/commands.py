@@ -35,6 +35,7 @@ class Commands:
             "CYCLE90": self._thread,
             "HOLES1": lambda values: self._pattern("HOLES1", values),
             "HOLES2": lambda values: self._pattern("HOLES2", values),
+            "CYCLE801": lambda values: self._pattern("CYCLE801", values),
         }
         for name in self.holes.cycles:
             self.known[name] = self._cycle(name)
@@ -105,6 +106,8 @@ class Commands:
         modal = self.run.modal
         if modal is not None and modal[0].name not in self.known:
             raise Unread(f"{name} with a subprogram under MCALL", "write the places as blocks of their own")
+        if name == "CYCLE801":
+            self.run.findings.assumed("CYCLE801 goes from the nearer corner along the shorter distance, there and back")
         for words in places(name, values, self.control, self.state):
             self.control.straight(words, 7, rapid=True)
             if modal is not None:

@@ -10,6 +10,7 @@ from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik import state as modes
 from toolpace.reading.sinumerik.commands import Commands
 from toolpace.reading.sinumerik.feed_words import FeedWords
+from toolpace.reading.sinumerik.flow.arguments import values_of
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED
 from toolpace.reading.sinumerik.given import Given, Words
@@ -188,7 +189,7 @@ class Executor:
 
     def _call(self, call: Call, words: Words) -> None:
         """NAME(...), L123."""
-        arguments = [None if argument is None else argument(self.memory) for argument in call.arguments]
+        arguments = values_of(call, self.memory, arrays=call.name not in self.commands.known)
         meaning = self.vocabulary.meaning(call.name)
         if call.name not in self.commands.known and meaning in self.meanings:
             self.meanings[meaning](Now(words))

@@ -60,13 +60,17 @@ class Holes:
         self.chip_break = controller.option("chip_break_mm", 1.0) * MILLIMETRE
         self.rs274 = controller.option("rs274_cycles", False)
         """Whether cycles are those of LinuxCNC's interpreter."""
+        self.from_here = controller.option("cycle_without_r", False)
+        """Whether R may be missing: the feed then begins where the tool is."""
         self.words: dict[str, float] = {}
+        self.absolute: dict[str, bool] = {}
+        """Whether G90 was in force where a word was written: G91 behind a cycle places holes, and leaves depths."""
         self.level: float | None = None
         """Along the drill axis, where the cycle began [m]."""
 
     def begin(self) -> None:
         """Forget the words of the cycle before."""
-        self.words, self.level = {}, None
+        self.words, self.absolute, self.level = {}, {}, None
 
     def change(self) -> None:
         """Another cycle follows without an end of the one before."""
@@ -97,6 +101,7 @@ class Holes:
         for name in (letter, *"RQIJK"):
             if name in numbers:
                 self.words[name] = numbers.pop(name)
+                self.absolute[name] = state.absolute
         if dwell is not None:
             self.words["P"] = dwell
         if not drills:
@@ -162,6 +167,10 @@ class Holes:
             target[b] += radius * math.sin(first + k * step)
             drill(self.control, cycle, target)
 
+    def _is_absolute(self, name: str) -> bool:
+        """Whether a level counts as under G90; LinuxCNC's interpreter asks what is in force at the hole."""
+        return self.state.absolute if self.rs274 else self.absolute.get(name, self.state.absolute)
+
     def _cycle(self, letter: str) -> Drilling:
         """The cycle in force, with the words in force."""
         state, words, unit = self.state, self.words, self.state.unit
@@ -169,12 +178,15 @@ class Holes:
         kind = KINDS[state.cycle]
         wanted = (letter, "R", *kind.needs) if self.rs274 else (letter, "R") if state.absolute else (letter,)
         missing = next((name for name in wanted if name not in words), None)
+        if missing == "R" and self.from_here:
+            self.control.findings.assumed("the feed of a cycle without R begins at the height where the cycle began")
+            words["R"], self.absolute["R"], missing = self.level / unit, True, None
         if missing in (letter, "R"):
             raise WordError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
         if missing is not None:
             raise WordError(f"the cycle lacks {missing}: pecks need Q, dwells P, and boring backwards I, J and K")
-        top = words.get("R", 0.0) * unit + (0.0 if state.absolute else self.level)
-        bottom = words[letter] * unit + (0.0 if state.absolute else top)
+        top = words.get("R", 0.0) * unit + (0.0 if self._is_absolute("R") else self.level)
+        bottom = words[letter] * unit + (0.0 if self._is_absolute(letter) else top)
         from_above = self.rs274 or state.cycle != "bore backwards"
         back = max(self.level, top) if state.to_initial or not from_above else top
         if bottom > top and from_above:

@@ -13,6 +13,8 @@ ARCS = ("arc clockwise", "arc counter-clockwise")
 class Modal:
     """The state of the reader; defaults are millimetres, absolute, XY plane, continuous path."""
 
+    unit_said: bool = False
+    """Whether the program has said which unit its lengths have."""
     unit: float = MILLIMETRE
     absolute: bool = True
     arc_absolute: bool = False

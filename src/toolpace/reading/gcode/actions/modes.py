@@ -33,8 +33,8 @@ class Modes:
             "inverse time": feed(INVERSE),
             "feed per minute": feed(PER_MINUTE),
             "feed per revolution": feed(PER_REVOLUTION),
-            "inch": self._set("unit", INCH),
-            "millimetre": self._set("unit", MILLIMETRE),
+            "inch": self._unit(INCH),
+            "millimetre": self._unit(MILLIMETRE),
             "plane XY": self._set("plane", 0),
             "plane ZX": self._set("plane", 1),
             "plane YZ": self._set("plane", 2),
@@ -55,6 +55,12 @@ class Modes:
             **{meaning: self._cycle(meaning) for meaning in KINDS},
             "end cycle": self._end_cycle,
         }
+
+    def _unit(self, unit: float) -> Handler:
+        def set_unit(numbers: Numbers, word: str) -> None:
+            self.state.unit, self.state.unit_said = unit, True
+
+        return set_unit
 
     def _set(self, name: str, value: object) -> Handler:
         return lambda numbers, word: setattr(self.state, name, value)

@@ -12,6 +12,8 @@ from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.reading.heidenhain.klartext.words import PathWords
 from toolpace.reading.heidenhain.state import ARC_PLANE, OF_AXIS, State
 
+PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
+"""Two of X, Y, Z as bits, to the axis across them."""
 SAME = 1e-9
 """Coordinates closer than this [m] are one."""
 
@@ -36,6 +38,8 @@ class Circles:
             for slot, _, _, _ in axes:
                 state.pole[slot] = target[slot]
             state.pole_known = True
+            across = PAIRS.get(named)
+            state.pole_across = None if across == state.tool_axis else across
             if named == 7:
                 state.pole_in_space = True
                 self.control.findings.assumed(
@@ -44,6 +48,12 @@ class Circles:
                 )
 
         return run
+
+    @property
+    def pole_axis(self) -> int:
+        """The axis across which the pole's plane lies: the two coordinates of CC tell it, else it is the tool's."""
+        across = self.state.pole_across
+        return self.state.tool_axis if across is None else across
 
     def need_pole(self) -> None:
         """Raises BlockError where no CC came before."""
@@ -70,7 +80,7 @@ class Circles:
         """The axis across which an arc about the pole lies."""
         state, start, pole = self.state, self.control.words, self.state.pole
         if not state.pole_in_space:
-            return state.tool_axis
+            return self.pole_axis
         shared = [k for k in range(3) if abs(start[k] - pole[k]) < SAME and abs(target[k] - pole[k]) < SAME]
         level = abs(start[state.tool_axis] - target[state.tool_axis]) < SAME
         if not shared and level:

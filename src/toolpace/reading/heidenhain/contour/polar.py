@@ -56,7 +56,7 @@ class Polar:
                 raise BlockError("IPA and DR of CP have different signs: correct one")
             if abs(turned) > MOST_TURNS * 2.0 * math.pi + 1e-9:
                 raise BlockError("IPA is more than 5400 degrees: divide the helix")
-            axis = self.state.tool_axis
+            axis = self.circles.pole_axis
             normal = [float(sense) if k == axis else 0.0 for k in range(3)]
             made = arc_about(self.control.words, target, self.state.pole, normal)
             if turned:
@@ -72,6 +72,8 @@ class Polar:
 
         def run() -> None:
             self.circles.need_pole()
+            if self.circles.pole_axis != self.state.tool_axis:
+                raise BlockError("CTP is read in the plane across the tool only: write CP or C here")
             rapid = self.circles.begin(words)
             target, named = self.polar(words, axes)
             self.circles.along_tangent(target, named, rapid)
@@ -82,9 +84,9 @@ class Polar:
         """Words (3 + rotary) of a polar point: what is not given stays as it is here."""
         target, named = self.motion.target(axes)
         state, others = self.state, words.others
-        first, second = OF_AXIS[state.tool_axis]
+        first, second = OF_AXIS[self.circles.pole_axis]
         if named & (1 << first | 1 << second):
-            raise BlockError("a polar block takes the coordinate along the tool axis beside PR and PA only")
+            raise BlockError("a polar block takes the coordinate across its plane beside PR and PA only")
         du = self.control.words[first] - state.pole[first]
         dv = self.control.words[second] - state.pole[second]
         radius, angle = math.hypot(du, dv), math.atan2(dv, du)

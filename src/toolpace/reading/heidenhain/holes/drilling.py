@@ -40,6 +40,7 @@ class Holes:
             207: self.tapping,
             209: self.tapping,
             240: self.centring,
+            241: self.single_lip,
         }
 
     def define(self, number: int, items: Items) -> None:
@@ -67,6 +68,7 @@ class Holes:
             axis=self.state.tool_axis,
             top=made.top + lift,
             bottom=made.bottom + lift,
+            start=None if made.start is None else made.start + lift,
             back=(made.top if low else made.back) + lift,
         )
         if made.top != made.bottom:
@@ -219,6 +221,27 @@ class Holes:
                 "CYCL DEF 240 with Q343=1", "write the depth as Q201, with Q343=0: the tip angle is not known"
             )
         return self.hole()
+
+    def single_lip(self) -> Drilling:
+        """241: at Q253 to a starting point within the hole, in one stroke to the depth, out at Q208.
+
+        The starting point is approached to 0.2 * Q379, at most to Q200 (TNC 640 manual on cycles, "SINGLE-LIP
+        D.H.DRLNG", positioning with Q379; the iTNC 530 stops at Q200 above it).
+        """
+        depth, peck, start = abs(self.length(201)), self.length(202, 0.0), self.length(379, 0.0)
+        if 0.0 < peck < depth:
+            raise Refusal("CYCL DEF 241 with Q202", "write Q202=0: the whole depth in one stroke")
+        if self.value(435, 0.0):
+            raise Refusal("CYCL DEF 241 with Q435", "write Q435=0: the dwell on the way is not read")
+        hole = self.way_out(self.hole())
+        if start <= 0.0:
+            return hole
+        clearance = self.length(200)
+        if 0.2 * start < clearance:
+            self.control.findings.assumed("cycle 241 comes to 0.2 * Q379 above the starting point, at most to Q200")
+        level = self.length(203) - start + min(clearance, 0.2 * start)
+        fast = self.items.get(253, "FMAX") == "FMAX"
+        return replace(hole, start=max(level, hole.bottom), start_speed=0.0 if fast else self.speed(253))
 
     def old_pecking(self) -> Drilling:
         """1: set-up clearance, depth and peck with their signs, from where the tool is."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
 
-_NUMBER = re.compile(r"[0-9]+(?=[\s/;*]|$)")
+_NUMBER = re.compile(r"[Nn]?[0-9]+(?=[\s/;*]|$)")
+_BEGIN = re.compile(r"\s*(?:N?[0-9]+\s+)?BEGIN\s+PGM\b", re.IGNORECASE)
 _ITEM = re.compile(r"Q[0-9]{3,4}\s*=\s*(?:[-+]?(?:[0-9.,]+|Q[LR]?[0-9]+)|F\s*MAX|F\s*AUTO|PREDEF)")
 _QUOTED = re.compile(r"(?:[^\";]++|\"[^\"]*+(?:\"|$))*+")
 """All up to the first semicolon that stands in no text."""
@@ -28,7 +30,10 @@ def blocks_of(source: Source, findings: Findings, block_delete: bool) -> list[Bl
     """The blocks of a program in order, empty ones left out; headings and comments that name a tool begin with `*`."""
     found: list[tuple[int, list[str]]] = []
     goes_on = False
-    for line, raw in enumerate(source.lines, start=1):
+    sheet = _sheet(source.lines)
+    if sheet:
+        findings.ignored("( before BEGIN PGM")
+    for line, raw in enumerate(source.lines[sheet:], start=sheet + 1):
         text = raw.strip()
         number = _NUMBER.match(text)
         if number:
@@ -50,6 +55,16 @@ def blocks_of(source: Source, findings: Findings, block_delete: bool) -> list[Bl
             found.append((line, ["* " + operation[1]]))
         goes_on = marked or (goes_on and not text and not number)
     return [Block(line, " ".join(texts)) for line, texts in found]
+
+
+def _sheet(lines: Sequence[str]) -> int:
+    """Lines of a set-up sheet, each behind an open bracket, with which simulators for training open the file."""
+    for count, line in enumerate(lines):
+        if _BEGIN.match(line):
+            return count
+        if line.strip() and not line.lstrip().startswith("("):
+            break
+    return 0
 
 
 def _continues(first: str, text: str) -> bool:

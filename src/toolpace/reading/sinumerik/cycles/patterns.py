@@ -1,4 +1,4 @@
-"""Rows and circles of holes: HOLES1, HOLES2 (Programming Manual Cycles, 2.3)."""
+"""Rows, circles and grids of holes: HOLES1, HOLES2, CYCLE801 (Programming Manual Cycles, 2.3)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from toolpace.reading.control.control import Control
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
-from toolpace.reading.sinumerik.syntax.values import Value, ValueFault
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 from toolpace.units import DEGREE
 
 MOST = 10_000
@@ -17,12 +17,14 @@ MOST = 10_000
 
 def places(name: str, values: list[Value | None], control: Control, state: State) -> Iterator[list[float]]:
     """Words (3 + rotary) of the holes of a pattern, in their order; each as high as the one before was left."""
-    arguments = Arguments(name, values, 12)
+    arguments = Arguments(name, values, 16)
+    first, second = ((0, 1), (2, 0), (1, 2))[state.plane]
     if name == "HOLES1":
         points = _row(arguments)
-    else:
+    elif name == "HOLES2":
         points = _circle(arguments)
-    first, second = ((0, 1), (2, 0), (1, 2))[state.plane]
+    else:
+        points = _grid(arguments, (control.words[first] / state.unit, control.words[second] / state.unit))
     for a, b in points:
         words = list(control.words)
         words[first], words[second] = a * state.unit, b * state.unit
@@ -52,3 +54,33 @@ def _circle(arguments: Arguments) -> list[tuple[float, float]]:
     start = arguments.number(3) * DEGREE
     angles = [start + step * k for k in range(count)]
     return [(a + radius * math.cos(angle), b + radius * math.sin(angle)) for angle in angles]
+
+
+def _grid(arguments: Arguments, here: tuple[float, float]) -> list[tuple[float, float]]:
+    """SPCA, SPCO, STA, DIS1, DIS2, NUM1, NUM2: reference, angle, distances and numbers of columns and rows.
+
+    As Siemens' own cycle: from the corner that is nearer to the tool `here`, along the shorter distance first, there
+    and back. Frames and gaps are refused.
+    """
+    columns, rows = _count(arguments, 5), _count(arguments, 6)
+    if columns * rows > MOST:
+        raise ValueFault(f"CYCLE801 makes {columns * rows} holes, and at most {MOST} are read: correct the numbers")
+    if any(arguments.number(place) for place in (7, 9, 10)) or arguments.text(11):
+        raise Unread("CYCLE801 with _VARI, _ANG1, _ANG2 or _HIDE", "write the places as blocks of their own")
+    angle = arguments.number(2) * DEGREE
+    c, s = math.cos(angle), math.sin(angle)
+    a, b = arguments.number(0), arguments.number(1)
+    u, v = here[0] - a, here[1] - b
+    along = _nearer_first(columns, abs(arguments.number(3)), u * c + v * s)
+    across = _nearer_first(rows, abs(arguments.number(4)), v * c - u * s)
+    if abs(arguments.number(3)) <= abs(arguments.number(4)):
+        found = [(x, y) for k, y in enumerate(across) for x in along[:: -1 if k % 2 else 1]]
+    else:
+        found = [(x, y) for k, x in enumerate(along) for y in across[:: -1 if k % 2 else 1]]
+    return [(a + x * c - y * s, b + x * s + y * c) for x, y in found]
+
+
+def _nearer_first(count: int, step: float, here: float) -> list[float]:
+    """Multiples of a step, from the end that is nearer."""
+    found = [step * k for k in range(count)]
+    return found if here <= found[-1] / 2.0 else found[::-1]

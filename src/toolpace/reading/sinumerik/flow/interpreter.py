@@ -10,11 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from toolpace.reading.sinumerik.flow.arguments import referred, values_of
 from toolpace.reading.sinumerik.flow.jumps import Jumps
 from toolpace.reading.sinumerik.flow.memory import Store
 from toolpace.reading.sinumerik.flow.routines import Library, Routine, StructureFault
 from toolpace.reading.sinumerik.flow.stack import Frame, Stack, times_of
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call, Flow
+from toolpace.reading.sinumerik.syntax.expressions import Named
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault, whole
 from toolpace.reading.source import Source
 
@@ -152,10 +154,10 @@ class Interpreter:
             inside = modal or any(frame.modal for frame in self.stack[-1:])
             self.stack.push(Frame(routine, 0, len(routine.lines), 0, times, outer, None, inside, line))
             self.memory.local = {}
-            self._bind(routine, arguments)
+            self._bind(routine, call, arguments)
 
-    def _bind(self, routine: Routine, arguments: list[Value | None]) -> None:
-        """Give the parameters of PROC, which stands first in the routine, their values."""
+    def _bind(self, routine: Routine, call: Call, arguments: list[Value | None]) -> None:
+        """Give the parameters of PROC, which stands first in the routine, their values; those of VAR, the variables."""
         frame = self.stack[-1]
         for index in range(len(routine.lines)):
             head, said = routine.read(index)
@@ -174,7 +176,14 @@ class Interpreter:
         if len(arguments) > len(names) // 2:
             raise ValueFault(f"{routine.name} takes {len(names) // 2} arguments, not {len(arguments)}: correct them")
         for k, (kind, name) in enumerate(zip(names[1::2], names[2::2])):
-            variable = self.memory.define(name, kind)
+            named = call.arguments[k] if k < len(call.arguments) else None
+            handed = (frame.local or {}).get(named.name) if isinstance(named, Named) else None
+            if kind.startswith("VAR ") and named is not None:
+                self.memory.local[name] = referred(handed, kind.removeprefix("VAR "), name)
+                continue
+            if handed is not None and handed.sizes:
+                raise ValueFault(f"{name} is one value, and is handed an array: write VAR before its type in PROC")
+            variable = self.memory.define(name, kind.removeprefix("VAR "))
             given = arguments[k] if k < len(arguments) else None
             default = flow.values[k]
             value = given if given is not None or default is None else default(self.memory)
@@ -192,7 +201,7 @@ class Interpreter:
         elif flow.call is None:
             raise Unread("a synchronous action (WHEN, ID=)", "what it does happens in its own time: remove it")
         else:
-            arguments = [None if a is None else a(self.memory) for a in flow.call.arguments]
+            arguments = values_of(flow.call, self.memory, arrays=flow.kind != "MCALL")
             if flow.kind == "MCALL":
                 self.actions.modal = flow.call, arguments
             else:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from toolpace.reading.coordinates import affine
 from toolpace.reading.sinumerik.syntax import frame_functions
@@ -28,6 +29,7 @@ from toolpace.reading.sinumerik.syntax.values import (
     FUNCTIONS,
     Axis,
     Compiled,
+    Memory,
     Value,
     ValueFault,
     above,
@@ -210,7 +212,18 @@ class Parser:
         if self.sign("["):
             indices = self.index()
             return lambda memory: memory.variable(name, tuple(whole(index(memory)) for index in indices))
-        return lambda memory: memory.variable(name, ())
+        return Named(name)
+
+
+@dataclass(frozen=True)
+class Named:
+    """The value of a variable that stands alone: what a subprogram can be handed over by reference."""
+
+    name: str
+
+    def __call__(self, memory: Memory) -> Value:
+        """The value as it is now."""
+        return memory.variable(self.name, ())
 
 
 def r_number(value: Value) -> int:

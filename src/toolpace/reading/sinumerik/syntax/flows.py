@@ -162,18 +162,23 @@ def _start_value(parser: Parser) -> Compiled:
 
 
 def _procedure(parser: Parser, kind: str) -> Flow:
-    """PROC NAME(REAL A, INT B=2) SAVE: names are the procedure's, then type and name of each parameter."""
+    """PROC NAME(REAL A, VAR INT B[3]) SAVE: names are the procedure's, then type and name of each parameter.
+
+    The type of a parameter that is handed over by reference begins with `VAR`.
+    """
     names = [parser.take().text]
     values: list[Compiled | None] = []
     if parser.sign("(") and not parser.sign(")"):
         while True:
             token = parser.take()
-            token = parser.take() if token.text == "VAR" else token
+            reference = token.text == "VAR"
+            token = parser.take() if reference else token
             if token.text not in TYPES:
                 raise SyntaxFault("each parameter of PROC needs its type: write it like PROC POCKET(REAL DEPTH)")
             if token.text == "STRING" and parser.sign("["):
                 parser.index()
-            names += [token.text, parser.take().text]
+            names += [f"VAR {token.text}" if reference else token.text, parser.take().text]
+            _sizes(parser)
             values.append(parser.expression() if parser.sign("=") else None)
             if parser.sign(")"):
                 break
@@ -182,6 +187,14 @@ def _procedure(parser: Parser, kind: str) -> Flow:
     while parser.token.kind != END:
         attributes.append(parser.take().text)
     return Flow("PROC", tuple(values), (*names, *(["SAVE"] if "SAVE" in attributes else [])))
+
+
+def _sizes(parser: Parser) -> None:
+    """Go past [n] or [,n] of a parameter that is an array: its sizes are those of what is handed over."""
+    if parser.sign("["):
+        while not parser.sign("]"):
+            if parser.take().kind == END:
+                raise SyntaxFault("a parameter lacks ] behind its size: write it like PROC SUM(VAR REAL VALUES[3])")
 
 
 def _passed(parser: Parser, kind: str) -> Flow:
