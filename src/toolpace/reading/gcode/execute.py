@@ -8,8 +8,9 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.frames import Frames
 from toolpace.reading.gcode.actions.holes import Holes
+from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.actions.modes import Handler, Modes
+from toolpace.reading.gcode.actions.modes import Modes
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.actions.places import Places
 from toolpace.reading.gcode.actions.saved_modes import SavedModes
@@ -17,10 +18,10 @@ from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
 from toolpace.reading.gcode.program.blocks import Block
-from toolpace.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
+from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError, bounded
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -28,10 +29,6 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
-NO_MACRO = (
-    "its blocks are neither in this file nor in one beside it: give them with the program; where it measures and comes "
-    "back to where it began, --skip-unknown passes over it"
-)
 WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
@@ -53,20 +50,21 @@ class Executor:
         self.rs274 = by.option("rs274_checks", False)
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
-        self.controller = by
+        self.macros = Macros(control, state, self.motion, self.calls, by)
         self.after: Callable[[], None] | None = None
         """What is left to do behind the motion of the block."""
         self.pattern = ""
         """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by)
+        self.places = Places(control, state, self.motion, frames, self.variables, by)
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
-            | self._of_tools(Tools(control, state, options, by))
-            | self._of_frames(frames)
-            | self._of_saved_modes(SavedModes(control, state, frames.offsets, flow))
+            | Tools(control, state, options, by).handlers()
+            | frames.handlers()
+            | SavedModes(control, state, frames.offsets, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
-            | self._of_places(Places(control, state, self.motion, frames, self.variables, by))
-            | self._of_surface_holes(SurfaceHoles(control, state, self.motion))
+            | self.places.handlers()
+            | SurfaceHoles(control, state, self.motion).handlers()
             | {
                 "hole circle": self._hole_circle,
                 "hole arc": self._hole_circle,
@@ -81,81 +79,6 @@ class Executor:
                 "end of nurbs": self._end_of_nurbs,
             }
         )
-
-    def _of_tools(self, tools: Tools) -> dict[str, Handler]:
-        return {
-            "compensation": tools.compensation,
-            "compensation off": tools.compensation_off,
-            "tool length": tools.length,
-            "tip mode": tools.tip_mode,
-            "tip mode that stands": tools.tip_mode_that_stands,
-            "tool vector mode": tools.vector_mode,
-            "length off": tools.length_off,
-            "tip mode ends": tools.tip_mode_off,
-            "stop": tools.stop,
-            "unknown function": tools.unknown_function,
-            "tool change": tools.change,
-            "tool at hand": tools.take,
-            "told offset": tools.told_offset,
-            "added offset": tools.added_offset,
-            "tip mode on": tools.switch_on,
-            "tip mode off": tools.switch_off,
-        }
-
-    def _of_saved_modes(self, saved: SavedModes) -> dict[str, Handler]:
-        return {
-            "save modes": saved.save,
-            "save modes for return": saved.save_for_return,
-            "forget modes": saved.forget,
-            "restore modes": saved.restore,
-        }
-
-    def _of_frames(self, frames: Frames) -> dict[str, Handler]:
-        offsets = frames.offsets
-        return {
-            "work offset": offsets.indexed_offset if self.indexed else offsets.work_offset,
-            "numbered offset": offsets.numbered_offset,
-            "no offset": offsets.no_offset,
-            "set offset": offsets.set_offset,
-            "end of data": offsets.end_of_data,
-            "local shift": frames.local_shift,
-            "set position": frames.set_position,
-            "clear position": frames.clear_position,
-            "suspend position": frames.suspend_position,
-            "restore position": frames.restore_position,
-            "datum": frames.datum,
-            "datum added": frames.datum_added,
-            "scale": frames.scale,
-            "scale off": frames.scale_off,
-            "mirror": frames.mirror,
-            "mirror off": frames.mirror_off,
-            "rotate": frames.rotate,
-            "rotation off": frames.rotation_off,
-        }
-
-    def _of_places(self, places: Places) -> dict[str, Handler]:
-        self.places = places
-        return {
-            "tilt plane": places.tilt_plane,
-            "tilt plane by order": places.tilt_plane_by_order,
-            "carried frame": places.carried_frame,
-            "tilt by axes": places.tilt_by_axes,
-            "turn to plane": places.turn_to_plane,
-            "reference": places.reference,
-            "second reference": places.second_reference,
-            "from reference": places.from_reference,
-            "machine rapid": places.machine_rapid,
-        }
-
-    def _of_surface_holes(self, surface: SurfaceHoles) -> dict[str, Handler]:
-        return {
-            "define drill": surface.drill,
-            "define peck": surface.peck,
-            "define tap": surface.tap,
-            "define bore": surface.bore,
-            "define bore and stop": surface.bore_and_stop,
-            "run cycle": surface.run,
-        }
 
     def execute(self, block: Block) -> None:
         """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
@@ -257,30 +180,6 @@ class Executor:
         for letter in FREE if free or self.indexed else ():
             if numbers.pop(letter, None) is not None:
                 self.control.findings.ignored(letter)
-
-    def macro(self, block: Block, word: str, *, modal: bool) -> None:
-        """G65 and G66. Raises RefusedError where what is called is not at hand, and moves in no way that is known."""
-        missing = (self.calls.modal_macro if modal else self.calls.macro)(block.arguments, word)
-        if missing is None:
-            return
-        if missing.word in self.controller.ignored:
-            self.control.findings.ignored(missing.word)
-        elif self.controller.meanings.get(missing.word) == "feed":
-            self._protected(missing)
-        else:
-            raise RefusedError(missing.word, NO_MACRO)
-
-    def _protected(self, missing: Missing) -> None:
-        """Probing's way between its measurements: straight to X, Y, Z, at the feed F that it is given."""
-        state, control, given = self.state, self.control, missing.given
-        before = state.motion, control.feed.value, control.feed.turn
-        found = {letter: given.get(ARGUMENTS[letter]) for letter in "XYZ"}
-        feed = given.get(ARGUMENTS["F"])
-        if feed is not None:
-            control.feed.set(feed, state.unit, control.line)
-        state.motion = "feed"
-        self.motion.execute({key: value for key, value in found.items() if value is not None}, None, control.line)
-        state.motion, control.feed.value, control.feed.turn = before
 
     def _hole_circle(self, numbers: Numbers, word: str) -> None:
         """Haas G70 and G71: the cycle in force on a circle about the place at hand. Its lathes turn with them."""

@@ -182,7 +182,7 @@ class WordAddressReader:
             self._assign(values)
         macro = next((action for action in block.actions if action.meaning in MACROS), None)
         if macro is not None:
-            self.executor.macro(block, macro.word, modal=macro.meaning == "modal macro call")
+            self.executor.macros.call(block, macro.word, modal=macro.meaning == "modal macro call")
         elif block.fixed or block.computed or block.actions or block.ignored:
             moves = len(self.control.moves)
             self.executor.execute(block)

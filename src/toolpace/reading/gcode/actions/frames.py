@@ -8,7 +8,7 @@ from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.offsets import Offsets, given_axes
-from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
 _NORMAL = (2, 1, 0)
@@ -35,7 +35,32 @@ class Frames:
         self.tilted = False
         self.scaled: Matrix | None = None
         self.mirrored: Matrix | None = None
+        self.indexed = by.option("indexed_words", False)
         self.offsets = Offsets(control, state, by, self.of_offset, self.apply)
+
+    def handlers(self) -> dict[str, Handler]:
+        """What carries out each meaning."""
+        offsets = self.offsets
+        return {
+            "work offset": offsets.indexed_offset if self.indexed else offsets.work_offset,
+            "numbered offset": offsets.numbered_offset,
+            "no offset": offsets.no_offset,
+            "set offset": offsets.set_offset,
+            "end of data": offsets.end_of_data,
+            "local shift": self.local_shift,
+            "set position": self.set_position,
+            "clear position": self.clear_position,
+            "suspend position": self.suspend_position,
+            "restore position": self.restore_position,
+            "datum": self.datum,
+            "datum added": self.datum_added,
+            "scale": self.scale,
+            "scale off": self.scale_off,
+            "mirror": self.mirror,
+            "mirror off": self.mirror_off,
+            "rotate": self.rotate,
+            "rotation off": self.rotation_off,
+        }
 
     def apply(self) -> None:
         """Hand the frame to the control."""

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.holes import KINDS, Holes
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
 from toolpace.units import INCH, MILLIMETRE
-
-Handler = Callable[[Numbers, str], None]
-"""Carries out a word: takes what belongs to it out of the numbers of the block."""
 
 
 class Modes:

@@ -14,7 +14,7 @@ from toolpace.reading.gcode.actions.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.program.variables import Variables
-from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
 
@@ -28,6 +28,20 @@ class Places:
         self.rs274 = by.option("rs274_checks", False)
         """Whether blocks are refused that LinuxCNC's interpreter refuses."""
         self.all_axes = by.option("reference_without_axes_is_all", True)
+
+    def handlers(self) -> dict[str, Handler]:
+        """What carries out each meaning."""
+        return {
+            "tilt plane": self.tilt_plane,
+            "tilt plane by order": self.tilt_plane_by_order,
+            "carried frame": self.carried_frame,
+            "tilt by axes": self.tilt_by_axes,
+            "turn to plane": self.turn_to_plane,
+            "reference": self.reference,
+            "second reference": self.second_reference,
+            "from reference": self.from_reference,
+            "machine rapid": self.machine_rapid,
+        }
 
     def _named(self, numbers: Numbers) -> Numbers:
         """Axis words, taken out of the block; the axes that the machine has."""

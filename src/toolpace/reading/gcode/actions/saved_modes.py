@@ -9,7 +9,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.offsets import Offsets
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
 
 MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial", "length_word")
 """Of `Modal`; the motion in force is not among them."""
@@ -20,6 +20,15 @@ class SavedModes:
 
     def __init__(self, control: Control, state: Modal, offsets: Offsets, flow: Flow) -> None:
         self.control, self.state, self.offsets, self.flow = control, state, offsets, flow
+
+    def handlers(self) -> dict[str, Handler]:
+        """What carries out each meaning."""
+        return {
+            "save modes": self.save,
+            "save modes for return": self.save_for_return,
+            "forget modes": self.forget,
+            "restore modes": self.restore,
+        }
 
     def save(self, numbers: Numbers, word: str) -> None:
         """M70."""

@@ -9,7 +9,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
 
 
 class SurfaceHoles:
@@ -20,6 +20,17 @@ class SurfaceHoles:
         self.words: Numbers = {}
         self.stops, self.out = False, RAPID_OUT
         self.surface: float | None = None
+
+    def handlers(self) -> dict[str, Handler]:
+        """What carries out each meaning."""
+        return {
+            "define drill": self.drill,
+            "define peck": self.peck,
+            "define tap": self.tap,
+            "define bore": self.bore,
+            "define bore and stop": self.bore_and_stop,
+            "run cycle": self.run,
+        }
 
     def _define(self, numbers: Numbers, *, stops: bool = False, out: str = RAPID_OUT) -> None:
         letters = [letter for letter in ("X", "Y", "Z", "B", "I", "J", "K", "K1", "I1", "F2") if letter in numbers]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.reading.options import PROGRAM, ReadOptions
 
 
@@ -16,6 +16,27 @@ class Tools:
         self.control, self.state, self.options = control, state, options
         self.h_stays = by.option("length_word_stays", True)
         self.with_tool = by.option("length_with_tool", False)
+
+    def handlers(self) -> dict[str, Handler]:
+        """What carries out each meaning."""
+        return {
+            "compensation": self.compensation,
+            "compensation off": self.compensation_off,
+            "tool length": self.length,
+            "tip mode": self.tip_mode,
+            "tip mode that stands": self.tip_mode_that_stands,
+            "tool vector mode": self.vector_mode,
+            "length off": self.length_off,
+            "tip mode ends": self.tip_mode_off,
+            "stop": self.stop,
+            "unknown function": self.unknown_function,
+            "tool change": self.change,
+            "tool at hand": self.take,
+            "told offset": self.told_offset,
+            "added offset": self.added_offset,
+            "tip mode on": self.switch_on,
+            "tip mode off": self.switch_off,
+        }
 
     def stop(self, numbers: Numbers, word: str) -> None:
         """Spindle, coolant, clamps: the motion comes to rest."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)"
 _WORD = re.compile(rf"([A-Z])[ \t]*({NUMBER})")
@@ -13,6 +14,8 @@ _NAME = re.compile(r"[A-Z_][A-Z_]+")
 
 Numbers = dict[str, float]
 """Values of the words of a block, by letter."""
+Handler = Callable[[Numbers, str], None]
+"""Carries out a word: takes what belongs to it out of the numbers of the block."""
 
 
 LARGEST = 1e15
