@@ -39,7 +39,7 @@ nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|npt|os|pathlib|collections|typing|datetime)\b.*"),
     ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping|BSpline|PPoly"),
-    ("py:.*", r"toolpace\.(workers\.(R|CallersProgress)|kernels\..*)"),
+    ("py:.*", r"toolpace\.(workers\.(R|CallersProgress)|reading\.controllers\.controller\.Option|kernels\..*)"),
 ]
 default_role = "code"
 smartquotes = False  # primes are derivatives
