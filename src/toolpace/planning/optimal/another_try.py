@@ -68,7 +68,7 @@ def another_try(
 ) -> tuple[Plan, tuple[str, ...]]:
     """The plan, or a better one, with its bound, and notes on why they were far apart; without any where they were not.
 
-    A mesh that is `fixed` stays as it is: what a finer one would gain is said.
+    A mesh that is `fixed` stays as it is, and only where the gap lies is said.
     """
     gap = first.bound.gap
     if gap <= FAR:
@@ -77,6 +77,8 @@ def another_try(
         return first, (f"run at s = {run.s0:.6g}: gap of {gap:.1%}; too long for another try",)
     opening = opening_of(run, limits, first.law, start, end)
     said = [f"run at s = {run.s0:.6g}: gap of {gap:.1%}, mostly {opening.words}"]
+    if fixed:
+        return first, (f"{said[0]}; the mesh is kept as it was given",)
     best = first
     for way in ("proof", "mesh") if opening.stands > 0.5 else ("mesh", "proof"):
         if way == "proof":
@@ -88,12 +90,12 @@ def another_try(
                 said.append("a proof by ranges of speed closes next to nothing")
             best = Plan(best.law, bound if bound.gap < best.bound.gap else best.bound)
         else:
-            best, words = on_a_finer_mesh(run, limits, best, opening, start, end, fixed, guard, workers)
+            best, words = on_a_finer_mesh(run, limits, best, opening, start, end, guard, workers)
             said.append(words)
         if best.bound.gap <= FAR:
             break
     else:
-        said.append("what is left is the bound's, as far as tried" if not fixed else "the mesh is kept")
+        said.append("what is left is the bound's, as far as tried")
     return best, ("; ".join(said),)
 
 
@@ -104,7 +106,6 @@ def on_a_finer_mesh(
     opening: Opening,
     start: EndState,
     end: EndState,
-    fixed: bool,
     guard: bool,
     workers: Workers,
 ) -> tuple[Plan, str]:
@@ -113,10 +114,6 @@ def on_a_finer_mesh(
     if law is None:
         return plan, "no way was found on a finer mesh"
     gain = 1.0 - law.duration / plan.law.duration
-    if fixed:
-        if gain > WORTH_SAYING:
-            return plan, f"the mesh is coarse there: cut in {PARTS}, its cells allow a motion faster by {gain:.2%}"
-        return plan, f"a mesh {PARTS} times as fine there is no faster"
     bound = bound_run(run, limits, law, start, end)
     if gain > WORTH_SAYING:
         return Plan(law, bound), f"the mesh was coarse there: cut in {PARTS}, the motion is faster by {gain:.2%}"
