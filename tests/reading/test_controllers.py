@@ -140,3 +140,9 @@ def test_on_mazak_k_repeats_no_cycle():
     body = "G21 G90\nG0 X0 Y0 Z20\nG1 Z10 F500\nG91\nG83 X5. Z-5. R-2. Q2. F500 K3\nG80\nG90\nM30\n"
     ends = {name: read_text(body, None, controller=name).tip[-1, 0] for name in ("mazak", "fanuc")}
     assert ends == {"mazak": pytest.approx(0.005), "fanuc": pytest.approx(0.015)}
+
+
+def test_a_name_without_end_in_a_file_is_cut_in_the_message():
+    with pytest.raises(UsageError) as caught:
+        Controller.from_toml(f'name = "x"\n["{"9" * 5000}"]\n')
+    assert "unknown field" in str(caught.value) and len(str(caught.value)) < 500
