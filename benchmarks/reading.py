@@ -210,7 +210,7 @@ def main() -> None:
     for case in CASES:
         table.lines.append(measured(case, machine))
     table.show()
-    page = f"{table.markdown()}\n{written_by('python -m benchmarks.reading')}\n"
+    page = f"# Reading 100 000 blocks\n\n{written_by('python -m benchmarks.reading')}\n\n{table.markdown()}"
     (RESULTS / "reading.md").write_text(page)
 
 
