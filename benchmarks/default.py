@@ -162,9 +162,7 @@ def main() -> None:
     }
     measured(families["paths of the benchmarks"][0], 1)  # compiles the kernels, loads the libraries
     found: dict[str, list[Figures]] = {}
-    table = Table(
-        "The default plan, case by case; on 1000 cells guard, bound over core (!: misses target)", HEADS
-    )
+    table = Table("The default plan, case by case; on 1000 cells guard, bound over core (!: misses target)", HEADS)
     with Progress(transient=True) as progress:
         task = progress.add_task("default plans", total=sum(map(len, families.values())))
         for family, cases in families.items():

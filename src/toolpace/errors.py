@@ -5,6 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+LONGEST_FAULT = 300
+"""Characters that a message quotes of what a library says."""
+
 
 def printable(text: str) -> str:
     """The text with what cannot be printed written out, as \\x1b: names come from files and callers, and a message
@@ -57,6 +60,11 @@ class VerificationError(ToolpaceError):
     """Set-points that break a limit, a feed or a tolerance."""
 
     exit_code = 1
+
+
+def in_short(error: Exception) -> str:
+    """What an error says, as far as fits on a few lines: names in a file may be as long as one likes."""
+    return text if len(text := str(error)) <= LONGEST_FAULT else f"{text[:LONGEST_FAULT]}..."
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

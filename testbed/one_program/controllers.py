@@ -6,9 +6,10 @@ import numpy as np
 
 from testbed.one_program import frames
 from testbed.one_program.motion import TIP, Circle, Move
-from testbed.one_program.nodes import Frame, Holes, Plane, Program, Row
-from testbed.one_program.word_address import WordAddress, text
-from testbed.one_program.writer import AXES
+from testbed.one_program.nodes import Frame, Holes, Plane, Program, Row, Turn
+from testbed.one_program.word_address import WordAddress
+from testbed.one_program.words import text
+from testbed.one_program.written_out import AXES
 from toolpace.arrays import Floats
 
 
@@ -90,12 +91,7 @@ class LinuxCnc(WordAddress):
         self.word = 100
 
     def header(self) -> None:
-        self.block("G90 G21 G17 G94 G40")
-        tool, offset = self.program.first
-        self.block(f"T{tool} M6")
-        if offset:
-            self.block(offset)
-        self.block(f"G43 H{tool}")
+        self.opening()
 
     def footer(self) -> None:
         # a subprogram stands before its first call
@@ -212,8 +208,8 @@ class MillPlus(WordAddress):
     def end_tip(self) -> None:
         self.block("G40")
 
-    def turn(self, node: object) -> None:
-        super().turn(node)  # type: ignore[arg-type]
+    def turn(self, node: Turn) -> None:
+        super().turn(node)
         if self.mode == TIP:
             self.stands()
 

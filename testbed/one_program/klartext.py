@@ -7,7 +7,8 @@ import numpy as np
 from testbed.one_program import frames
 from testbed.one_program.motion import PLAIN, TIP, Circle, Move
 from testbed.one_program.nodes import Frame, Holes, Plane, Program, Row
-from testbed.one_program.writer import AXES, INCH, Writer
+from testbed.one_program.writer import INCH, Writer
+from testbed.one_program.written_out import AXES
 from toolpace.arrays import Floats
 
 
@@ -273,7 +274,10 @@ class Klartext(Writer):
         gap = 0.0 if node.peck else 1.25
         surface = top - gap
         second = 0.0 if node.to_top else level - surface
-        shown = lambda value: signed(self.length(value))  # noqa: E731
+
+        def shown(value: float) -> str:
+            return signed(self.length(value))
+
         common = {
             200: shown(gap), 201: shown(node.bottom - node.top + gap), 206: self.speed(node.speed),
             203: shown(surface), 204: shown(second), 211: f"{node.seconds:g}",

@@ -96,10 +96,6 @@ class Points(Writer):
             return
         self.goto(tip, axis)
 
-    def arc(self, node: object) -> None:
-        """Any plane will do."""
-        super().arc(node)  # type: ignore[arg-type]
-
     def say_arc(self, move: Move, circle: Circle, target: Floats, plane: int, left: bool) -> None:
         assert move.circle is not None
         told = move.circle.seen(self.on_part()) if move.slides else move.circle

@@ -7,8 +7,9 @@ import numpy as np
 from testbed.one_program import frames
 from testbed.one_program.motion import TIP, Circle, Move
 from testbed.one_program.nodes import Frame, Holes, Plane, Program, Row
-from testbed.one_program.word_address import WordAddress, text
-from testbed.one_program.writer import AXES
+from testbed.one_program.word_address import WordAddress
+from testbed.one_program.words import text
+from testbed.one_program.written_out import AXES
 from toolpace.arrays import Floats
 
 
@@ -227,7 +228,10 @@ class Sinumerik(WordAddress):
         places = [frames.on(seen, np.array([x, y, node.top])) for x, y in node.places]
         top = float(places[0][2])
         back = top if node.to_top else float(self.here()[2])
-        shown = lambda value: text(self.length(value))  # noqa: E731
+
+        def shown(value: float) -> str:
+            return text(self.length(value))
+
         gap = 0.0 if peck else 1.25
         levels = f"{shown(back)},{shown(top - gap)},{shown(gap)},{shown(top - depth)},"
         if node.kind == "drill":

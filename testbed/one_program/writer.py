@@ -7,13 +7,14 @@ the dialect has no word for a frame or the writer chose not to use it, the words
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
 from testbed.one_program import frames
+from testbed.one_program.dialect import Dialect
 from testbed.one_program.machine import Kinematics
-from testbed.one_program.motion import PLAIN, TILT, TIP, Circle, Move, World
+from testbed.one_program.motion import PLAIN, TILT, TIP, Move, World
 from testbed.one_program.nodes import (
     Arc,
     By,
@@ -34,86 +35,18 @@ from testbed.one_program.nodes import (
     Tool,
     Turn,
 )
+from testbed.one_program.written_out import NORMAL, circle_of, drilled, matrix_of
 from toolpace.arrays import Floats
 
 INCH = 25.4
-NORMAL = (2, 1, 0)
-AXES = ((0, 1), (2, 0), (1, 2))
-"""First and second axis of the planes XY, ZX, YZ."""
-SAME = 1e-10
 
 
 class CannotWriteError(Exception):
     """The dialect has no words for this motion."""
 
 
-def matrix_of(node: Frame) -> Floats:
-    """The frame (4, 4) of a node."""
-    if node.kind == "shift":
-        return frames.shift(node.value)
-    if node.kind == "turn":
-        return frames.about(int(node.value[0]), float(node.value[1]))
-    return frames.scaled(node.value)
-
-
-def circle_of(node: Arc, start: Floats) -> Circle:
-    """The curve of an arc from a place (3,), in the coordinates that the node is in."""
-    first, second = AXES[node.plane]
-    normal = NORMAL[node.plane]
-    centre = np.array(node.centre)
-    centre[normal] = start[normal]
-    u = start - centre
-    axis = np.eye(3)[normal] * (1.0 if node.left else -1.0)
-    w = np.cross(axis, u)
-    spoke = node.to - centre
-    spoke[normal] = 0.0
-    sweep = float(np.arctan2(spoke @ w, spoke @ u) % (2.0 * np.pi))
-    over = np.hypot(*(node.to - start)[[first, second]]) < SAME
-    sweep = 2.0 * np.pi * ((1.0 if over else sweep / (2.0 * np.pi)) + node.turns)
-    rise = np.zeros(3)
-    rise[normal] = node.to[normal] - start[normal]
-    return Circle(centre, u, w, sweep, rise)
-
-
-def drilled(node: Holes, level: float) -> Iterator[Line | Dwell | Stop]:
-    """The strokes of all holes, from a height."""
-    back = node.top if node.to_top else level
-    for x, y in node.places:
-        for z, speed in ((level, 0.0), (node.top, 0.0)):
-            yield Line(np.array([x, y, z]), speed)
-        for z, speed in strokes(node):
-            yield Line(np.array([x, y, z]), speed)
-        if node.seconds:
-            yield Dwell(node.seconds)
-        if node.kind == "tap":
-            yield Stop()
-        if node.kind in ("tap", "bore", "bore and dwell"):
-            yield Line(np.array([x, y, node.top]), node.speed)
-        yield Line(np.array([x, y, back]), 0.0)
-        level = back
-
-
-def strokes(node: Holes) -> Iterator[tuple[float, float]]:
-    """Heights, and speeds to them, from the top to the bottom."""
-    depth = node.peck
-    while node.peck and depth < node.top - node.bottom - 1e-9:
-        yield node.top - depth, node.speed
-        if node.kind == "peck":
-            yield node.top, 0.0
-        yield node.top - depth + node.clearance, 0.0
-        depth += node.peck
-    yield node.bottom, node.speed
-
-
-class Writer:
+class Writer(Dialect):
     """One writing of one program; subclasses know the words."""
-
-    name = ""
-    points_only = False
-    """Whether the dialect gives points and axes of the tool, and no joints."""
-
-    swivel_stops = False
-    """Whether the word that turns the joints to a plane ends at rest."""
 
     def __init__(self, program: Program) -> None:
         self.program = program
@@ -143,80 +76,6 @@ class Writer:
     def parameters(self) -> dict[str, object]:
         """What the builder of the machine has set: options of the controller's file."""
         return {}
-
-    # What subclasses say
-
-    def header(self) -> None:
-        """Up to the first place."""
-        raise NotImplementedError
-
-    def footer(self) -> None:
-        """The end."""
-        raise NotImplementedError
-
-    def say_move(self, move: Move, target: Floats, *, by: Floats | None = None, vector: bool = False) -> None:
-        """A straight motion to words (3,); `by`: as a distance, where the dialect likes."""
-        raise NotImplementedError
-
-    def say_arc(self, move: Move, circle: Circle, target: Floats, plane: int, left: bool) -> None:
-        """An arc in the control's coordinates."""
-        raise NotImplementedError
-
-    def say_dwell(self, seconds: float) -> None:
-        raise NotImplementedError
-
-    def say_stop(self) -> None:
-        raise NotImplementedError
-
-    def say_tool(self, number: str) -> None:
-        raise NotImplementedError
-
-    def say_offset(self, name: str) -> bool:
-        """Whether it could."""
-        return False
-
-    def say_home(self, to: dict[int, float]) -> bool:
-        return False
-
-    def say_holes(self, node: Holes) -> bool:
-        return False
-
-    def begin_frame(self, node: Frame, matrix: Floats) -> bool:
-        """Enter a frame; whether the control has a word for it here."""
-        return False
-
-    def end_frame(self, kind: str) -> None:
-        """Leave the innermost frame."""
-
-    def begin_tip(self) -> None:
-        """Words are the tip on the part from now on; sets `under` where that is not the work offset."""
-        raise NotImplementedError
-
-    def end_tip(self) -> None:
-        raise NotImplementedError
-
-    def begin_plane(self, node: Plane, matrix: Floats) -> bool:
-        """Enter a plane (4, 4), after the rotary joints were turned: the control's coordinates are in it."""
-        return False
-
-    def end_plane(self) -> None:
-        """Leave it; the joints stay."""
-
-    def say_plane_with_turn(self, node: Plane, matrix: Floats) -> bool:
-        """Enter a plane with the turn to it by one word; whether the dialect can here."""
-        return False
-
-    def say_repeat(self, times: int, text: list[str]) -> bool:
-        return False
-
-    def say_call(self, name: int, text: list[str]) -> bool:
-        return False
-
-    def say_row(self, node: Row) -> bool:
-        return False
-
-    def forget(self) -> None:
-        """Say every mode again from here on."""
 
     # The program
 

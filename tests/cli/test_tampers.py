@@ -13,9 +13,10 @@ import msgspec
 import numpy as np
 import pytest
 
+from tests.support.tampering import Tamper, column, fails, part_of, put, times
 from toolpace import demo, write
 from toolpace.cli import job, main
-from toolpace.files.seal import KEY, write_seal
+from toolpace.files.seal import KEY
 from toolpace.judge.figures import AS_SAID, IN_THE_VERDICT, RECOMPUTED
 
 COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block", "joints")
@@ -42,71 +43,6 @@ def again(plan, tmp_path):
     shutil.copytree(plan, folder)
     (folder / "setpoints.csv").unlink()
     return Tamper(folder)
-
-
-class Tamper:
-    def __init__(self, folder):
-        self.folder = folder
-
-    def figures(self, change):
-        path = self.folder / "plan.json"
-        said = json.loads(path.read_text())
-        change(said)
-        path.write_text(json.dumps(said))
-        self.seal()
-
-    def seal(self):
-        """Seal the folder anew: whoever changes figures can do that, so no other check may lean on it."""
-        path = self.folder / "plan.json"
-        said = json.loads(path.read_text())
-        said.pop(KEY, None)
-        path.write_text(json.dumps(said))
-        write_seal(self.folder, path.name)
-
-    def arrays(self, change):
-        path = self.folder / "setpoints.npz"
-        with np.load(path) as archive:
-            arrays = {name: archive[name].copy() for name in archive.files}
-        change(arrays)
-        np.savez(path, **arrays)
-        self.seal()
-
-    def verdict(self, capsys):
-        capsys.readouterr()
-        code = main(["verify", str(self.folder)])
-        said = capsys.readouterr()
-        return code, said.out + said.err
-
-
-def put(key, value):
-    """Change of a figure, by keys with dots between."""
-
-    def change(said):
-        *way, last = key.split("/")
-        for part in way:
-            said = said[int(part) if isinstance(said, list) else part]
-        said[last] = value(said[last]) if callable(value) else value
-
-    return change
-
-
-def column(name, value):
-    def change(arrays):
-        arrays[name] = value(arrays[name])
-
-    return change
-
-
-def part_of(array, value):
-    """The array with a stretch of it changed."""
-    changed = array.copy()
-    part = slice(len(array) // 4, len(array) // 2)
-    changed[part] = value(changed[part])
-    return changed
-
-
-def times(factor):
-    return lambda value: value * factor
 
 
 FIGURES = {
@@ -213,15 +149,6 @@ SET_POINTS = {
     "no tool": (lambda arrays: arrays.update(tip=np.zeros((0, 3)), axis=np.zeros((0, 3))), "tip|tool"),
 }
 """What is changed in setpoints.npz, and what the verdict names."""
-
-
-def fails(again, capsys, words):
-    code, said = again.verdict(capsys)
-    assert code in (1, 2)
-    failed = [line for line in said.splitlines() if "FAILED" in line or line.startswith("error: ")]
-    assert any(word in line for line in failed for word in words.split("|")), failed
-    if code == 2:
-        assert len(failed) == 1 and failed[0].startswith("error: ")
 
 
 def test_what_was_planned_is_verified(again, capsys):

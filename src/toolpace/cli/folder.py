@@ -69,7 +69,7 @@ def refuse_pipes(folder: Path) -> None:
 
     try:
         with os.scandir(folder) as entries:
-            strange = sorted(each.name for each in entries if os.path.exists(each) and not plain(each))  # noqa: PTH110
+            strange = sorted(each.name for each in entries if Path(each).exists() and not plain(each))
     except OSError as error:
         raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
     if strange:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from toolpace.errors import UsageError, did_you_mean
+from toolpace.errors import UsageError, did_you_mean, in_short
 from toolpace.files import reason
 from toolpace.files.toml import toml_text
 from toolpace.reading.coordinates.kinematics import Kinematics, Poses
@@ -54,7 +54,7 @@ def setup_of_text(text: str, source: str = "set-up sheet") -> SetUp:
     except RecursionError:
         raise UsageError(f"{source}: not a set-up sheet: tables or arrays lie too deep in each other") from None
     except ValueError as error:
-        raise UsageError(f"{source}: not a TOML file: {str(error)[:200]}") from None
+        raise UsageError(f"{source}: not a TOML file: {in_short(error)}") from None
     return setup_of_table(table, source)
 
 

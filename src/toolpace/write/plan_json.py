@@ -8,14 +8,11 @@ from pathlib import Path
 
 import msgspec
 
-from toolpace.description import shortened
-from toolpace.errors import UsageError
+from toolpace.errors import UsageError, in_short
 from toolpace.files import SEAL, reason, whole_file
 
 PLAN = "plan.json"
 """Its name in the folder of a plan."""
-LONGEST_FAULT = 300
-"""Characters of what is wrong with a file."""
 LARGEST = 1 << 26
 """Most bytes of it: those of a long program have some thousands."""
 
@@ -159,6 +156,4 @@ def read_plan(path: str | os.PathLike[str]) -> PlanRecord:
     except OSError as error:
         raise UsageError(f"{source}: cannot read: {reason(error)}") from None
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise UsageError(
-            f"{source}: not a plan: {shortened(str(error), LONGEST_FAULT)}; plan again, into a new folder"
-        ) from None
+        raise UsageError(f"{source}: not a plan: {in_short(error)}; plan again, into a new folder") from None

@@ -8,15 +8,12 @@ from typing import TypeVar
 
 import msgspec
 
-from toolpace.description import shortened
-from toolpace.errors import UsageError, did_you_mean
+from toolpace.errors import UsageError, did_you_mean, in_short
 from toolpace.files.toml import toml_text
 
 FOLDER = Path(__file__).parent / "builtin"
 LANGUAGES = ("word-address", "sinumerik", "heidenhain")
 Option = TypeVar("Option", bool, float, str)
-LONGEST_FAULT = 300
-"""Characters of what is wrong with a file: names in it may be as long as one likes."""
 LONGEST = 1 << 20
 """Most characters of a controller's file."""
 MOST = 10_000.0
@@ -92,8 +89,8 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             for sign in found.signs:
                 re.compile(sign.pattern)
         except (msgspec.DecodeError, re.error, ValueError, OverflowError, RecursionError) as error:
-            fault = shortened(str(error), LONGEST_FAULT)
-            raise UsageError(f"{source}: {fault}; see `toolpace controllers fanuc --toml` for an example") from None
+            cure = "see `toolpace controllers fanuc --toml` for an example"
+            raise UsageError(f"{source}: {in_short(error)}; {cure}") from None
         if found.like:
             found = _upon(found, source)
         if found.language not in LANGUAGES:
