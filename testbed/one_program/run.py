@@ -82,7 +82,7 @@ def read(writer: Writer, text: str) -> ToolPath:
         return ClReader(source, ReadOptions(), Findings()).run()
     by = controller(dialect, tuple(writer.parameters().items()))
     options = ReadOptions(setup=set_up(program, dialect))
-    return reader_of(source, machine(program.machine), by, options, Findings()).run()
+    return reader_of(source, machine(program.machine), by, options, Findings()).executed().toolpath()
 
 
 def tried(dialect: str, seed: int) -> Outcome:

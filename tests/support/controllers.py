@@ -17,7 +17,7 @@ def read_for(controller: str | Controller, body: str, machine=None, name: str = 
     if isinstance(controller, str):
         controller = Controller.load(controller)
     source = Source.from_text(body + "\n", name)
-    return WordAddressReader(source, machine, controller, ReadOptions(**options), Findings()).run()
+    return WordAddressReader(source, machine, controller, ReadOptions(**options), Findings()).executed().toolpath()
 
 
 def tips(controller: str | Controller, body: str, machine=None, **options) -> list[list[float]]:

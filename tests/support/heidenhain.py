@@ -25,13 +25,13 @@ def reader(text, machine=None, *, unit="MM", controller=CONTROLLER, name="test.h
 
 def read(text, machine=None, **options):
     """The tool path of the blocks of a program; without machine the tip is where the words are."""
-    return reader(text, machine, **options).run()
+    return reader(text, machine, **options).executed().toolpath()
 
 
 def findings(text, machine=None, **options):
     """What the reader came upon, with refusals passed over."""
     made = reader(text, machine, skip_unknown=True, **options)
-    made.run()
+    made.executed().toolpath()
     return made.findings
 
 

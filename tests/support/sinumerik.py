@@ -31,7 +31,11 @@ def read(text: str, on: str | None = None, *, start: str = START, name: str = "p
     controller = options.pop("controller", SINUMERIK)
     source = Source.from_text(f"{start}{text}\nM30\n", name)
     given = ReadOptions(controller=controller, setup=setup, **options)
-    return SinumerikReader(source, None if on is None else machine(on), controller, given, Findings()).run()
+    return (
+        SinumerikReader(source, None if on is None else machine(on), controller, given, Findings())
+        .executed()
+        .toolpath()
+    )
 
 
 def ends(text: str, on: str | None = None, **options) -> np.ndarray:

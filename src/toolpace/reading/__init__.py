@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+from toolpace.commanded import Commanded
+from toolpace.errors import UsageError
 from toolpace.reading.control.collector import at_rest
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
@@ -18,8 +20,8 @@ from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
 __all__ = [
-    "Controller", "Findings", "Kinematics", "ReadOptions", "SetUp", "Source", "apply_feed", "read", "read_source",
-    "read_text",
+    "Controller", "Findings", "Kinematics", "ReadOptions", "SetUp", "Source", "apply_feed", "read", "read_commanded",
+    "read_source", "read_text",
 ]  # fmt: skip
 
 
@@ -101,12 +103,37 @@ def read_source(
     return toolpath if change is None else change.apply(toolpath)
 
 
+def read_commanded(
+    source: Source,
+    machine: Kinematics | None = None,
+    dialect: str | None = None,
+    options: ReadOptions | None = None,
+    *,
+    findings: Findings | None = None,
+) -> Commanded:
+    """The moves that a program commands, as its control sees them; arguments as of `read_source`.
+
+    Raises UsageError for cutter-location data and tables, which are for no control.
+    """
+    options = options or ReadOptions()
+    options.check(machine)
+    found = recognised(source, dialect, options)
+    if found.controller is None:
+        raise UsageError(
+            f"{source.name} is {found.dialect}, and for no control: what a control makes of it begins with the "
+            "program that a post-processor writes from it"
+        )
+    with at_rest():
+        reader = reader_of(source, machine, found.controller, options, Findings() if findings is None else findings)
+        return reader.executed().commanded()
+
+
 def _run(
     found: Recognised, source: Source, machine: Kinematics | None, options: ReadOptions, findings: Findings
 ) -> ToolPath:
     if found.dialect == CONTROLS:
         assert found.controller is not None
-        return reader_of(source, machine, found.controller, options, findings).run()
+        return reader_of(source, machine, found.controller, options, findings).executed().toolpath()
     if found.dialect == "cldata":
         from toolpace.reading.cldata.reader import ClReader
 

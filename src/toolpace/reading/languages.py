@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from toolpace.errors import UsageError
+from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.dialect import CONTROLS, dialect_of
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
 
 READERS = {
     "word-address": ("toolpace.reading.gcode.reader", "WordAddressReader"),
@@ -27,8 +27,8 @@ READERS = {
 class Reader(Protocol):
     """One reading of one program."""
 
-    def run(self) -> ToolPath:
-        """Execute all of it. Raises ProgramError."""
+    def executed(self) -> Control:
+        """The control, with all of it executed. Raises ProgramError."""
 
 
 @dataclass(frozen=True)

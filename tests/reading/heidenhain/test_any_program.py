@@ -128,7 +128,7 @@ class Chance:
 def check(text, machine=MACHINE, **options):
     """Read; returns whether it reads."""
     try:
-        path = reader(text, machine, most_blocks=3000, **options).run()
+        path = reader(text, machine, most_blocks=3000, **options).executed().toolpath()
     except ToolpaceError as error:
         assert isinstance(error, ProgramError) and "\n" not in str(error) and str(error).startswith("test.h")
         return False
@@ -172,14 +172,14 @@ def test_odd_texts(text):
 def test_a_program_without_its_frame():
     for text in ("L X+0 Y+0 Z+0 FMAX\nL X+1 F100\n", "END PGM A MM\n", "\n\n;\n", "LBL 0\n"):
         try:
-            HeidenhainReader(Source.from_text(text), None, CONTROLLER, ReadOptions(), Findings()).run()
+            HeidenhainReader(Source.from_text(text), None, CONTROLLER, ReadOptions(), Findings()).executed().toolpath()
         except ProgramError as error:
             assert "\n" not in str(error)
 
 
 def timed(text):
     began = time.process_time()
-    made = reader(text, begin=START).run()
+    made = reader(text, begin=START).executed().toolpath()
     return time.process_time() - began, made
 
 

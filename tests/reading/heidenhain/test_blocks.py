@@ -26,7 +26,7 @@ def test_a_set_up_sheet_before_the_program_and_n_before_the_numbers():
         sheet + "BEGIN PGM 01 MM\nN1 TOOL CALL 1 Z S9\nN2 L X0 Y2 F100\nN3 L X1\nN4 END PGM 01 MM\n"
     )
     found = Findings()
-    path = HeidenhainReader(source, None, CONTROLLER, ReadOptions(CONTROLLER), found).run()
+    path = HeidenhainReader(source, None, CONTROLLER, ReadOptions(CONTROLLER), found).executed().toolpath()
     assert path.tip[-1, 0] == 0.001 and found.skipped["( before BEGIN PGM"] == 1
     with pytest.raises(ProgramError, match="no statement of Klartext"):
         read("( within the program\nL X+1 F100")
@@ -132,7 +132,7 @@ def test_a_word_twice_in_a_block():
 def test_a_program_that_is_cut_off():
     source = Source.from_text("BEGIN PGM A MM\nL X+0 Y+0 Z+0 FMAX\nL X+1 F1", "cut.h")
     with pytest.raises(ProgramError, match="looks cut off"):
-        HeidenhainReader(source, None, CONTROLLER, ReadOptions(), Findings()).run()
+        HeidenhainReader(source, None, CONTROLLER, ReadOptions(), Findings()).executed().toolpath()
 
 
 def test_every_sign_of_the_file_tells_a_line_of_klartext():
@@ -154,4 +154,4 @@ def test_operations_and_tools():
 
 def test_reader_counts_blocks():
     made = reader("L X+1 F100")
-    assert made.run().blocks == 5
+    assert made.executed().toolpath().blocks == 5

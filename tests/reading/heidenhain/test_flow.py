@@ -95,23 +95,23 @@ PART = "BEGIN PGM PART INCH\nL X+1 F100\nQ1 = Q1 + 1\nQL1 = 99\nEND PGM PART INC
 def test_a_program_beside_is_called(tmp_path, name):
     """CALL PGM: Q parameters are shared, QL are each program's own, and each has its own unit."""
     (tmp_path / "part.h").write_text(PART)
-    path = program(tmp_path, "main.h", MAIN.format(name)).run()
+    path = program(tmp_path, "main.h", MAIN.format(name)).executed().toolpath()
     assert path.tip[1:].round(9).tolist() == [[0.0254, 0, 0], [0.001, 0.006, 0]]
     assert path.block.tolist() == [2, 5, 6]
 
 
 def test_a_program_that_is_not_there_is_refused_with_its_cure(tmp_path):
     with pytest.raises(ProgramError, match=r"main\.h:5: CALL PGM PART is not read: put the file into the folder"):
-        program(tmp_path, "main.h", MAIN.format("PART")).run()
+        program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()
 
 
 def test_a_fault_in_a_called_program_names_its_file(tmp_path):
     (tmp_path / "part.h").write_text("BEGIN PGM PART MM\nL X+\nEND PGM PART MM\n")
     with pytest.raises(ProgramError, match=r"part\.h:2: X has no value"):
-        program(tmp_path, "main.h", MAIN.format("PART")).run()
+        program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()
 
 
 def test_programs_that_call_each_other_are_one_error(tmp_path):
     (tmp_path / "part.h").write_text("BEGIN PGM PART MM\nCALL PGM MAIN\nEND PGM PART MM\n")
     with pytest.raises(ProgramError, match="calls within each other"):
-        program(tmp_path, "main.h", MAIN.format("PART")).run()
+        program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()

@@ -71,7 +71,9 @@ PROGRAM = """\
 
 def test_a_posted_program():
     machine, findings = Machine.load("xyzbc-trunnion"), Findings()
-    path = HeidenhainReader(Source.from_text(PROGRAM), machine, CONTROLLER, ReadOptions(), findings).run()
+    path = (
+        HeidenhainReader(Source.from_text(PROGRAM), machine, CONTROLLER, ReadOptions(), findings).executed().toolpath()
+    )
     assert not findings.refusals
     assert findings.skipped == {"BLK": 2, "M9": 3, "TOOL DEF": 1, "CYCL DEF 32": 2, "M8": 1, "M13": 1}
     assert [operation.tool for operation in path.operations][-3:] == ["5", "BALL 6", "7"]

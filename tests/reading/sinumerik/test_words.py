@@ -120,7 +120,7 @@ def test_a_program_that_is_cut_off_is_told():
 
     def run(text: str):
         source = Source.from_text(text, "part.mpf")
-        return SinumerikReader(source, None, SINUMERIK, ReadOptions(), Findings()).run()
+        return SinumerikReader(source, None, SINUMERIK, ReadOptions(), Findings()).executed().toolpath()
 
     with pytest.raises(ProgramError, match="cut off"):
         run(START + "G1 X5")

@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
+from toolpace.commanded import Commanded
+from toolpace.reading.control.commanded_moves import commanded_of
 from toolpace.reading.control.feed import Feed, FeedRules
-from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, Rate
+from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, MoveTable, Rate
 from toolpace.reading.control.operations import Operations
 from toolpace.reading.control.unroll import Unroll
 from toolpace.reading.controllers.controller import Controller
@@ -310,7 +312,16 @@ class Control:
 
     def toolpath(self) -> ToolPath:
         """The points of all moves. Raises ProgramError."""
+        return Unroll(self.source, self.poses, self._table()).toolpath(self._facts())
+
+    def commanded(self) -> Commanded:
+        """The moves themselves, without points between. Raises ProgramError."""
+        return commanded_of(self._table(), self.poses, self.source, self._facts())
+
+    def _facts(self) -> ProgramFacts:
+        return ProgramFacts.of(self.findings, self.blocks, tuple(self.operations.all), controller=self.controller.name)
+
+    def _table(self) -> MoveTable:
         if not len(self.moves):
             refuse_still(self.source, 0)
-        facts = ProgramFacts.of(self.findings, self.blocks, tuple(self.operations.all), controller=self.controller.name)
-        return Unroll(self.source, self.poses, self.moves.table()).toolpath(facts)
+        return self.moves.table()

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Bools, Floats, Ints
+from toolpace.commanded import BLENDED
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.curves.beziers import Bezier
 
@@ -23,6 +24,16 @@ class Rate(NamedTuple):
     time: float = 0.0
 
 
+class Joining(NamedTuple):
+    """How motions meet, as the program asks for."""
+
+    mode: int = BLENDED
+    tolerance: float = math.inf
+    """Of blending [m]; inf where the program does not say."""
+    cam_tolerance: float = math.nan
+    """Within which straight motions may be taken as one [m]; nan where the program does not say."""
+
+
 class Moves:
     """Rows of motions, appended one by one; stops and dwells are noted at the last position."""
 
@@ -36,7 +47,13 @@ class Moves:
         self.arcs: dict[int, Arc] = {}
         self.curves: dict[int, Bezier] = {}
         self.stops: set[int] = set()
+        self.exact: set[int] = set()
+        """Rows at rest at their ends by the mode alone."""
+        self.switched: set[int] = set()
+        """Rows behind which the control switches something that the path does not need rest for."""
         self.dwells: dict[int, float] = {}
+        self.joinings: list[tuple[int, Joining]] = [(0, Joining())]
+        """How rows meet, from which on."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -62,6 +79,26 @@ class Moves:
         if self.rows:
             self.stops.add(len(self.rows) - 1)
 
+    def stop_by_mode(self) -> None:
+        """Come to rest at the last position, since every motion does in the mode in force."""
+        if self.rows:
+            self.exact.add(len(self.rows) - 1)
+
+    def switch(self) -> None:
+        """Note that something is switched at the last position: spindle, coolant, a table."""
+        if self.rows:
+            self.switched.add(len(self.rows) - 1)
+
+    @property
+    def joining(self) -> Joining:
+        """How motions meet that are added now."""
+        return self.joinings[-1][1]
+
+    def join(self, joining: Joining) -> None:
+        """Note how motions meet from now on."""
+        if joining != self.joining:
+            self.joinings.append((len(self.rows), joining))
+
     def dwell(self, seconds: float) -> None:
         """Come to rest at the last position and wait."""
         self.stop()
@@ -76,17 +113,31 @@ class Moves:
         first = self._start(array[:, width + 4], array[:, width + 6].astype(int)) if len(array) else 0
         array = array[first:]
         count = len(array)
-        stop, dwell = np.zeros(count, dtype=bool), np.zeros(count)
-        stop[[i - first for i in self.stops if i >= first]] = True
+        dwell = np.zeros(count)
         for index, seconds in self.dwells.items():
             if index >= first:
                 dwell[index - first] = seconds
         arcs = {i - first: arc for i, arc in self.arcs.items() if i > first}
         curves = {i - first: curve for i, curve in self.curves.items() if i > first}
-        return MoveTable(array[:, :width], array[:, width:], stop, dwell, arcs, curves)
+        stop, switched = (self._flags(rows, first, count) for rows in (self.stops, self.stops | self.switched))
+        at_rest = stop | self._flags(self.exact, first, count)
+        joining = self._joining(first, count)
+        return MoveTable(array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining)
 
     @staticmethod
-    def _start(kind: Floats, named: np.ndarray[tuple[int], np.dtype[np.int64]]) -> int:
+    def _flags(rows: set[int], first: int, count: int) -> Bools:
+        flags = np.zeros(count, dtype=np.bool_)
+        flags[[row - first for row in rows if row >= first]] = True
+        return flags
+
+    def _joining(self, first: int, count: int) -> Floats:
+        """(count, 3) Joining of each row."""
+        begin = np.maximum([row - first for row, _ in self.joinings], 0)
+        rows = np.diff(np.minimum(np.append(begin, count), count))
+        return np.repeat(np.array([each for _, each in self.joinings]), rows, axis=0)
+
+    @staticmethod
+    def _start(kind: Floats, named: Ints) -> int:
         """Row at whose end the path starts.
 
         Where the machine stands before the program is unknown, so the path starts where the program first has
@@ -109,7 +160,11 @@ class MoveTable(NamedTuple):
     """(n, 3 + rotary) [m, rad] at the end of each row, in the coordinates of its mode."""
     columns: Floats
     """(n, 9): speed [m/s], turn [rad/s], time [s], line, kind, tip mode, named, operation, longer [m]."""
-    stop: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    stop: Bools
     dwell: Floats
     arcs: dict[int, Arc]
     curves: dict[int, Bezier]
+    switched: Bools
+    """(n,) whether a control comes to rest whatever the mode: stops, and where something is switched."""
+    joining: Floats
+    """(n, 3) Joining of each row."""

@@ -99,6 +99,7 @@ class Executor:
             if self.rs274 and numbers["S"] < 0.0:
                 raise WordError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
             control.feed.spindle = numbers["S"] / 60.0
+            control.moves.switch()
         if "T" in numbers:
             if self.rs274 and not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):
                 raise WordError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
@@ -108,12 +109,16 @@ class Executor:
             handlers[action.meaning](numbers, action.word)
         for word in block.ignored:
             control.findings.ignored(word)
+            if word.startswith("M"):
+                control.moves.switch()
         if numbers or (state.cycle_word and self.rs274):
             if block.ignored:
                 self._idle(numbers)
             self._rest(numbers, number, bool(block.ignored or actions))
-        if state.stop_here or state.exact_stop:
+        if state.stop_here:
             control.stop()
+        elif state.exact_stop:
+            control.moves.stop_by_mode()
         if self.after is not None:
             self.after()
 

@@ -23,7 +23,6 @@ from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.reading.gcode.system import System
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
 from toolpace.units import INCH, MILLIMETRE
 
 MOST_KEPT = 5000
@@ -34,7 +33,7 @@ _CODE = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[GXYZ][ \t
 
 
 class WordAddressReader:
-    """One reading of one program; `run` does it."""
+    """One reading of one program; `executed` does it."""
 
     def __init__(
         self,
@@ -81,8 +80,8 @@ class WordAddressReader:
         self.blocks: dict[str, Block] = {}
         self.tape_line, self.tape_closed = 0, False
 
-    def run(self) -> ToolPath:
-        """Interpret every block, then lay the points. Raises ProgramError."""
+    def executed(self) -> Control:
+        """The control, with every block executed. Raises ProgramError."""
         flow, state = self.flow, self.state
         flow.frame.next = self._first_line()
         while not (state.ended or flow.ended or self.tape_closed):
@@ -108,7 +107,7 @@ class WordAddressReader:
                 "controller's file takes the others)"
             )
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
-        return self.control.toolpath()
+        return self.control
 
     def _first_line(self) -> int:
         """Index of the line with which the program begins: text before the first % is none of it."""

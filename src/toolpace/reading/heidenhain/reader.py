@@ -15,13 +15,12 @@ from toolpace.reading.heidenhain.state import State
 from toolpace.reading.heidenhain.statements import Statements
 from toolpace.reading.options import PROGRAM, ReadOptions
 from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
 
 UNSET = "it has no value here: set it in the program, or as a variable on the set-up sheet"
 
 
 class HeidenhainReader:
-    """One reading of one program; `run` does it."""
+    """One reading of one program; `executed` does it."""
 
     def __init__(
         self,
@@ -44,8 +43,8 @@ class HeidenhainReader:
         follow = options.compensation == PROGRAM
         self.statements = Statements(self.control, self.state, parameters, self.flow, controller, follow)
 
-    def run(self) -> ToolPath:
-        """Execute every block, then lay the points. Raises ProgramError."""
+    def executed(self) -> Control:
+        """The control, with every block executed. Raises ProgramError."""
         self._first_preset()
         flow, state = self.flow, self.state
         while not state.ended:
@@ -60,7 +59,7 @@ class HeidenhainReader:
                 break
         self.statements.approaches.refuse()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
-        return self.control.toolpath()
+        return self.control
 
     def _execute(self, program: Program, at: int) -> None:
         block = program.blocks[at]

@@ -15,14 +15,13 @@ from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.flow.routines import Library
 from toolpace.reading.sinumerik.run import Run
 from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
 
 _CHANGES = re.compile(r"(?:^|[^A-Z_$])(?:M0*6(?![0-9])|L0*6(?![0-9]))", re.IGNORECASE)
 """A word that changes the tool, in a block without comment."""
 
 
 class SinumerikReader:
-    """One reading of one program; `run` does it."""
+    """One reading of one program; `executed` does it."""
 
     def __init__(
         self,
@@ -37,8 +36,8 @@ class SinumerikReader:
         self.control = Control(source, machine, controller, options, findings, rules)
         self.parts = Run(self.control, controller, options)
 
-    def run(self) -> ToolPath:
-        """Execute the program, then lay the points. Raises ProgramError."""
+    def executed(self) -> Control:
+        """The control, with the whole program executed. Raises ProgramError."""
         run = self.parts
         executor = Executor(run)
         if not any(_CHANGES.search(line.split(";", 1)[0]) for line in self.source.lines):
@@ -54,4 +53,4 @@ class SinumerikReader:
         if not run.state.stop_told and len(self.control.moves):
             self.findings.assumed("the program says neither G60 nor G64: blocks are taken to meet without a stop (G64)")
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
-        return self.control.toolpath()
+        return self.control

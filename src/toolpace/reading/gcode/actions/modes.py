@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
+from toolpace.commanded import BLENDED, EXACT_PATH, EXACT_STOP
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.holes import KINDS, Holes
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
@@ -37,7 +41,7 @@ class Modes:
             "incremental": self._set("absolute", False),
             "arc centre absolute": self._set("arc_absolute", True),
             "arc centre incremental": self._set("arc_absolute", False),
-            "exact stop mode": self._set("exact_stop", True),
+            "exact stop mode": self._exact,
             "continuous path": self._continuous,
             "to initial level": self._set("to_initial", True),
             "to R level": self._set("to_initial", False),
@@ -86,13 +90,24 @@ class Modes:
         if not self.cycles_apart:
             self.state.motion = None
 
+    def _exact(self, numbers: Numbers, word: str) -> None:
+        self.state.exact_stop = True
+        self.control.moves.join(Joining(EXACT_STOP if word == "G61.1" else EXACT_PATH))
+
     def _continuous(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = False
-        given = "P" in numbers or "Q" in numbers
-        numbers.pop("Q", None)
+        unit = self.state.unit
+        tolerance, cam_tolerance = numbers.get("P"), numbers.pop("Q", None)
         if not self.state.arc_here:  # an arc takes the same P for its turns
             numbers.pop("P", None)
-        if given:
+        self.control.moves.join(
+            Joining(
+                BLENDED,
+                math.inf if tolerance is None else tolerance * unit,
+                math.nan if cam_tolerance is None else cam_tolerance * unit,
+            )
+        )
+        if tolerance is not None or cam_tolerance is not None:
             # the tolerance of the path is given to the fit, not by the program
             self.control.findings.ignored(f"{word} P")
 

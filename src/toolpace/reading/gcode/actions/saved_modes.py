@@ -38,12 +38,14 @@ class SavedModes:
         rates = feed.mode, feed.value, feed.turn, feed.unit, feed.spindle
         tool = coordinates.compensated, coordinates.length_of, coordinates.told
         offset = self.offsets.offset
+        joining = control.moves.joining
 
         def restore() -> None:
             for name, value in modes.items():
                 setattr(self.state, name, value)
             feed.mode, feed.value, feed.turn, feed.unit, feed.spindle = rates
             coordinates.compensated, coordinates.length_of, coordinates.told = tool
+            control.moves.join(joining)
             if offset != self.offsets.offset:
                 self.offsets.take(offset)
             else:
