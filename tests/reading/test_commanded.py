@@ -62,8 +62,8 @@ def test_the_control_waits_where_it_switches_something() -> None:
     assert moves.stop[1:-1].tolist() == [True, True, True, True, True]
     assert moves.dwell[3] == pytest.approx(0.5)
     assert [moves.operations[k].tool for k in moves.operation] == ["", "", "", "", "", "", "2"]
-    path = read_source(Source.from_text(f"{HEAD}G1 X1 F600\nM8\nG1 X2\nM2\n", "part.ngc"), MACHINE)
-    assert path.stop.tolist() == [True, False, True]  # the motion itself needs no rest for coolant
+    path = read_source(Source.from_text(f"{HEAD}G1 X1 F600\nS900\nG1 X2\nM2\n", "part.ngc"), MACHINE)
+    assert path.stop.tolist() == [True, False, True]  # the motion itself needs no rest for a speed of the spindle
 
 
 def test_splines_are_straight_pieces_and_share_the_time_of_their_block() -> None:
