@@ -1,0 +1,1 @@
+"""What controls make of programs: how fast they go from block to block."""

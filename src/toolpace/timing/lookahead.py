@@ -1,0 +1,69 @@
+"""The model `lookahead`: a control that keeps the limits of its axes, rounds corners and looks some blocks ahead."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats
+from toolpace.commanded import BLENDED, Commanded
+from toolpace.timing.axis_limits import limits_of, off_the_path
+from toolpace.timing.axis_ways import AxisWays, axis_ways
+from toolpace.timing.figures import ControlFigures
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+
+
+def lookahead_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
+    """Time of each move (n,) [s], dwells left out.
+
+    Corners as `kernels.controls.lookahead.corner_speeds` says; constant acceleration between them, which no jerk
+    limits but at stops: each takes the time longer in which jerk builds the acceleration up.
+    """
+    from toolpace.kernels.controls import lookahead
+
+    limits = limits_of(machine, figures)
+    ways = axis_ways(moves, machine, joints=figures.limits == "joints")
+    cruise = cruise_speeds(moves, ways, limits.velocity, limits.acceleration, figures.block_time)
+    stop, along = rests(moves), np.minimum(ways.along(limits.acceleration), 1e12)
+    begin, end = lookahead.corner_speeds(
+        cruise, ways.length, ways.first, ways.last, stop, room_of(moves, figures), limits.acceleration, limits.jerk,
+        off_the_path(machine, figures),
+    )  # fmt: skip
+    lookahead.ramps(cruise, ways.length, along, begin, end, figures.look_ahead)
+    times = lookahead.times_of(cruise, ways.length, along, begin, end)
+    build_up = np.minimum(along / ways.along(limits.jerk), 1.0)
+    at_rest = np.flatnonzero(stop)[1:]
+    # half where the motion begins, half where it ends
+    times[at_rest] += 0.5 * build_up[at_rest]
+    times[at_rest[:-1] + 1] += 0.5 * build_up[at_rest[:-1] + 1]
+    times[1] += 0.5 * build_up[1]
+    return times
+
+
+def cruise_speeds(
+    moves: Commanded, ways: AxisWays, velocity: Floats, acceleration: Floats, block_time: float
+) -> Floats:
+    """Most speed (n,) of each move by its feed, the limits of the axes and the time that a block takes to read."""
+    turns = moves.length <= 0.0
+    speed = np.where(turns, moves.turn, moves.speed)
+    least = np.maximum(moves.time, np.where(moves.rapid, 0.0, block_time))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        timed = np.where(least > 0.0, ways.length / least, np.inf)
+    return np.minimum(np.minimum(speed, timed), np.minimum(ways.caps(velocity, acceleration), 1e6))
+
+
+def rests(moves: Commanded) -> Bools:
+    """(n,) whether the control rests at the end of each move."""
+    stop = moves.stop | (moves.joining != BLENDED) | (moves.dwell > 0.0)
+    # a rapid is positioned before what follows it
+    stop[:-1] |= moves.rapid[:-1] != moves.rapid[1:]
+    stop[[0, -1]] = True
+    return np.asarray(stop)
+
+
+def room_of(moves: Commanded, figures: ControlFigures) -> Floats:
+    """(n,) tolerance of the corner at the end of each move [m]."""
+    return np.where(np.isfinite(moves.tolerance) & (moves.tolerance > 0.0), moves.tolerance, figures.room)

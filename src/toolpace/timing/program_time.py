@@ -1,0 +1,95 @@
+"""How long a program takes on a control: in all, and by operation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats
+from toolpace.commanded import Commanded
+from toolpace.timing.figures import ControlFigures
+from toolpace.timing.filtered import filtered_times
+from toolpace.timing.lookahead import lookahead_times, rests
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+
+Model = Callable[[Commanded, "Machine", ControlFigures], Floats]
+"""Time of each move (n,) [s], dwells left out."""
+MODELS: dict[str, Model] = {"lookahead": lookahead_times, "fir": filtered_times}
+
+
+@dataclass(frozen=True)
+class PartTime:
+    """The time of a part of a program."""
+
+    name: str
+    tool: str
+    cutting: float
+    """[s]"""
+    rapid: float
+    dwell: float
+    tool_change: float
+    stops: int
+
+    @property
+    def time(self) -> float:
+        """All of it [s]."""
+        return self.cutting + self.rapid + self.dwell + self.tool_change
+
+
+@dataclass(frozen=True)
+class ProgramTime:
+    """How long a program takes on a control."""
+
+    parts: tuple[PartTime, ...]
+    """By operation, in the order of the program."""
+    times: Floats
+    """(n,) of each move, with its dwell [s]."""
+
+    @property
+    def total(self) -> float:
+        """[s]"""
+        return sum(part.time for part in self.parts)
+
+    def sum(self, kind: str) -> float:
+        """Sum of a kind over the parts [s]: cutting, rapid, dwell, tool_change."""
+        return float(sum(getattr(part, kind) for part in self.parts))
+
+
+def program_time(moves: Commanded, machine: Machine, figures: ControlFigures, tool_change: float = 0.0) -> ProgramTime:
+    """The time of a program whose control changes a tool in `tool_change` [s]."""
+    times = MODELS[figures.model](moves, machine, figures)
+    return ProgramTime(tuple(parts_of(moves, times, tool_change)), times + moves.dwell)
+
+
+def parts_of(moves: Commanded, times: Floats, tool_change: float) -> list[PartTime]:
+    """The parts of a program, from the time of each move (n,) [s], dwells left out."""
+    count = len(moves.operations)
+    of, stop = moves.operation, rests(moves)
+
+    def total(figures: Floats, rows: Bools) -> list[float]:
+        return list(np.bincount(of[rows], figures[rows], count))
+
+    everywhere = np.ones(len(moves), dtype=bool)
+    cutting, rapid = total(times, ~moves.rapid), total(times, moves.rapid)
+    dwell, stops = total(moves.dwell, everywhere), np.bincount(of[1:-1], stop[1:-1], count)
+    used = np.bincount(of, minlength=count)
+    changed = changes(moves)
+    return [
+        PartTime(each.name, each.tool, cutting[k], rapid[k], dwell[k], tool_change * changed[k], round(stops[k]))
+        for k, each in enumerate(moves.operations)
+        if used[k]
+    ]
+
+
+def changes(moves: Commanded) -> list[int]:
+    """How many tool changes begin each operation: one where its tool is another than that of the one before."""
+    found, before = [], ""
+    for each in moves.operations:
+        found.append(int(each.tool not in ("", before)))
+        before = each.tool or before
+    return found
