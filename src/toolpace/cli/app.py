@@ -23,6 +23,7 @@ Examples:
     toolpace demo                     see it work, on a part of its own
     toolpace machines                 the built-in machines and their limits
     toolpace plan part.ngc -m xyzac-trunnion        plan, and write a report
+    toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and needs to
     toolpace verify part-plan         judge a plan again, from its files alone
 
 Exit codes: 0 all is well; 1 a verification failed; 2 something in the input is
@@ -151,6 +152,51 @@ def inspect_command(
     from toolpace.cli import inspecting
 
     return inspecting.run_inspect(programs, machine, dialect, feed, json, write_setup, reading)
+
+
+@app.command(name="time", help_epilogue="")
+def time_command(
+    programs: options.Programs,
+    /,
+    *,
+    machine: options.MachineName = None,
+    model: options.ControlModel = None,
+    no_optimum: options.NoOptimum = False,
+    feed: options.Feed = None,
+    tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
+    axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
+    tool_length: options.ToolLength = None,
+    dialect: options.Dialect = None,
+    json: options.Json = False,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Tell how long programs take on a control, by operation, and how long the fastest motion would.
+
+    The control is found from the program, or named by --controller; its file
+    describes how it goes through blocks by a few figures (table [time]). Tool
+    changes take what the set-up sheet says ([times] tool_change, in seconds).
+
+    For example:
+
+        toolpace time part.ngc -m xyzac-trunnion --controller linuxcnc
+        toolpace time *.nc -m my-mill.toml --controller my-control.toml --setup setup.toml
+        toolpace time part.mpf -m xyzbc-head --model fir --no-optimum --json
+    """
+    from toolpace.cli import arguments
+    from toolpace.cli.timing import run
+
+    tolerances = arguments.tolerances(tip_tolerance, axis_tolerance)
+    on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
+    asked = run.Asked(
+        machine=on,
+        options=how,
+        model=arguments.control_model(model),
+        feed=arguments.feed_asked(feed),
+        dialect=dialect,
+        tolerances=tolerances,
+        optimum=not no_optimum,
+    )
+    return run.run_time(programs, asked, json)
 
 
 @app.command(name="controllers", help_epilogue="")

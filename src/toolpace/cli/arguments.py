@@ -104,6 +104,16 @@ def feed_asked(feed: str | None) -> str | None:
     return feed
 
 
+def control_model(name: str | None) -> str | None:
+    """The name of a model of a control, or None. Raises UsageError."""
+    from toolpace.errors import did_you_mean
+    from toolpace.timing.figures import MODELS
+
+    if name is None or name in MODELS:
+        return name
+    raise UsageError(f"--model '{name[:40]}' is not known; {did_you_mean(name, MODELS)}")
+
+
 def folder_for_results(out: str) -> Path:
     """The folder for the results, found fit for them before work that may take minutes."""
     try:

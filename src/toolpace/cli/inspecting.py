@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from toolpace.cli.following import follow_as_planned
+from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
 from toolpace.description import counted
 from toolpace.errors import ToolpaceError, UsageError, printable
@@ -140,8 +140,7 @@ def show(console: Console, found: Sequence[Inspection]) -> None:
     for heading in ("program", "dialect", "blocks", "five-axis", "refused", "assumed", "runs on"):
         numbers = heading in ("blocks", "five-axis", "refused", "assumed")
         table.add_column(heading, justify="right" if numbers else "left", overflow="fold")
-    folder = os.path.commonpath([Path(each.program).parent for each in found]) if _relative(found) else ""
-    names = [os.path.relpath(each.program, folder) if folder else each.program for each in found]
+    names = short_names([each.program for each in found])
     table.columns[0].no_wrap = max(map(len, names)) <= LONGEST_NAME
     for name, each in zip(names, found):
         cells = (
@@ -155,11 +154,6 @@ def show(console: Console, found: Sequence[Inspection]) -> None:
             console.print(Text(printable(f"{name}: {refusal}")), soft_wrap=True)
         if each.tip is not None and each.not_on and not each.machines:
             console.print(Text(printable(f"{name}: {NO_MACHINE}")), soft_wrap=True)
-
-
-def _relative(found: Sequence[Inspection]) -> bool:
-    """Whether all names are of one kind, so that they can be told from where they all lie."""
-    return len({Path(each.program).is_absolute() for each in found}) == 1
 
 
 def _machines_in_words(found: Inspection) -> str:

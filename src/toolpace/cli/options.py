@@ -143,3 +143,11 @@ WriteSetup = Annotated[
 ]
 OneController = Annotated[str | None, Parameter(help="One controller; all built-in ones without.")]
 ControllerToml = Annotated[bool, Switch, Parameter(name="--toml", help="Print the controller's file.")]
+ControlModel = Annotated[
+    str | None,
+    Parameter(
+        help="How the control is thought to work, in place of what its file says: linuxcnc, lookahead, fir, or ideal,"
+        " the optimum itself."
+    ),
+]
+NoOptimum = Annotated[bool, Switch, Parameter(help="Leave the optimum out: programs are not planned.")]

@@ -21,12 +21,14 @@ from toolpace.reading.coordinates.setup import Position, SetUp, Tool, tool_name
 LENGTHS = {"mm": 1e-3, "m": 1.0, "in": 0.0254}
 ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}
 LETTERS = "XYZABCUVW"
-TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables")
+TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times")
 LONGEST = 1_000_000
 """Most characters of a set-up sheet."""
 FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
 """Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
 MOST_REFERENCES = 4
+LONGEST_CHANGE = 3600.0
+"""Of a tool [s]."""
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 _P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
@@ -74,6 +76,7 @@ def setup_text(setup: SetUp) -> str:
         "part": {name: list(vector) for name, vector in setup.part.items()},
         "start": dict(setup.start),
         "variables": dict(setup.variables),
+        "times": {"tool_change": setup.tool_change} if setup.tool_change else {},
     }
     given = {name: table for name, table in tables.items() if table}
     return toml_text({"units": {"length": "m", "angle": "rad"}, **given})
@@ -135,6 +138,7 @@ class _Sheet:
                 name: self.number("[variables]", name, value) for name, value in self.table("variables").items()
             },
             part=self.part(),
+            tool_change=self.tool_change(),
         )
 
     def known(self, place: str, table: Mapping[str, object], names: tuple[str, ...]) -> None:
@@ -214,6 +218,14 @@ class _Sheet:
                 if not math.hypot(x, y, z) > 0.0:
                     self.fail("[part]", f"{key} has no length; write the direction of the part's {key} at the bed")
             found[key] = (x, y, z)
+        return found
+
+    def tool_change(self) -> float:
+        times = self.table("times")
+        self.known("[times]", times, ("tool_change",))
+        found = self.number("[times]", "tool_change", times.get("tool_change", 0.0), "seconds")
+        if not 0.0 <= found <= LONGEST_CHANGE:
+            self.fail("[times]", f"tool_change = {found:g} is not between 0 and {LONGEST_CHANGE:g} s: correct it")
         return found
 
     def quantity(

@@ -40,7 +40,7 @@ def filtered_times(moves: Commanded, machine: Machine, figures: ControlFigures) 
         cruise, ways.length, ways.first, ways.last, stop, room_of(moves, figures), limits.acceleration, limits.jerk,
         off_the_path(machine, figures), ramp, smoothing,
     )  # fmt: skip
-    times = filtered.pulse_times(cruise, ways.length, stop, speeds, ramp + smoothing)
+    times = filtered.pulse_times(cruise, ways.length, speeds, ramp + smoothing)
     return np.where(moves.rapid, lookahead_times(moves, machine, figures), times)
 
 
@@ -51,7 +51,9 @@ def filter_lengths(moves: Commanded, machine: Machine, limits: Limits, figures: 
     at its most acceleration, the second lets that build up at its most jerk.
     """
     linear = linear_columns(machine)
-    cutting = moves.speed[np.isfinite(moves.speed) & ~moves.rapid]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = np.where(moves.time > 0.0, moves.length / moves.time, moves.speed)
+    cutting = speed[np.isfinite(speed) & ~moves.rapid & (moves.length > 0.0)]
     feed = min(float(cutting.max(initial=0.0)), float(limits.velocity[linear].max()))
     slowest = float(limits.acceleration[linear].min())
     ramp = figures.ramp_time or (feed / slowest if np.isfinite(feed) else 0.0)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -16,6 +16,24 @@ from toolpace.timing.lookahead import lookahead_times, rests
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
+
+
+class OperationTime(Protocol):
+    """What the parts of a planned motion tell [s]."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def tool(self) -> str: ...
+    @property
+    def cutting(self) -> float: ...
+    @property
+    def rapid(self) -> float: ...
+    @property
+    def dwell(self) -> float: ...
+    @property
+    def stops(self) -> int: ...
+
 
 Model = Callable[[Commanded, "Machine", ControlFigures], Floats]
 """Time of each move (n,) [s], dwells left out."""
@@ -48,7 +66,7 @@ class ProgramTime:
     parts: tuple[PartTime, ...]
     """By operation, in the order of the program."""
     times: Floats
-    """(n,) of each move, with its dwell [s]."""
+    """(n,) of each move, with its dwell [s]; empty where moves are not told apart."""
 
     @property
     def total(self) -> float:
@@ -64,6 +82,19 @@ def program_time(moves: Commanded, machine: Machine, figures: ControlFigures, to
     """The time of a program whose control changes a tool in `tool_change` [s]."""
     times = MODELS[figures.model](moves, machine, figures)
     return ProgramTime(tuple(parts_of(moves, times, tool_change)), times + moves.dwell)
+
+
+def of_operations(best: Sequence[OperationTime], moves: Commanded, tool_change: float) -> ProgramTime:
+    """The time of a motion whose operations are known, as that of a control."""
+    changed = {(each.name, each.tool): count for each, count in zip(moves.operations, changes(moves))}
+    parts = [
+        PartTime(
+            each.name, each.tool, each.cutting, each.rapid, each.dwell,
+            tool_change * changed.get((each.name, each.tool), 0), each.stops,
+        )
+        for each in best
+    ]  # fmt: skip
+    return ProgramTime(tuple(parts), np.zeros(0))
 
 
 def parts_of(moves: Commanded, times: Floats, tool_change: float) -> list[PartTime]:

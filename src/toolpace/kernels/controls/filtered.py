@@ -28,14 +28,15 @@ def blended_speeds(
 ) -> Floats:
     """Most speed (n,) of the pulses about the corner at the end of each move.
 
-    The filters see the velocity of a window as long as they are: a change D of it across the window leaves the path
-    by |D| (ramp / 8 + smoothing^2 / (24 ramp)), its acceleration is D_j / ramp and its jerk D_j / (ramp smoothing).
-    The speed is found by halving, since the window grows with it. Arguments as of `lookahead.corner_speeds`;
-    ramp >= smoothing: lengths of the moving averages [s].
+    The filters see a window as long as they are: a change D of the mean velocity from its first to its second half
+    leaves the path by |D| (ramp / 8 + smoothing^2 / (24 ramp)), its acceleration is D_j / ramp and its jerk
+    D_j / (ramp smoothing). The speed is found by halving, since the window grows with it. Arguments as of
+    `lookahead.corner_speeds`; ramp >= smoothing: lengths of the moving averages [s].
     """
-    n, axes = first.shape
+    n = len(cruise)
     deviation = ramp / 8.0 + smoothing * smoothing / (24.0 * ramp)
     speeds = np.zeros(n)
+    mean = np.empty((2, first.shape[1]))
     for i in range(1, n - 1):
         if stop[i]:
             continue
@@ -44,18 +45,10 @@ def blended_speeds(
         for halving in range(HALVINGS):
             share = 1.0 if halving == 0 else 0.5 * (low + high)
             v = share * top
-            reach = 0.5 * v * ramp
-            before, left = i, reach
-            while before > 1 and left > length[before] and not stop[before - 1]:
-                left -= length[before]
-                before -= 1
-            after, left = i + 1, reach
-            while after < n - 1 and left > length[after] and not stop[after]:
-                left -= length[after]
-                after += 1
+            _mean_rates(length, first, last, stop, i, 0.5 * v * ramp, mean)
             off, held = 0.0, True
-            for k in range(axes):
-                change = v * abs(first[after, k] - last[before, k])
+            for k in range(first.shape[1]):
+                change = v * abs(mean[1, k] - mean[0, k])
                 off += (change * way[k]) ** 2
                 if change > acceleration[k] * ramp or change > jerk[k] * ramp * smoothing:
                     held = False
@@ -70,37 +63,46 @@ def blended_speeds(
 
 
 @jit()
-def pulse_times(cruise: Floats, length: Floats, stop: Bools, speeds: Floats, window: float) -> Floats:
+def _mean_rates(
+    length: Floats, first: Floats, last: Floats, stop: Bools, corner: int, reach: float, mean: Floats
+) -> None:
+    """Mean rates of the axes over a way before and a way behind the end of move `corner`, into mean (2, axes)."""
+    mean[0], mean[1] = last[corner], first[corner + 1]
+    for side in range(2):
+        step, k = (-1, corner) if side == 0 else (1, corner + 1)
+        left, passed = reach, 0.0
+        while left > 0.0 and 0 < k < len(length):
+            part = min(left, length[k])
+            if part > 0.0:
+                for axis in range(first.shape[1]):
+                    rate = 0.5 * (first[k, axis] + last[k, axis])
+                    mean[side, axis] = (mean[side, axis] * passed + rate * part) / (passed + part)
+                passed += part
+            left -= part
+            if (side == 0 and stop[k - 1]) or (side == 1 and stop[k]):
+                break
+            k += step
+
+
+@jit()
+def pulse_times(cruise: Floats, length: Floats, speeds: Floats, window: float) -> Floats:
     """Time of each move (n,) [s]: its pulse, lowered to the speed of a corner while the corner is in the filters.
 
-    window: length of all filters [s], which a stop costs, too.
+    speeds: (n,) of the corner at the end of each move; 0 at rest. window: length of all filters [s], half of which a
+    move waits at either end for rest.
     """
     n = len(cruise)
     times = np.zeros(n)
-    # by place along all moves: where a corner's speed holds, from its place less to its place and half a window's way
     for i in range(1, n):
-        times[i] = length[i] / cruise[i] if length[i] > 0.0 and cruise[i] < np.inf else 0.0
-        if stop[i] or i == n - 1:
-            times[i] += window
-    slowest = cruise.copy()
-    share = np.zeros(n)
-    for i in range(1, n - 1):
-        if stop[i] or not speeds[i] < max(cruise[i], cruise[i + 1]):
+        if length[i] <= 0.0:
             continue
-        for step in (-1, 1):
-            left = 0.5 * speeds[i] * window
-            k = i if step < 0 else i + 1
-            while 0 < k < n and left > 0.0:
-                part = min(left, length[k])
-                if length[k] > 0.0 and speeds[i] < cruise[k] and speeds[i] > 0.0:
-                    if speeds[i] < slowest[k]:
-                        slowest[k] = speeds[i]
-                    share[k] = min(share[k] + part, length[k])
-                left -= length[k]
-                k += step
-                if k < 1 or k >= n or (step < 0 and stop[k]) or (step > 0 and stop[k - 1]):
-                    break
-    for i in range(1, n):
-        if share[i] > 0.0:
-            times[i] += share[i] * (1.0 / slowest[i] - 1.0 / cruise[i])
+        left = length[i]
+        for v in (speeds[i - 1], speeds[i]):
+            if v <= 0.0:
+                times[i] += 0.5 * window
+            elif v < cruise[i]:
+                part = min(0.5 * length[i], 0.5 * v * window)
+                times[i] += part / v
+                left -= part
+        times[i] += left / cruise[i]
     return times

@@ -25,9 +25,10 @@ def corner_speeds(
     """Most speed at the start and at the end of each move (n,), by the corners alone.
 
     A corner is a change of the axes' velocity, by D_j at full speed. At a share f of it the change takes the time
-    t = max_j max(f D_j / a_j, 2 (f D_j / j_j)^(1/2)); meanwhile the way leaves the corner by f |D| t / 8 at constant
-    acceleration, by f |D| t / 12 where jerk limits it: that holds the tolerance. It reaches t / 2 to either side,
-    and at most half of each move.
+    t = max_j f D_j / a_j at constant acceleration, and meanwhile the way leaves the corner by f |D| t / 8; where jerk
+    limits it, t = max_j 2 (f D_j / j_j)^(1/2) and f |D| t / 12. Both keep within the tolerance. At constant
+    acceleration it reaches t / 2 to either side, and at most half of each move, so that chords of a circle of radius
+    r are driven at (a r)^(1/2).
 
     cruise, length: (n,) speed and way of the moves. first, last: (n, axes) rates of the axes at their start and end,
     a unit of way. stop: (n,) rest at the end. room: (n,) tolerance there, of the tip [m]. acceleration, jerk: (axes,).
@@ -60,8 +61,6 @@ def corner_speeds(
             reach = max(reach, there / length[i + 1])
         if by_acceleration > 0.0 and reach > 0.0:
             share = min(share, 1.0 / math.sqrt(by_acceleration * reach))
-            if by_jerk > 0.0:
-                share = min(share, (0.5 / (math.sqrt(by_jerk) * reach)) ** (2.0 / 3.0))
         end[i], begin[i + 1] = share * here, share * there
     return begin, end
 

@@ -52,6 +52,8 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Words that may move something and are not read, with the cure."""
     options: dict[str, bool | float | str] = {}
     """What else differs: names that the language knows."""
+    time: dict[str, bool | float | str | dict[str, float]] = {}
+    """How fast it goes through a program: the model that `toolpace time` takes, and its figures."""
     source: str = ""
 
     @staticmethod
@@ -137,4 +139,5 @@ def _upon(own: Controller, source: str) -> Controller:
         ignored=(*(word for word in base.ignored if word not in said), *own.ignored),
         refused={word: cure for word, cure in base.refused.items() if word not in said} | own.refused,
         options=base.options | own.options,
+        time=base.time | own.time,
     )

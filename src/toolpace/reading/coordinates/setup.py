@@ -44,6 +44,9 @@ class SetUp:
     part: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """Where the part is clamped: `origin` [m], `x` and `z` directions; see Machine.mounted."""
 
+    tool_change: float = 0.0
+    """Time that the machine takes to change a tool [s]."""
+
     def tool(self, name: str) -> Tool | None:
         """The line of a tool, however its number is written (5, 05); None where there is none."""
         return self.tools.get(tool_name(name))

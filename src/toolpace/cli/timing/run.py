@@ -1,0 +1,131 @@
+"""The command `time`: how long programs take on a control, and how long they need to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from toolpace.cli.steps import Steps
+from toolpace.cli.timing.timed import Timed
+from toolpace.errors import ToolpaceError
+
+if TYPE_CHECKING:
+    from toolpace.commanded import Commanded
+    from toolpace.machine.machine import Machine
+    from toolpace.operations import OperationTime
+    from toolpace.reading import Findings, ReadOptions, Source
+    from toolpace.timing.figures import ControlFigures
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What all programs of one call have in common."""
+
+    machine: Machine
+    options: ReadOptions
+    model: str | None
+    """In place of the controller's own."""
+    feed: str | None
+    dialect: str | None
+    tolerances: tuple[float, float]
+    """Of tip [m] and axis [rad], for the optimum."""
+    optimum: bool
+
+
+def timed(program: str, asked: Asked, steps: Steps) -> Timed:
+    """The time of one program, or what is wrong with it."""
+    from toolpace.reading import Source
+
+    try:
+        return _timed(Source.load(program), program, asked, steps)
+    except ToolpaceError as error:
+        return Timed(program, str(error))
+
+
+def _timed(source: Source, program: str, asked: Asked, steps: Steps) -> Timed:
+    from toolpace.reading import Findings
+    from toolpace.reading.languages import with_controller
+    from toolpace.timing.program_time import of_operations, program_time
+
+    options, found = with_controller(source, asked.dialect, asked.options)
+    figures, findings = figures_for(options, asked.model), Findings()
+    with steps.step("reading", program) as step:
+        moves = moves_of(source, replace(asked, options=options), findings)
+        step.note = f"{moves.blocks} blocks, {len(moves)} moves"
+    best: tuple[OperationTime, ...] = ()
+    if asked.optimum or figures.model == "ideal":
+        best = optimum_of(source, replace(asked, options=options), steps)
+    change = options.setup.tool_change
+    if figures.model == "ideal":
+        time = of_operations(best, moves, change)
+    else:
+        time = program_time(moves, asked.machine, figures, change)
+    return Timed(
+        program,
+        control=found.controller.name if found.controller is not None else "",
+        model=figures.model,
+        blocks=moves.blocks,
+        time=time,
+        best=best,
+        optimum=sum(each.time for each in best) + time.sum("tool_change") if best else None,
+        assumed=findings.assumptions,
+    )
+
+
+def figures_for(options: ReadOptions, model: str | None) -> ControlFigures:
+    """The figures of the controller that a program is read for. Raises UsageError."""
+    from toolpace.timing.figures import figures_of
+
+    controller = options.controller
+    if controller is None:
+        return figures_of({}, "", model)
+    return figures_of(controller.time, controller.source or controller.name, model)
+
+
+def moves_of(source: Source, asked: Asked, findings: Findings) -> Commanded:
+    """The moves of a program; those of points where it is for no control. Raises ToolpaceError."""
+    from toolpace.reading import read_commanded, read_source
+    from toolpace.timing.points import moves_of_points
+    from toolpace.timing.refed import refed
+
+    if asked.options.controller is None:
+        toolpath = read_source(source, asked.machine, asked.dialect, asked.options, feed=asked.feed, findings=findings)
+        return moves_of_points(toolpath, asked.machine)
+    moves = read_commanded(source, asked.machine, asked.dialect, asked.options, feed=asked.feed, findings=findings)
+    return moves if asked.feed is None else refed(moves, asked.feed)
+
+
+def optimum_of(source: Source, asked: Asked, steps: Steps) -> tuple[OperationTime, ...]:
+    """The parts of the fastest motion along the program. Raises ToolpaceError."""
+    from toolpace.cli import job
+    from toolpace.operations import operation_times
+
+    tip, axis = asked.tolerances
+    task = job.Job(
+        program=Path(source.name), machine=asked.machine, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
+        feed=asked.feed, dialect=asked.dialect, options=asked.options, source=source,
+    )  # fmt: skip
+    job.warm_up(steps)
+    toolpath = job.read_program(task, steps)
+    trajectory = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath))
+    return tuple(operation_times(trajectory, toolpath))
+
+
+def run_time(programs: Sequence[str], asked: Asked, as_json: bool) -> int:
+    """Time each program and print what was found; 0 where all could be, else 2."""
+    from rich.console import Console
+
+    from toolpace.cli.steps import new_console
+    from toolpace.cli.timing import table
+
+    console = new_console()
+    # what is under way is shown beside JSON, too, but not among it
+    steps = Steps(Console(stderr=True, highlight=False, markup=False) if as_json else console)
+    found = [timed(program, asked, steps) for program in programs]
+    if as_json:
+        table.print_json(found, asked.machine.name)
+    else:
+        table.show(console, found, asked.machine.name)
+    return 2 if any(each.error for each in found) else 0

@@ -1,0 +1,157 @@
+"""What the command `time` shows: a page of one program, a table of many, or JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich.box import SIMPLE
+from rich.table import Table
+from rich.text import Text
+
+from toolpace.cli.names import short_names
+from toolpace.errors import printable
+from toolpace.units import format_time
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from toolpace.cli.timing.timed import Timed
+
+MODELS = {
+    "linuxcnc": "as its planner goes, cycle by cycle",
+    "lookahead": "corners rounded within a tolerance, limits of the axes, blocks looked ahead",
+    "fir": "pulses of velocity through moving averages, corners blended by overlap",
+    "ideal": "the fastest motion within the limits of the axes",
+}
+"""What each model of a control does, in words."""
+KINDS = ("cutting", "rapid", "dwell", "tool_change")
+MOST_PARTS = 60
+"""Operations that a page lists."""
+
+
+def show(console: Console, found: Sequence[Timed], machine: str) -> None:
+    """A page of one program; of many a table, and below it what is wrong."""
+    if len(found) == 1:
+        _show_page(console, found[0], machine)
+    else:
+        _show_table(console, found)
+    for each in found:
+        if each.error:
+            console.print(
+                Text(printable(f"{each.program}: {each.error}" if len(found) > 1 else each.error)), soft_wrap=True
+            )
+
+
+def _show_page(console: Console, found: Timed, machine: str) -> None:
+    time = found.time
+    if time is None:
+        return
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column(overflow="fold")
+    rows = [
+        ("program", f"{found.program}, {found.blocks} blocks"),
+        ("machine", machine),
+        ("control", f"{found.control or 'none named'}; model {found.model}: {MODELS[found.model]}"),
+        ("time", format_time(time.total)),
+        *((kind.replace("_", " "), format_time(time.sum(kind))) for kind in KINDS if time.sum(kind) > 0.0),
+    ]
+    if found.optimum is not None:
+        rows.append(("optimum", f"{format_time(found.optimum)}, {_saving(time.total, found.optimum)}"))
+    rows += [("assumed" if k == 0 else "", sentence) for k, sentence in enumerate(found.assumed)]
+    for name, text in rows:
+        grid.add_row(name, Text(printable(text), style="bold" if name == "time" else ""))
+    console.print(grid)
+    if len(time.parts) > 1:
+        _show_parts(console, found)
+
+
+def _show_parts(console: Console, found: Timed) -> None:
+    assert found.time is not None
+    table = Table(box=SIMPLE, pad_edge=False)
+    best = {(each.name, each.tool): each.time for each in found.best}
+    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "stops"]
+    for heading in [*headings, *(["optimum"] if best else [])]:
+        table.add_column(heading, justify="left" if heading in ("operation", "tool") else "right", overflow="fold")
+    for part in found.time.parts[:MOST_PARTS]:
+        times = (part.time, part.cutting, part.rapid, part.dwell, part.tool_change)
+        cells = [part.name or "-", part.tool or "-", *(format_time(each) if each else "-" for each in times)]
+        cells.append(str(part.stops))
+        if best:
+            least = best.get((part.name, part.tool))
+            cells.append("-" if least is None else format_time(least + part.tool_change))
+        table.add_row(*(Text(printable(cell)) for cell in cells))
+    console.print(table)
+    if len(found.time.parts) > MOST_PARTS:
+        console.print(f"and {len(found.time.parts) - MOST_PARTS} more operations: --json has all")
+
+
+def _show_table(console: Console, found: Sequence[Timed]) -> None:
+    table = Table(box=SIMPLE, pad_edge=False)
+    for heading in ("program", "control", "model", "time", "cutting", "rapid", "optimum", "saving"):
+        left = heading in ("program", "control", "model")
+        table.add_column(heading, justify="left" if left else "right", overflow="fold")
+    for name, each in zip(short_names([each.program for each in found]), found):
+        if each.time is None:
+            table.add_row(Text(printable(name), style="red"), *["-"] * 7)
+            continue
+        time = each.time
+        times = [format_time(seconds) for seconds in (time.total, time.sum("cutting"), time.sum("rapid"))]
+        cells = (name, each.control or "-", each.model, *times, *_optimum(time.total, each.optimum))
+        table.add_row(*(Text(printable(cell)) for cell in cells))
+    known = [(each.time.total, each.optimum) for each in found if each.time is not None and each.optimum is not None]
+    if len(known) > 1:
+        total, optimum = (sum(column) for column in zip(*known))
+        table.add_section()
+        table.add_row("all with an optimum", "", "", format_time(total), "", "", *_optimum(total, optimum))
+    console.print(table)
+
+
+def _optimum(total: float, optimum: float | None) -> tuple[str, str]:
+    return ("-", "-") if optimum is None else (format_time(optimum), f"{1.0 - optimum / total:.1%}")
+
+
+def _saving(total: float, optimum: float) -> str:
+    """How much less the optimum takes; a control that keeps no joint's limits, or no jerk, may be below it."""
+    share = 1.0 - optimum / total
+    if share >= 0.0:
+        return f"{share:.1%} less"
+    return f"{-share:.1%} more: the control passes limits of acceleration or jerk that the optimum keeps"
+
+
+def print_json(found: Sequence[Timed], machine: str) -> None:
+    """The JSON list: times in seconds."""
+    import msgspec
+
+    records = [record(each, machine) for each in found]
+    print(msgspec.json.format(msgspec.json.encode(records), indent=2).decode())
+
+
+def record(found: Timed, machine: str) -> dict[str, object]:
+    """An entry of it; what could not be timed has an `error` and no times."""
+    entry: dict[str, object] = {"program": printable(found.program), "machine": machine}
+    time = found.time
+    if time is None:
+        return entry | {"error": printable(found.error), "total_s": None, "optimum_s": None}
+    entry |= {"controller": found.control, "model": found.model, "blocks": found.blocks}
+    entry |= {"total_s": time.total, "optimum_s": found.optimum}
+    entry |= {f"{kind}_s": time.sum(kind) for kind in KINDS}
+    tools: dict[str, float] = {}
+    for part in time.parts:
+        tools[part.tool] = tools.get(part.tool, 0.0) + part.time
+    entry["tools"] = [{"tool": printable(tool), "total_s": seconds} for tool, seconds in tools.items()]
+    best = {(each.name, each.tool): each.time for each in found.best}
+    entry["operations"] = [
+        {
+            "name": printable(part.name),
+            "tool": printable(part.tool),
+            "total_s": part.time,
+            **{f"{kind}_s": getattr(part, kind) for kind in KINDS},
+            "stops": part.stops,
+            "optimum_s": best.get((part.name, part.tool)),
+        }
+        for part in time.parts
+    ]
+    entry["assumed"] = [printable(sentence) for sentence in found.assumed]
+    return entry
