@@ -11,6 +11,8 @@ from toolpace.errors import UsageError, in_short
 from toolpace.units import DEGREE, MILLIMETRE
 
 MODELS = ("linuxcnc", "lookahead", "fir", "ideal")
+USUAL_TOLERANCE = 0.01
+"""[mm]"""
 Positive = Annotated[float, msgspec.Meta(gt=0.0, le=1e9)]
 Time = Annotated[float, msgspec.Meta(ge=0.0, le=3600.0)]
 
@@ -19,8 +21,8 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a model of a control needs to know beside the machine; what is not given is the machine's, or usual."""
 
     model: Literal["linuxcnc", "lookahead", "fir", "ideal"] = "lookahead"
-    tolerance: Positive = 0.01
-    """How far corners are rounded where the program does not say [mm]."""
+    tolerance: Positive | None = None
+    """How far corners are rounded where the program does not say [mm]; 0.01, or as LinuxCNC does without G64 P."""
     axis_tolerance: Positive = 0.05
     """The same of turns [deg]."""
     limits: Literal["joints", "words"] = "joints"
@@ -41,7 +43,7 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def room(self) -> float:
         """Tolerance of corners [m]."""
-        return self.tolerance * MILLIMETRE
+        return (USUAL_TOLERANCE if self.tolerance is None else self.tolerance) * MILLIMETRE
 
     @property
     def turned_metre(self) -> float:
