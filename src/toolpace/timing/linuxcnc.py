@@ -1,0 +1,58 @@
+"""The model `linuxcnc`: LinuxCNC 2.9's interpreter and trajectory planner, cycle by cycle.
+
+Source: LinuxCNC's documents ("Trajectory Control" and section TRAJ of the ini file), and what its source does
+(src/emc/task/emccanon.cc, src/emc/tp); held against its own runs in benchmarks/results/linuxcnc_times.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.commanded import Commanded
+from toolpace.timing.canon import Canon
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+
+
+@dataclass(frozen=True)
+class LinuxCNC:
+    """Settings of the controller, by the names of its ini file."""
+
+    cycle: float = 1e-3
+    """SERVO_PERIOD [s]."""
+    path_velocity: float = 1e9
+    """MAX_LINEAR_VELOCITY of TRAJ [mm/s]."""
+    most_override: float = 1.0
+    """MAX_FEED_OVERRIDE: corners are planned for feeds so much higher."""
+    kink_ratio: float = 0.1
+    """ARC_BLEND_KINK_RATIO."""
+    depth: int = 50
+    """ARC_BLEND_OPTIMIZATION_DEPTH."""
+    gap_cycles: int = 4
+    """ARC_BLEND_GAP_CYCLES."""
+    ramp_frequency: float = 100.0
+    """ARC_BLEND_RAMP_FREQ [Hz]."""
+    latency: float = 4e-3
+    """From the end of a motion to the start of the next, where the interpreter waits for the first [s]."""
+
+
+def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None = None) -> Floats:
+    """Time of each move (n,) [s], dwells left out: from the end of the one before, rotary axes' overlaps included."""
+    from toolpace.kernels.linuxcnc.blocks import Control
+    from toolpace.kernels.linuxcnc.program import cycles_of
+
+    settings = settings or LinuxCNC()
+    canon = Canon(moves, machine)
+    if not len(canon.blocks.length):
+        return np.zeros(len(moves))
+    control = Control(
+        settings.cycle, canon.velocity[:3].copy(), canon.acceleration[:3].copy(), settings.path_velocity,
+        settings.most_override, settings.kink_ratio, settings.depth, settings.gap_cycles, settings.ramp_frequency,
+        round(settings.latency / settings.cycle),
+    )  # fmt: skip
+    return canon.times(cycles_of(canon.blocks, control) * settings.cycle)
