@@ -8,6 +8,7 @@ from cyclopts import App
 
 from toolpace.cli import options
 from toolpace.cli.steps import Steps, new_console
+from toolpace.errors import UsageError
 from toolpace.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
@@ -162,6 +163,8 @@ def time_command(
     machine: options.MachineName = None,
     model: options.ControlModel = None,
     no_optimum: options.NoOptimum = False,
+    fit: options.FitLog = None,
+    write_controller: options.WriteController = None,
     feed: options.Feed = None,
     tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
     axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
@@ -181,9 +184,10 @@ def time_command(
         toolpace time part.ngc -m xyzac-trunnion --controller linuxcnc
         toolpace time *.nc -m my-mill.toml --controller my-control.toml --setup setup.toml
         toolpace time part.mpf -m xyzbc-head --model fir --no-optimum --json
+        toolpace time part.nc -m my-mill.toml --fit log.csv --write-controller my-control.toml
     """
     from toolpace.cli import arguments
-    from toolpace.cli.timing import run
+    from toolpace.cli.timing import fitting, run
 
     tolerances = arguments.tolerances(tip_tolerance, axis_tolerance)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
@@ -196,6 +200,10 @@ def time_command(
         tolerances=tolerances,
         optimum=not no_optimum,
     )
+    if fit is not None:
+        return fitting.run_fit(programs, fit, asked, write_controller)
+    if write_controller is not None:
+        raise UsageError("--write-controller goes with --fit LOG.csv: figures come from a log")
     return run.run_time(programs, asked, json)
 
 

@@ -151,3 +151,14 @@ ControlModel = Annotated[
     ),
 ]
 NoOptimum = Annotated[bool, Switch, Parameter(help="Leave the optimum out: programs are not planned.")]
+FitLog = Annotated[
+    str | None,
+    Parameter(
+        name="--fit",
+        help="Find the figures of the control from a log (CSV) of where the axes were while it ran the program:"
+        " columns t [s] and joints [mm, deg].",
+    ),
+]
+WriteController = Annotated[
+    str | None, Parameter(help="With --fit: write the controller's file with these figures; printed without.")
+]

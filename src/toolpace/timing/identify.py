@@ -17,7 +17,6 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.commanded import Commanded
-from toolpace.timing.axis_limits import limits_of
 from toolpace.timing.axis_ways import axis_ways
 from toolpace.timing.figures import ControlFigures
 from toolpace.timing.log import MotionLog
@@ -28,11 +27,15 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 SEARCHED: dict[str, tuple[str, ...]] = {
-    "linuxcnc": ("acceleration", "tolerance"),
-    "lookahead": ("acceleration", "tolerance", "jerk"),
-    "fir": ("ramp_time", "smoothing_time", "tolerance"),
+    "linuxcnc": ("tolerance",),
+    "lookahead": ("tolerance", "jerk"),
+    "fir": ("tolerance", "ramp_time", "smoothing_time"),
 }
-"""Figures that are searched for each model; those of one control are not all told by one log."""
+"""Figures that are searched for each model, beside the accelerations, which the log tells by itself."""
+TRIED = np.geomspace(0.02, 50.0, 12)
+"""Factors of the tolerance that are tried first: there may be more than one that fits nearly."""
+FARTHEST = math.log(1e3)
+"""Most by which a figure leaves what the search begins with, as a logarithm: a log may tell nothing of it."""
 SPANS = (1, 2, 3, 5, 8, 13, 21)
 """Rows between which accelerations are differences: more where the log is noisy."""
 KEPT_UP = 3
@@ -71,14 +74,18 @@ def identify(moves: Commanded, machine: Machine, log: MotionLog, given: ControlF
         return np.asarray(np.append(end[far] - when, end[-1] - log.duration))
 
     def misfit(logarithms: Floats) -> float:
-        off = differences(_scaled(start, machine, names, np.exp(logarithms)))
+        off = differences(_scaled(start, names, np.exp(np.clip(logarithms, -FARTHEST, FARTHEST))))
         return float(np.sqrt(np.mean(off[:-1] ** 2)) + abs(off[-1]))
 
+    steps = np.diag([0.2, *[0.5] * (len(names) - 1)])
+    tried = np.log(TRIED)[:, None] * np.eye(len(names))[:1]
+    first = min(tried, key=misfit)
     found = minimize(
-        misfit, np.zeros(len(names)), method="Nelder-Mead",
-        options={"initial_simplex": _simplex(len(names)), "xatol": 1e-3, "fatol": 1e-5 * log.duration, "maxfev": 250},
+        misfit, first, method="Nelder-Mead",
+        options={"initial_simplex": np.vstack([first, first + steps]), "xatol": 2e-3, "fatol": 1e-6 * log.duration,
+                 "maxfev": 200},
     )  # fmt: skip
-    figures = _scaled(start, machine, names, np.exp(found.x))
+    figures = _scaled(start, names, np.exp(np.clip(found.x, -FARTHEST, FARTHEST)))
     off = differences(figures)
     return Identified(figures, log.duration, log.duration + float(off[-1]), float(np.sqrt(np.mean(off[:-1] ** 2))))
 
@@ -121,15 +128,14 @@ def _progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints,
 
 
 def _with_accelerations(given: ControlFigures, machine: Machine, found: Floats) -> ControlFigures:
-    """The figures with the accelerations of the axes that move in the log, and the machine's for the others."""
-    own = limits_of(machine, given).acceleration
-    wanted = np.where(np.isfinite(found) & (found > 0.0), found, own)
+    """The figures with the accelerations of the axes that move in the log; for others the machine's hold."""
     units = np.where(machine.is_rotary, DEGREE, MILLIMETRE)
-    table = {name: float(a) for name, a in zip(machine.joints, wanted / units) if np.isfinite(a)}
+    table = dict(given.acceleration) if isinstance(given.acceleration, dict) else {}
+    table |= {name: float(a) for name, a in zip(machine.joints, found / units) if np.isfinite(a) and a > 0.0}
     return msgspec.structs.replace(given, acceleration=table, tolerance=given.room / MILLIMETRE)
 
 
-def _scaled(start: ControlFigures, machine: Machine, names: tuple[str, ...], factors: Floats) -> ControlFigures:
+def _scaled(start: ControlFigures, names: tuple[str, ...], factors: Floats) -> ControlFigures:
     changed: dict[str, object] = {}
     for name, factor in zip(names, factors.tolist()):
         value = getattr(start, name)
@@ -138,8 +144,3 @@ def _scaled(start: ControlFigures, machine: Machine, names: tuple[str, ...], fac
         else:
             changed[name] = (value or USUAL.get(name, 1.0)) * factor
     return msgspec.structs.replace(start, **changed)
-
-
-def _simplex(count: int) -> Floats:
-    """First corners of the search: accelerations are nearly known, the others by no more than their order."""
-    return np.vstack([np.zeros(count), np.diag([0.05, *[1.0] * (count - 1)])])

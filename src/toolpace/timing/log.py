@@ -85,9 +85,7 @@ def _row(row: Sequence[str], wanted: Sequence[int], number: int, source: str) ->
     except (ValueError, IndexError):
         values = [math.nan]
     if not all(map(math.isfinite, values)):
-        raise UsageError(
-            f"log {source}:{number}: a figure is missing or not finite; remove the line, or log anew"
-        )
+        raise UsageError(f"log {source}:{number}: a figure is missing or not finite; remove the line, or log anew")
     return values
 
 

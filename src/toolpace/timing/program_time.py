@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from toolpace.arrays import Bools, Floats
 from toolpace.commanded import Commanded
+from toolpace.timing.axis_limits import limits_of
 from toolpace.timing.figures import ControlFigures
 from toolpace.timing.filtered import filtered_times
-from toolpace.timing.lookahead import lookahead_times, rests
+from toolpace.timing.linuxcnc import linuxcnc_times
+from toolpace.timing.lookahead import lookahead_times, rests, room_of
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -37,7 +39,15 @@ class OperationTime(Protocol):
 
 Model = Callable[[Commanded, "Machine", ControlFigures], Floats]
 """Time of each move (n,) [s], dwells left out."""
-MODELS: dict[str, Model] = {"lookahead": lookahead_times, "fir": filtered_times}
+
+
+def _linuxcnc_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
+    """LinuxCNC with the limits and the tolerance of the figures, where they have any."""
+    told = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
+    return linuxcnc_times(told, machine.with_limits(limits_of(machine, figures)))
+
+
+MODELS: dict[str, Model] = {"linuxcnc": _linuxcnc_times, "lookahead": lookahead_times, "fir": filtered_times}
 
 
 @dataclass(frozen=True)
@@ -103,17 +113,17 @@ def parts_of(moves: Commanded, times: Floats, tool_change: float) -> list[PartTi
     of, stop = moves.operation, rests(moves)
 
     def total(figures: Floats, rows: Bools) -> list[float]:
-        return list(np.bincount(of[rows], figures[rows], count))
+        return [float(each) for each in np.bincount(of[rows], figures[rows], count)]
 
     everywhere = np.ones(len(moves), dtype=bool)
     cutting, rapid = total(times, ~moves.rapid), total(times, moves.rapid)
     dwell, stops = total(moves.dwell, everywhere), np.bincount(of[1:-1], stop[1:-1], count)
-    used = np.bincount(of, minlength=count)
+    used = np.bincount(of[1:], minlength=count)
     changed = changes(moves)
     return [
-        PartTime(each.name, each.tool, cutting[k], rapid[k], dwell[k], tool_change * changed[k], round(stops[k]))
+        PartTime(each.name, each.tool, cutting[k], rapid[k], dwell[k], tool_change * changed[k], round(float(stops[k])))
         for k, each in enumerate(moves.operations)
-        if used[k]
+        if used[k] or dwell[k] > 0.0
     ]
 
 

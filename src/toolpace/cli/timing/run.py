@@ -34,21 +34,21 @@ class Asked:
     optimum: bool
 
 
-def timed(program: str, asked: Asked, steps: Steps) -> Timed:
+def timed_or_wrong(program: str, asked: Asked, steps: Steps) -> Timed:
     """The time of one program, or what is wrong with it."""
-    from toolpace.reading import Source
-
     try:
-        return _timed(Source.load(program), program, asked, steps)
+        return timed(program, asked, steps)
     except ToolpaceError as error:
         return Timed(program, str(error))
 
 
-def _timed(source: Source, program: str, asked: Asked, steps: Steps) -> Timed:
-    from toolpace.reading import Findings
+def timed(program: str, asked: Asked, steps: Steps) -> Timed:
+    """The time of one program. Raises ToolpaceError."""
+    from toolpace.reading import Findings, Source
     from toolpace.reading.languages import with_controller
     from toolpace.timing.program_time import of_operations, program_time
 
+    source = Source.load(program)
     options, found = with_controller(source, asked.dialect, asked.options)
     figures, findings = figures_for(options, asked.model), Findings()
     with steps.step("reading", program) as step:
@@ -114,7 +114,7 @@ def optimum_of(source: Source, asked: Asked, steps: Steps) -> tuple[OperationTim
 
 
 def run_time(programs: Sequence[str], asked: Asked, as_json: bool) -> int:
-    """Time each program and print what was found; 0 where all could be, else 2."""
+    """Time each program and print what was found; 0 where all could be, else 2. A single one raises ToolpaceError."""
     from rich.console import Console
 
     from toolpace.cli.steps import new_console
@@ -123,7 +123,8 @@ def run_time(programs: Sequence[str], asked: Asked, as_json: bool) -> int:
     console = new_console()
     # what is under way is shown beside JSON, too, but not among it
     steps = Steps(Console(stderr=True, highlight=False, markup=False) if as_json else console)
-    found = [timed(program, asked, steps) for program in programs]
+    alone = len(programs) == 1 and not as_json
+    found = [(timed if alone else timed_or_wrong)(program, asked, steps) for program in programs]
     if as_json:
         table.print_json(found, asked.machine.name)
     else:

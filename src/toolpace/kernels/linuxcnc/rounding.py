@@ -79,7 +79,15 @@ def line_side(direction: Floats, reach: float) -> Side:
 
 @jit()
 def arc_side(
-    b: Blocks, j: int, tangent: Floats, other: Floats, corner: Floats, sweep: float, share: float, theta: float, ends: bool
+    b: Blocks,
+    j: int,
+    tangent: Floats,
+    other: Floats,
+    corner: Floats,
+    sweep: float,
+    share: float,
+    theta: float,
+    ends: bool,
 ) -> Side:
     """An arc that ends in the corner, or starts there; sweep is what is left of it."""
     centre = b.centre[j]

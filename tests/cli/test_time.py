@@ -1,0 +1,110 @@
+"""`toolpace time`: in JSON as a contract, and on a page; figures from a log."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.timing.test_identify import log_of, program
+from toolpace.cli import main
+
+PROGRAM = (
+    "G21 G90 G94\nG0 X0 Y0 Z10 A0 C0\nT1 M6\nG1 Z0 F1000\nG1 X40\nG1 Y30 A10\nG4 P1\nT2 M6\nG1 X0 C20\nG0 Z10\nM30\n"
+)
+MACHINE = ["-m", "xyzac-trunnion"]
+
+
+@pytest.fixture
+def part(tmp_path: Path) -> str:
+    (tmp_path / "part.ngc").write_text(PROGRAM)
+    return str(tmp_path / "part.ngc")
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 0) -> str:
+    assert main(["time", *arguments]) == code
+    return capsys.readouterr().out
+
+
+def test_json_is_a_list_with_the_time_and_its_parts(part, tmp_path, capsys):
+    (tmp_path / "setup.toml").write_text("[times]\ntool_change = 6.5\n")
+    (tmp_path / "broken.ngc").write_text("G1 X\nM2\n")
+    arguments = [part, str(tmp_path / "broken.ngc"), *MACHINE, "--model", "lookahead", "--json"]
+    found = json.loads(printed(capsys, *arguments, "--setup", str(tmp_path / "setup.toml"), code=2))
+    first, second = found
+    assert first["program"] == part and first["error" if "error" in first else "model"] == "lookahead"
+    parts = sum(first[f"{kind}_s"] for kind in ("cutting", "rapid", "dwell", "tool_change"))
+    assert first["total_s"] == pytest.approx(parts)
+    assert first["dwell_s"] == pytest.approx(1.0) and first["tool_change_s"] == pytest.approx(13.0)
+    assert [each["tool"] for each in first["tools"]] == ["1", "2"]
+    assert sum(each["total_s"] for each in first["operations"]) == pytest.approx(first["total_s"])
+    least = sum(each["optimum_s"] for each in first["operations"]) + 13.0
+    assert first["optimum_s"] == pytest.approx(least)
+    assert second["total_s"] is None and second["optimum_s"] is None and "broken.ngc:1" in second["error"]
+
+
+def test_the_optimum_is_that_of_plan_and_the_model_ideal_is_it(part, tmp_path, capsys):
+    found = json.loads(printed(capsys, part, *MACHINE, "--model", "ideal", "--json"))[0]
+    assert main(["plan", part, *MACHINE, "--out", str(tmp_path / "plan"), "--no-report"]) == 0
+    plan = json.loads((tmp_path / "plan" / "plan.json").read_text())
+    assert found["total_s"] == pytest.approx(plan["duration_s"], rel=1e-9)
+    assert found["optimum_s"] == pytest.approx(plan["duration_s"], rel=1e-9)
+
+
+def test_a_page_tells_operations_and_a_table_many_programs(part, capsys):
+    page = printed(capsys, part, *MACHINE, "--model", "fir", "--no-optimum")
+    assert "pulses of velocity" in page and "tool change" in page and "optimum" not in page
+    table = printed(capsys, part, part, *MACHINE, "--model", "lookahead", "--no-optimum")
+    assert table.count("part.ngc") >= 2 and "saving" in table
+
+
+def test_the_figures_of_a_control_stand_in_its_file(part, tmp_path, capsys):
+    file = tmp_path / "slow.toml"
+    file.write_text(
+        'name = "slow"\nlike = "fanuc"\n[time]\nmodel = "lookahead"\nacceleration = 0.1\nblock_time = 2.0\n'
+    )
+    totals = []
+    for controller in ("fanuc", str(file)):
+        arguments = [part, *MACHINE, "--controller", controller, "--no-optimum", "--json"]
+        totals.append(json.loads(printed(capsys, *arguments))[0]["total_s"])
+    assert totals[1] > totals[0] + 1.0
+    file.write_text('name = "slow"\nlike = "fanuc"\n[time]\ntolerence = 0.1\n')
+    assert main(["time", part, *MACHINE, "--controller", str(file)]) == 2
+    assert "tolerence" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--model", "linux"], "did you mean"),
+        (["--write-controller", "a.toml"], "goes with --fit"),
+        (["--fit", "none.csv"], "cannot be read"),
+    ],
+)
+def test_wrong_options_are_one_line(part, arguments, told, capsys):
+    assert main(["time", part, *MACHINE, *arguments]) == 2
+    error = capsys.readouterr().err
+    assert told in error and len(error.strip().splitlines()) == 1
+
+
+def test_a_machine_is_needed(part, capsys):
+    assert main(["time", part]) == 2
+    assert "--machine is missing" in capsys.readouterr().err
+
+
+def test_figures_from_a_log_make_a_controllers_file(tmp_path, capsys):
+    (tmp_path / "part.ngc").write_text(program())
+    log = log_of()
+    rows = (",".join([f"{k * log.dt:.4f}", *(f"{1e3 * value:.9f}" for value in q[:3])]) for k, q in enumerate(log.q))
+    (tmp_path / "log.csv").write_text("\n".join(["t,X,Y,Z", *rows]))
+    target = tmp_path / "mine.toml"
+    fit = [str(tmp_path / "part.ngc"), *MACHINE, "--fit", str(tmp_path / "log.csv"), "--model", "lookahead"]
+    assert "[time.acceleration]" in printed(capsys, *fit)
+    assert "mine.toml" in printed(capsys, *fit, "--write-controller", str(target))
+    timed = [str(tmp_path / "part.ngc"), *MACHINE, "--controller", str(target), "--no-optimum", "--json"]
+    found = json.loads(printed(capsys, *timed))[0]
+    assert found["total_s"] == pytest.approx(log.duration, rel=0.01)
+    # what is there already is never replaced
+    assert main(["time", *fit, "--write-controller", str(target)]) == 2
+    assert "is there already" in capsys.readouterr().err
