@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from toolpace.reading.coordinates.setup import SetUp, Tool
     from toolpace.reporting import report
     from toolpace.setpoints import SetPoints
+    from toolpace.timing.program import program_time
+    from toolpace.timing.program_time import PartTime, ProgramTime
     from toolpace.toolpath import Operation, ToolPath
     from toolpace.trajectory import OpenPlace, Trajectory
     from toolpace.workers import Progress, Workers
@@ -67,12 +69,14 @@ __all__ = [
     "OpenPlace",
     "Operation",
     "Optimal",
+    "PartTime",
     "Path",
     "PathJet",
     "PathRun",
     "PlannedRun",
     "Planner",
     "Probe",
+    "ProgramTime",
     "Progress",
     "Sampled",
     "SecondOrder",
@@ -91,6 +95,7 @@ __all__ = [
     "apply_feed",
     "deflect",
     "plan",
+    "program_time",
     "prove",
     "read",
     "read_text",
@@ -116,12 +121,14 @@ _HOME = {
     "OpenPlace": "trajectory",
     "Operation": "toolpath",
     "Optimal": "planning.optimal.planner",
+    "PartTime": "timing.program_time",
     "Path": "path.path",
     "PathJet": "path.run",
     "PathRun": "path.run",
     "PlannedRun": "planning.planned_run",
     "Planner": "planning.planner",
     "Probe": "laws.law",
+    "ProgramTime": "timing.program_time",
     "Progress": "workers",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
@@ -138,6 +145,7 @@ _HOME = {
     "Workers": "workers",
     "apply_feed": "reading",
     "plan": "planning.planner",
+    "program_time": "timing.program",
     "prove": "planning.bound.prove",
     "read": "reading",
     "read_text": "reading",

@@ -15,7 +15,7 @@ from toolpace.reading import Source, read_commanded
 from toolpace.timing.figures import figures_of
 from toolpace.timing.identify import identify, sustained_accelerations
 from toolpace.timing.log import MotionLog, load_log
-from toolpace.timing.program_time import program_time
+from toolpace.timing.program_time import time_of_moves
 
 MACHINE = machine()
 ON = Machine.load("xyzac-trunnion")
@@ -82,7 +82,7 @@ def test_the_model_then_takes_the_time_of_the_log_and_of_another_program():
         for axis, way in (("X", 9e-3), ("Y", 0.02), ("Z", 0.03), ("X", 9e-3))
         for v in [min(0.08, math.sqrt(REAL[axis] * way))]
     )
-    time = program_time(read_commanded(Source.from_text(other, "other.ngc"), wrong), wrong, found.figures)
+    time = time_of_moves(read_commanded(Source.from_text(other, "other.ngc"), wrong), wrong, found.figures)
     assert time.total == pytest.approx(hand, rel=0.005)
 
 
@@ -143,4 +143,4 @@ def test_a_log_of_linuxcnc_tells_its_acceleration_and_tolerance():
     assert found.figures.tolerance == pytest.approx(0.03, rel=0.02)
     assert isinstance(found.figures.acceleration, dict)
     assert [found.figures.acceleration[axis] for axis in "XYZ"] == pytest.approx([700.0, 500.0, 400.0], rel=0.02)
-    assert program_time(unsaid[1], told, found.figures).total == pytest.approx(runs[1].duration, rel=0.02)
+    assert time_of_moves(unsaid[1], told, found.figures).total == pytest.approx(runs[1].duration, rel=0.02)

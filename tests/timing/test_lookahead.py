@@ -14,7 +14,7 @@ from toolpace import Limits, Machine
 from toolpace.kernels.controls import lookahead
 from toolpace.reading import Source, read_commanded
 from toolpace.timing.figures import ControlFigures, figures_of
-from toolpace.timing.program_time import ProgramTime, program_time
+from toolpace.timing.program_time import ProgramTime, time_of_moves
 
 MACHINE = Machine.load("xyzac-trunnion")
 A, J = 2.0, 40.0
@@ -33,7 +33,7 @@ def timed(body: str, figures: ControlFigures | None = None, on: Machine | None =
     text = f"G21 G90 G17 G94\nG0 X0 Y0 Z0 A0 C0\n{body}M2\n"
     on = on or machine()
     moves = read_commanded(Source.from_text(text, "part.ngc"), on)
-    return program_time(moves, on, figures or figures_of({}, "", "lookahead"))
+    return time_of_moves(moves, on, figures or figures_of({}, "", "lookahead"))
 
 
 def test_a_line_from_rest_to_rest():
@@ -84,7 +84,7 @@ def test_in_tip_mode_the_joints_hold_and_not_the_words():
     text = f"G21 G90 G94\nG0 X0 Y0 Z100 A0 C0\n{body}M30\n"
     moves = read_commanded(Source.from_text(text, "part.nc"), on)
     joints, words = (
-        program_time(moves, on, figures_of({"limits": each}, "")).times[-1] for each in ("joints", "words")
+        time_of_moves(moves, on, figures_of({"limits": each}, "")).times[-1] for each in ("joints", "words")
     )
     assert joints > 1.05 * words
 
@@ -92,7 +92,7 @@ def test_in_tip_mode_the_joints_hold_and_not_the_words():
 def test_dwells_rapids_and_tools_are_told_apart():
     text = "G21 G90 G94\nG0 X0 Y0 Z10\nT1 M6\nG1 X10 F600\nG4 P2\nT2 M6\nG0 X20\nG1 X30\nM2\n"
     moves = read_commanded(Source.from_text(text, "part.ngc"), MACHINE)
-    time = program_time(moves, MACHINE, figures_of({}, ""), tool_change=8.0)
+    time = time_of_moves(moves, MACHINE, figures_of({}, ""), tool_change=8.0)
     assert [part.tool for part in time.parts if part.time] == ["1", "2"]
     assert time.sum("dwell") == pytest.approx(2.0)
     assert time.sum("tool_change") == pytest.approx(16.0)

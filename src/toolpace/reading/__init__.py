@@ -109,16 +109,13 @@ def read_commanded(
     dialect: str | None = None,
     options: ReadOptions | None = None,
     *,
-    feed: str | None = None,
     findings: Findings | None = None,
 ) -> Commanded:
     """The moves that a program commands, as its control sees them; arguments as of `read_source`.
 
-    feed: its value stands in for feeds that the program does not give; those that it gives stay. Raises UsageError
-    for cutter-location data and tables, which are for no control.
+    Raises UsageError for cutter-location data and tables, which are for no control.
     """
-    change = None if feed is None else FeedChange.parse(feed)
-    options = dataclasses.replace(options or ReadOptions(), default_feed=None if change is None else change.speed)
+    options = options or ReadOptions()
     options.check(machine)
     found = recognised(source, dialect, options)
     if found.controller is None:

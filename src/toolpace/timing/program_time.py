@@ -88,8 +88,8 @@ class ProgramTime:
         return float(sum(getattr(part, kind) for part in self.parts))
 
 
-def program_time(moves: Commanded, machine: Machine, figures: ControlFigures, tool_change: float = 0.0) -> ProgramTime:
-    """The time of a program whose control changes a tool in `tool_change` [s]."""
+def time_of_moves(moves: Commanded, machine: Machine, figures: ControlFigures, tool_change: float = 0.0) -> ProgramTime:
+    """The time of moves on a control that changes a tool in `tool_change` [s]; figures of a model that is not ideal."""
     times = MODELS[figures.model](moves, machine, figures)
     return ProgramTime(tuple(parts_of(moves, times, tool_change)), times + moves.dwell)
 

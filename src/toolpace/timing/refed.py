@@ -10,12 +10,11 @@ from toolpace.commanded import Commanded
 from toolpace.reading.feeds import FeedChange
 
 
-def refed(moves: Commanded, spec: str) -> Commanded:
-    """The moves with their feeds changed as `spec` says: `none`, `120%` or `3000mm/min`; rapids keep having none.
+def refed(moves: Commanded, change: FeedChange) -> Commanded:
+    """The moves with their feeds changed; rapids keep having none.
 
     As of tool paths: a value rules where X, Y, Z move, turns in place keep their time or speed.
     """
-    change = FeedChange.parse(spec)
     if change.speed is None:
         factor = change.factor
         return replace(moves, speed=moves.speed * factor, turn=moves.turn * factor, time=moves.time / factor)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.text import Text
 
 from toolpace.cli.steps import Steps, new_console
-from toolpace.cli.timing.run import Asked, figures_for, moves_of
+from toolpace.cli.timing.run import Asked
 from toolpace.errors import UsageError, printable
 from toolpace.units import format_time
 
@@ -25,10 +24,11 @@ POOR = 0.05
 def run_fit(programs: list[str], log: str, asked: Asked, write: str | None) -> int:
     """Find the figures from a log of one program, and print them. Raises ToolpaceError."""
     from toolpace.files import write_text
-    from toolpace.reading import Findings, Source
+    from toolpace.reading import Source
     from toolpace.reading.languages import with_controller
     from toolpace.timing.identify import identify
     from toolpace.timing.log import load_log
+    from toolpace.timing.program import figures_for, moves_of
 
     if len(programs) != 1:
         raise UsageError(f"--fit {log}: is the log of one program; give that program alone")
@@ -42,7 +42,7 @@ def run_fit(programs: list[str], log: str, asked: Asked, write: str | None) -> i
     console = new_console()
     steps = Steps(console)
     with steps.step("reading", programs[0]) as step:
-        moves = moves_of(source, replace(asked, options=options), Findings())
+        moves = moves_of(source, asked.machine, options, asked.feed, asked.dialect)
         logged = load_log(log, asked.machine)
         step.note = f"{len(moves)} moves, {len(logged.q)} rows of the log"
     with steps.step("fitting"):

@@ -12,11 +12,9 @@ from toolpace.cli.timing.timed import Timed
 from toolpace.errors import ToolpaceError
 
 if TYPE_CHECKING:
-    from toolpace.commanded import Commanded
     from toolpace.machine.machine import Machine
     from toolpace.operations import OperationTime
-    from toolpace.reading import Findings, ReadOptions, Source
-    from toolpace.timing.figures import ControlFigures
+    from toolpace.reading import ReadOptions, Source
 
 
 @dataclass(frozen=True)
@@ -46,13 +44,14 @@ def timed(program: str, asked: Asked, steps: Steps) -> Timed:
     """The time of one program. Raises ToolpaceError."""
     from toolpace.reading import Findings, Source
     from toolpace.reading.languages import with_controller
-    from toolpace.timing.program_time import of_operations, program_time
+    from toolpace.timing.program import figures_for, moves_of
+    from toolpace.timing.program_time import of_operations, time_of_moves
 
     source = Source.load(program)
     options, found = with_controller(source, asked.dialect, asked.options)
     figures, findings = figures_for(options, asked.model), Findings()
     with steps.step("reading", program) as step:
-        moves = moves_of(source, replace(asked, options=options), findings)
+        moves = moves_of(source, asked.machine, options, asked.feed, asked.dialect, findings)
         step.note = f"{moves.blocks} blocks, {len(moves)} moves"
     best: tuple[OperationTime, ...] = ()
     if asked.optimum or figures.model == "ideal":
@@ -61,7 +60,7 @@ def timed(program: str, asked: Asked, steps: Steps) -> Timed:
     if figures.model == "ideal":
         time = of_operations(best, moves, change)
     else:
-        time = program_time(moves, asked.machine, figures, change)
+        time = time_of_moves(moves, asked.machine, figures, change)
     return Timed(
         program,
         control=found.controller.name if found.controller is not None else "",
@@ -72,29 +71,6 @@ def timed(program: str, asked: Asked, steps: Steps) -> Timed:
         optimum=sum(each.time for each in best) + time.sum("tool_change") if best else None,
         assumed=findings.assumptions,
     )
-
-
-def figures_for(options: ReadOptions, model: str | None) -> ControlFigures:
-    """The figures of the controller that a program is read for. Raises UsageError."""
-    from toolpace.timing.figures import figures_of
-
-    controller = options.controller
-    if controller is None:
-        return figures_of({}, "", model)
-    return figures_of(controller.time, controller.source or controller.name, model)
-
-
-def moves_of(source: Source, asked: Asked, findings: Findings) -> Commanded:
-    """The moves of a program; those of points where it is for no control. Raises ToolpaceError."""
-    from toolpace.reading import read_commanded, read_source
-    from toolpace.timing.points import moves_of_points
-    from toolpace.timing.refed import refed
-
-    if asked.options.controller is None:
-        toolpath = read_source(source, asked.machine, asked.dialect, asked.options, feed=asked.feed, findings=findings)
-        return moves_of_points(toolpath, asked.machine)
-    moves = read_commanded(source, asked.machine, asked.dialect, asked.options, feed=asked.feed, findings=findings)
-    return moves if asked.feed is None else refed(moves, asked.feed)
 
 
 def optimum_of(source: Source, asked: Asked, steps: Steps) -> tuple[OperationTime, ...]:
