@@ -50,7 +50,7 @@ def timed(program: str, asked: Asked, steps: Steps) -> Timed:
     source = Source.load(program)
     options, found = with_controller(source, asked.dialect, asked.options)
     figures, findings = figures_for(options, asked.model), Findings()
-    with steps.step("reading", program) as step:
+    with steps.step("moves", program) as step:
         moves = moves_of(source, asked.machine, options, asked.feed, asked.dialect, findings)
         step.note = f"{moves.blocks} blocks, {len(moves)} moves"
     best: tuple[OperationTime, ...] = ()
@@ -98,9 +98,9 @@ def run_time(programs: Sequence[str], asked: Asked, as_json: bool) -> int:
 
     console = new_console()
     # what is under way is shown beside JSON, too, but not among it
-    steps = Steps(Console(stderr=True, highlight=False, markup=False) if as_json else console)
+    place = Console(stderr=True, highlight=False, markup=False) if as_json else console
     alone = len(programs) == 1 and not as_json
-    found = [(timed if alone else timed_or_wrong)(program, asked, steps) for program in programs]
+    found = [(timed if alone else timed_or_wrong)(program, asked, Steps(place)) for program in programs]
     if as_json:
         table.print_json(found, asked.machine.name)
     else:

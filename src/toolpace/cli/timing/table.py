@@ -26,6 +26,9 @@ MODELS = {
 }
 """What each model of a control does, in words."""
 KINDS = ("cutting", "rapid", "dwell", "tool_change")
+FASTER = "the control passes limits of joints, or of jerk, that the optimum keeps"
+LONGEST_NAME = 40
+"""Most characters of a program's name that a table does not break."""
 MOST_PARTS = 60
 """Operations that a page lists."""
 
@@ -88,24 +91,29 @@ def _show_parts(console: Console, found: Timed) -> None:
 
 
 def _show_table(console: Console, found: Sequence[Timed]) -> None:
+    known = [(each.time.total, each.optimum) for each in found if each.time is not None and each.optimum is not None]
+    headings = ["program", "control", "model", "time", "cutting", "rapid", *(["optimum", "saving"] if known else [])]
     table = Table(box=SIMPLE, pad_edge=False)
-    for heading in ("program", "control", "model", "time", "cutting", "rapid", "optimum", "saving"):
+    for heading in headings:
         left = heading in ("program", "control", "model")
-        table.add_column(heading, justify="left" if left else "right", overflow="fold")
-    for name, each in zip(short_names([each.program for each in found]), found):
+        table.add_column(heading, justify="left" if left else "right", overflow="fold", no_wrap=not left)
+    names = short_names([each.program for each in found])
+    table.columns[0].no_wrap = max(map(len, names)) <= LONGEST_NAME
+    for name, each in zip(names, found):
         if each.time is None:
-            table.add_row(Text(printable(name), style="red"), *["-"] * 7)
+            table.add_row(Text(printable(name), style="red"), *["-"] * (len(headings) - 1))
             continue
         time = each.time
         times = [format_time(seconds) for seconds in (time.total, time.sum("cutting"), time.sum("rapid"))]
-        cells = (name, each.control or "-", each.model, *times, *_optimum(time.total, each.optimum))
+        cells = [name, each.control or "-", each.model, *times, *(_optimum(time.total, each.optimum) if known else ())]
         table.add_row(*(Text(printable(cell)) for cell in cells))
-    known = [(each.time.total, each.optimum) for each in found if each.time is not None and each.optimum is not None]
     if len(known) > 1:
         total, optimum = (sum(column) for column in zip(*known))
         table.add_section()
         table.add_row("all with an optimum", "", "", format_time(total), "", "", *_optimum(total, optimum))
     console.print(table)
+    if any(optimum > total for total, optimum in known):
+        console.print(f"saving below zero: {FASTER}", soft_wrap=True)
 
 
 def _optimum(total: float, optimum: float | None) -> tuple[str, str]:
@@ -113,11 +121,11 @@ def _optimum(total: float, optimum: float | None) -> tuple[str, str]:
 
 
 def _saving(total: float, optimum: float) -> str:
-    """How much less the optimum takes; a control that keeps no joint's limits, or no jerk, may be below it."""
+    """How much less the optimum takes."""
     share = 1.0 - optimum / total
     if share >= 0.0:
         return f"{share:.1%} less"
-    return f"{-share:.1%} more: the control passes limits of acceleration or jerk that the optimum keeps"
+    return f"{-share:.1%} more: {FASTER}"
 
 
 def print_json(found: Sequence[Timed], machine: str) -> None:
