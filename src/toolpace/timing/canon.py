@@ -115,7 +115,7 @@ class _Rows:
         chained = np.where(np.isnan(moves.cam_tolerance), moves.tolerance, moves.cam_tolerance) / MILLIMETRE
         chained = np.where(np.isfinite(chained) & (moves.joining == BLENDED), chained, 0.0)
         sag = np.full(len(moves), np.inf)
-        arc = moves.sweep > 0.0
+        arc = (moves.sweep > 0.0) & (moves.sweep <= 2.0 * np.pi)
         sag[arc] = moves.radius[arc] / MILLIMETRE * (1.0 - np.cos(0.5 * moves.sweep[arc]))
         flat = (sag < chained) & (np.abs(moves.normal[:, 2]) > 0.5)
         self.of: Ints = np.repeat(np.arange(len(moves)), np.where(flat, 2, 1))
