@@ -6,7 +6,7 @@ its src/emc/task/emccanon.cc.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -26,13 +26,27 @@ FAR = 1e9
 """In place of what nothing limits [mm, s]."""
 
 
+class Waits(NamedTuple):
+    """How long motion rests beside its dwells where the interpreter waits for its end [s].
+
+    Measured in real time, with outputs that answer at once: about the cycles of its task (1 ms) and its I/O (20 ms).
+    """
+
+    queue: float = 3e-3
+    """For dwells."""
+    switch: float = 22e-3
+    """For spindle, coolant and other words that switch something."""
+    tool: float = 100e-3
+    """For another tool, with the words that stop and start the spindle."""
+
+
 class Canon:
     """Moves as blocks in LinuxCNC's units, mm and deg, and back to the times of moves."""
 
-    def __init__(self, moves: Commanded, machine: Machine) -> None:
+    def __init__(self, moves: Commanded, machine: Machine, waits: Waits) -> None:
         self.moves = moves
         self.velocity, self.acceleration = _limits(moves, machine)
-        rows = _Rows(moves)
+        rows = _Rows(moves, waits)
         self.ends = rows.ends()
         """Rows at which blocks end."""
         self.rows = rows
@@ -69,27 +83,15 @@ class Canon:
             acceleration = np.where(slowest > 0.0, np.minimum(size / slowest, FAR), FAR)
             straight = np.where(stands[:, None], 0.0, xyz / np.linalg.norm(xyz, axis=1)[:, None])
         rate = np.where(stands, rows.turn[last], rows.speed[last])
-        wait = np.where(rows.rests[last], rows.dwell[last], -1.0)
-        return Blocks(
-            kind=np.where(arc, ARC, LINE),
-            rapid=rows.rapid[last],
-            turns=way[:, 3:].any(axis=1),
-            length=size,
-            asked=np.where(rows.rapid[last], top, np.minimum(rate, top)),
-            top=top,
-            acceleration=acceleration,
-            begin=np.ascontiguousarray(np.where(arc[:, None], rows.begin[last], straight)),
-            end=np.ascontiguousarray(np.where(arc[:, None], rows.end[last], straight)),
-            corner=np.ascontiguousarray(rows.place[last, :3] - xyz),
-            centre=rows.centre[last],
-            normal=rows.normal[last],
-            radius=rows.radius[last],
-            sweep=rows.sweep[last],
-            rise=rows.rise()[last],
-            ending=rows.joining[last],
-            tolerance=rows.tolerance[last],
-            wait=wait,
-        )
+        figures = np.column_stack([
+            np.where(arc, ARC, LINE), rows.rapid[last], way[:, 3:].any(axis=1) * np.where(stands, 2.0, 1.0), size,
+            np.where(rows.rapid[last], top, np.minimum(rate, top)), top, acceleration, rows.radius[last],
+            rows.sweep[last], rows.joining[last], rows.tolerance[last], rows.wait[last],
+        ])  # fmt: skip
+        begin, end = (np.where(arc[:, None], each[last], straight) for each in (rows.begin, rows.end))
+        corner = rows.place[last, :3] - xyz
+        vectors = np.stack([begin, end, corner, rows.centre[last], rows.normal[last], rows.rise()[last]], axis=1)
+        return Blocks(figures, np.ascontiguousarray(vectors))
 
     def _bend(self, rows: _Rows, last: Ints, arc: Bools, least: Floats, slowest: Floats) -> None:
         """Arcs take the least limit of their plane's axes, everywhere."""
@@ -108,12 +110,12 @@ class Canon:
 class _Rows:
     """Moves in mm and deg, in one frame throughout; arcs flatter than the tolerance of chains are two lines."""
 
-    def __init__(self, moves: Commanded) -> None:
+    def __init__(self, moves: Commanded, waits: Waits) -> None:
         unit = np.array([MILLIMETRE] * 3 + [DEGREE] * (moves.words.shape[1] - 3))
         chained = np.where(np.isnan(moves.cam_tolerance), moves.tolerance, moves.cam_tolerance) / MILLIMETRE
         chained = np.where(np.isfinite(chained) & (moves.joining == BLENDED), chained, 0.0)
         sag = np.full(len(moves), np.inf)
-        arc = moves.sweep > 0.0
+        arc = (moves.sweep > 0.0) & (moves.sweep <= 2.0 * np.pi)
         sag[arc] = moves.radius[arc] / MILLIMETRE * (1.0 - np.cos(0.5 * moves.sweep[arc]))
         flat = (sag < chained) & (np.abs(moves.normal[:, 2]) > 0.5)
         self.of: Ints = np.repeat(np.arange(len(moves)), np.where(flat, 2, 1))
@@ -137,8 +139,7 @@ class _Rows:
         self.tolerance = np.where(np.isfinite(moves.tolerance), moves.tolerance, 0.0)[of] / MILLIMETRE
         self.chained = chained[of]
         is_last = np.append(of[1:] != of[:-1], True)
-        self.rests = ((moves.stop | (moves.dwell > 0.0))[of]) & is_last
-        self.dwell = np.where(is_last, moves.dwell[of], 0.0)
+        self.wait = np.where(is_last, _waits(moves, waits)[of], -1.0)
 
     def _flatten(self, moves: Commanded, flat: Bools) -> None:
         """Halve the ways of flat arcs, by way of their middle."""
@@ -176,7 +177,7 @@ class _Rows:
 
         turns = np.abs(self.way[:, 3:]).max(axis=1, initial=0.0) > NONE
         alone = self.rapid | turns | (self.sweep > 0.0)
-        cut = self.rests.copy()
+        cut = self.wait >= 0.0
         for each in (self.speed, self.turn, self.joining, self.tolerance, self.chained):
             cut[:-1] |= each[1:] != each[:-1]
         return chain_ends(np.ascontiguousarray(self.place[:, :3]), self.chained, alone, cut)
@@ -193,3 +194,13 @@ def _limits(moves: Commanded, machine: Machine) -> tuple[Floats, Floats]:
         np.minimum(limits.velocity[columns] / unit, FAR),
         np.minimum(limits.acceleration[columns] / unit, FAR),
     )
+
+
+def _waits(moves: Commanded, waits: Waits) -> Floats:
+    """(n,) how long motion rests at the end of each move, its dwell included [s]; below zero where it goes on."""
+    found = np.where(moves.stop, waits.switch, -1.0)
+    found = np.where(moves.dwell > 0.0, moves.dwell + waits.queue, found)
+    tools = np.array([each.tool for each in moves.operations])[moves.operation]
+    changed = np.flatnonzero((tools[1:] != tools[:-1]) & (tools[1:] != ""))
+    found[changed] = np.maximum(found[changed], moves.dwell[changed] + waits.tool)
+    return np.asarray(found)

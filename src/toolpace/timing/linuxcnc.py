@@ -13,7 +13,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.commanded import Commanded
-from toolpace.timing.canon import Canon
+from toolpace.timing.canon import Canon, Waits
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -37,8 +37,7 @@ class LinuxCNC:
     """ARC_BLEND_GAP_CYCLES."""
     ramp_frequency: float = 100.0
     """ARC_BLEND_RAMP_FREQ [Hz]."""
-    latency: float = 4e-3
-    """From the end of a motion to the start of the next, where the interpreter waits for the first [s]."""
+    waits: Waits = Waits()
 
 
 def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None = None) -> Floats:
@@ -47,12 +46,11 @@ def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None
     from toolpace.kernels.linuxcnc.program import cycles_of
 
     settings = settings or LinuxCNC()
-    canon = Canon(moves, machine)
-    if not len(canon.blocks.length):
+    canon = Canon(moves, machine, settings.waits)
+    if not len(canon.blocks.figures):
         return np.zeros(len(moves))
     control = Control(
         settings.cycle, canon.velocity[:3].copy(), canon.acceleration[:3].copy(), settings.path_velocity,
         settings.most_override, settings.kink_ratio, settings.depth, settings.gap_cycles, settings.ramp_frequency,
-        round(settings.latency / settings.cycle),
     )  # fmt: skip
     return canon.times(cycles_of(canon.blocks, control) * settings.cycle)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from toolpace.kernels.arrays import Bools, Floats, Ints
+from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 
 LINE, ARC, ROUNDING = 0, 1, 2
@@ -15,7 +15,7 @@ SMALL_WAY, SMALL_SPEED, SMALL_TIME = 1e-12, 1e-8, 1e-12
 """[mm], [mm/s], [s]"""
 TANGENTIAL = 0.5
 """Share of the acceleration that arcs leave to changes of speed."""
-NORMAL = 0.75**0.5
+SIDEWAYS = 0.75**0.5
 """Share of it that is left across."""
 
 (
@@ -24,47 +24,32 @@ NORMAL = 0.75**0.5
     OVERLAPPING, RADIUS, SWEEP,
 ) = range(31)  # fmt: skip
 """Columns of the table of segments: block it is of, kind, ending, whether it is a rapid, whether rotary axes move;
-length, length before roundings, way done; speed asked for, most speed, acceleration, its share along an arc; tolerance;
-speed, planned final speed; most speed at a kink with the next, shares of acceleration that kinks behind and before it
-take; whether the one before overlaps it, whether its length is final, whether its end is a peak of the plan; period of
-its cycle, whether the next cycle ends it, its speed then, whether it is done; whether it was begun, is ramped, is on its
-last slowing down, is overlapping the next; radius and sweep of an arc."""
+length, length before roundings, way done; speed asked for, most speed, acceleration, its share along an arc;
+tolerance; speed, planned final speed; most speed at a kink with the next, shares of acceleration that kinks behind and
+before take; whether the one before overlaps it, whether its length is final, whether its end is a peak of the plan;
+period of its cycle, whether the next cycle ends it, its speed then, whether it is done; whether it was begun, is
+ramped, is on its last slowing down, is overlapping the next; radius and sweep of an arc."""
 COLUMNS = 31
+
+
+OF_KIND, OF_RAPID, OF_TURNS, OF_LENGTH, OF_ASKED, OF_TOP, OF_ACCELERATION, OF_RADIUS, OF_SWEEP = range(9)
+OF_ENDING, OF_TOLERANCE, OF_WAIT = range(9, 12)
+"""Columns of figures of blocks: LINE or ARC, whether it is a rapid, whether rotary axes move (2: they alone); length
+[mm, or deg where X, Y, Z stand]; speed asked for, within the axes' limits; most speed by them; acceleration; radius and
+sweep of an arc; OVERLAPPED, EXACT or REST, by the mode in force; tolerance of blending [mm], 0: none; how long it waits
+at rest behind the block [s], below zero: it goes on."""
+BEGIN, END, CORNER, CENTRE, NORMAL, RISE = range(6)
+"""Vectors of blocks: unit directions of X, Y, Z at start and end, zero where they stand; place of the start [mm]; of an
+arc its centre, the normal about which it turns, and its rise."""
 
 
 class Blocks(NamedTuple):
     """n blocks as the interpreter hands them on."""
 
-    kind: Ints
-    """(n,) LINE or ARC."""
-    rapid: Bools
-    turns: Bools
-    """(n,) whether a rotary axis moves."""
-    length: Floats
-    """(n,) [mm, or deg where X, Y, Z stand]."""
-    asked: Floats
-    """(n,) speed asked for, within the axes' limits."""
-    top: Floats
-    """(n,) most speed by the axes' limits."""
-    acceleration: Floats
-    begin: Floats
-    """(n, 3) unit direction of X, Y, Z at the start; zero where they stand."""
-    end: Floats
-    corner: Floats
-    """(n, 3) place of X, Y, Z at the start [mm]."""
-    centre: Floats
-    """(n, 3) of an arc."""
-    normal: Floats
-    radius: Floats
-    sweep: Floats
-    rise: Floats
-    """(n, 3) of a helix."""
-    ending: Ints
-    """(n,) OVERLAPPED, EXACT or REST, by the mode in force."""
-    tolerance: Floats
-    """(n,) of blending [mm]; 0: none."""
-    wait: Floats
-    """(n,) how long it waits at rest behind the block [s]; below zero: it goes on."""
+    figures: Floats
+    """(n, 12)"""
+    vectors: Floats
+    """(n, 6, 3)"""
 
 
 class Control(NamedTuple):
@@ -88,8 +73,6 @@ class Control(NamedTuple):
     """ARC_BLEND_GAP_CYCLES: a line that is left with fewer cycles becomes part of the rounding behind it."""
     ramp_frequency: float
     """ARC_BLEND_RAMP_FREQ [Hz]: shorter segments are ramped from speed to speed."""
-    latency: int
-    """Cycles from the end of a motion to the next where the queue had to be empty between them."""
 
 
 @jit()

@@ -5,12 +5,11 @@ Source: LinuxCNC's documents, "G64 P Q" ("naive cam detector").
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
+from toolpace.kernels.linuxcnc.vectors import Vector, along, dot, from_to, norm
 
 MOST = 101
 """Points of a chain."""
@@ -47,15 +46,19 @@ def joins(place: Floats, tolerance: float, first: int, i: int) -> bool:
     """Whether the rows from `first` up to i may be one block."""
     if tolerance <= 0.0 or i - first >= MOST:
         return False
-    base = place[first - 1]
-    way = place[i] - base
-    square = way[0] ** 2 + way[1] ** 2 + way[2] ** 2
+    base = point(place, first - 1)
+    way = from_to(base, point(place, i))
+    square = dot(way, way)
     if square == 0.0:
         return False
     for k in range(first, i):
-        spoke = place[k] - base
-        share = (way[0] * spoke[0] + way[1] * spoke[1] + way[2] * spoke[2]) / square
-        off = spoke - way * min(max(share, 0.0), 1.0)
-        if math.sqrt(off[0] ** 2 + off[1] ** 2 + off[2] ** 2) > tolerance:
+        spoke = from_to(base, point(place, k))
+        share = min(max(dot(way, spoke) / square, 0.0), 1.0)
+        if norm(along(spoke, -share, way)) > tolerance:
             return False
     return True
+
+
+@jit()
+def point(place: Floats, i: int) -> Vector:
+    return place[i, 0], place[i, 1], place[i, 2]

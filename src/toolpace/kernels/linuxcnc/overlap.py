@@ -10,21 +10,25 @@ from toolpace.kernels.linuxcnc.blocks import (
     ACCELERATION,
     ARC,
     ASKED,
+    BEGIN,
     BLOCK,
+    CENTRE,
+    CORNER,
+    END,
     ENDING,
     FIXED,
     KIND,
     KINK_AFTER,
     KINK_BEFORE,
     LENGTH,
+    OF_RADIUS,
     OVERLAPPED,
     OVERLAPS,
-    RADIUS,
     TOLERANCE,
     Blocks,
     acceleration_of,
 )
-from toolpace.kernels.linuxcnc.vectors import dot, unit
+from toolpace.kernels.linuxcnc.vectors import ORIGIN, Vector, along, dot, from_to, of_block, unit
 
 LEAST_ANGLE = 1e-3
 """Between the ways of two segments, for a tolerance to count."""
@@ -39,7 +43,7 @@ def overlap_speeds(b: Blocks, q: Floats, k: int, new: int, goal: float, goal_new
     time = min(longest, max(v / a, v_new / a_new))
     v, v_new = min(v, time * a), min(v_new, time * a_new)
     j, j_new = int(q[k, BLOCK]), int(q[new, BLOCK])
-    turn = dot(b.end[j], start_of(b, q, new, j_new))
+    turn = dot(of_block(b, j, END), start_of(b, q, new, j_new))
     theta = 0.5 * math.acos(max(-1.0, min(1.0, -turn)))
     if q[k, TOLERANCE] > 0.0 and math.cos(theta) > math.sin(LEAST_ANGLE):
         near = 2.0 * math.sqrt(a * q[k, TOLERANCE] / math.cos(theta))
@@ -54,12 +58,13 @@ def peak_speed(q: Floats, k: int, acceleration: float) -> float:
 
 
 @jit()
-def start_of(b: Blocks, q: Floats, k: int, j: int) -> Floats:
+def start_of(b: Blocks, q: Floats, k: int, j: int) -> Vector:
     """Direction in which a segment accelerates at its start: an arc inwards, too."""
     if q[k, KIND] != ARC:
-        return b.begin[j]
+        return of_block(b, j, BEGIN)
     share = 1.0 - max(q[k, KINK_AFTER], q[k, KINK_BEFORE])
     if q[k, OVERLAPS] or q[k, ENDING] == OVERLAPPED:
         share *= 0.5
-    inwards = unit(b.centre[j] - b.corner[j])
-    return unit(b.begin[j] * (q[k, ACCELERATION] * share) + inwards * ((0.5 * q[k, ASKED]) ** 2 / q[k, RADIUS]))
+    inwards = unit(from_to(of_block(b, j, CORNER), of_block(b, j, CENTRE)))
+    curved = (0.5 * q[k, ASKED]) ** 2 / b.figures[j, OF_RADIUS]
+    return unit(along(along(ORIGIN, q[k, ACCELERATION] * share, of_block(b, j, BEGIN)), curved, inwards))

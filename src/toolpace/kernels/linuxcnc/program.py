@@ -12,26 +12,24 @@ from toolpace.kernels.linuxcnc.blocks import (
     BLOCK,
     COLUMNS,
     DONE,
-    ENDING,
-    FINAL,
     LENGTH,
+    OF_WAIT,
     PERIOD,
     SPEED,
     SPLIT,
-    TANGENT,
     Blocks,
     Control,
     acceleration_of,
     most_speed,
 )
-from toolpace.kernels.linuxcnc.cycle import step
+from toolpace.kernels.linuxcnc.cycle import final_speed, step
 from toolpace.kernels.linuxcnc.queue import put
 
 
 @jit()
 def cycles_of(b: Blocks, control: Control) -> Ints:
     """(n,) cycle in which each block has ended."""
-    n = len(b.length)
+    n = len(b.figures)
     q = np.zeros((2 * n + 2, COLUMNS))
     ended = np.zeros(n, dtype=np.int64)
     head = tail = fed = clock = 0
@@ -39,12 +37,12 @@ def cycles_of(b: Blocks, control: Control) -> Ints:
     while True:
         if fed < n and not waiting:
             tail = put(b, fed, q, head, tail, control)
-            waiting = b.wait[fed] >= 0.0
+            waiting = b.figures[fed, OF_WAIT] >= 0.0
             fed += 1
         if head == tail:
             if not waiting or fed == n:
                 break
-            clock += control.latency + math.ceil(b.wait[fed - 1] / control.cycle - 1e-9)
+            clock += math.ceil(b.figures[fed - 1, OF_WAIT] / control.cycle - 1e-9)
             waiting = False
             continue
         gone = step(b, q, head, tail, control)
@@ -53,19 +51,19 @@ def cycles_of(b: Blocks, control: Control) -> Ints:
             ended[int(q[head, BLOCK])] = clock
             head += 1
         elif fed == n or waiting:
-            clock += cruise(q, head, control)
+            clock += cruise(q, head, head + 1 if head + 1 < tail else -1, control)
     return ended
 
 
 @jit()
-def cruise(q: Floats, k: int, control: Control) -> int:
+def cruise(q: Floats, k: int, after: int, control: Control) -> int:
     """Cycles that a segment goes on as it is, at its most speed, far from its end; they are done at once."""
     v = q[k, SPEED]
     if q[k, SPLIT] or v <= 0.0 or v != most_speed(q, k, control, 1.0) or q[k, PERIOD] != control.cycle:
         return 0
     a = acceleration_of(q, k)
     half = 0.5 * a * control.cycle
-    final = q[k, FINAL] if q[k, ENDING] == TANGENT else 0.0
+    final = final_speed(q, k, after, control)
     braking = max(((v + half) ** 2 - min(final, v) ** 2 - half**2) / (2.0 * a), 0.0) + v * control.cycle
     count = int((q[k, LENGTH] - q[k, DONE] - braking) / (v * control.cycle)) - 2
     if count <= 0:

@@ -10,8 +10,11 @@ from toolpace.kernels.linuxcnc.blocks import (
     ACCELERATION,
     ARC,
     ASKED,
+    BEGIN,
     BLOCK,
+    COLUMNS,
     DONE,
+    END,
     ENDING,
     EXACT,
     FINAL,
@@ -23,7 +26,17 @@ from toolpace.kernels.linuxcnc.blocks import (
     LENGTH,
     LINE,
     NOMINAL,
-    NORMAL,
+    OF_ACCELERATION,
+    OF_ASKED,
+    OF_ENDING,
+    OF_KIND,
+    OF_LENGTH,
+    OF_RADIUS,
+    OF_RAPID,
+    OF_SWEEP,
+    OF_TOLERANCE,
+    OF_TOP,
+    OF_TURNS,
     OVERLAPPED,
     OVERLAPPING,
     OVERLAPS,
@@ -32,7 +45,9 @@ from toolpace.kernels.linuxcnc.blocks import (
     RADIUS,
     RAPID,
     REST,
+    RISE,
     ROUNDING,
+    SIDEWAYS,
     SPLIT,
     SWEEP,
     TANGENT,
@@ -49,6 +64,7 @@ from toolpace.kernels.linuxcnc.blocks import (
 )
 from toolpace.kernels.linuxcnc.overlap import overlap_speeds
 from toolpace.kernels.linuxcnc.rounding import Rounding, no_rounding, round_corner
+from toolpace.kernels.linuxcnc.vectors import along, dot, from_to, of_block
 
 SHARP = (math.pi * 2.0 / 180.0) ** 2
 """Corners that turn back within two degrees: squared sum of unit vectors."""
@@ -67,17 +83,17 @@ def put(b: Blocks, j: int, q: Floats, head: int, tail: int, control: Control) ->
     if tail == head:
         return tail + 1
     k, new = tail - 1, tail
-    if (q[k, RAPID] != 0.0) != b.rapid[j]:
+    if q[k, RAPID] != b.figures[j, OF_RAPID]:
         end_with(q, k, new, REST)
     rounded, taken, rounding = meet(b, q, k, new, control)
     if rounded:
         at = k if taken else new
         if not taken:
             new = tail + 1
-            q[new] = q[tail]
+            copy(q, tail, new)
             fix(q, k, control)
         block, rapid, rest = q[k, BLOCK], q[k, RAPID], rounding.first
-        q[at] = 0.0
+        clear(q, at)
         q[at, BLOCK], q[at, RAPID], q[at, KIND], q[at, ENDING] = block, rapid, ROUNDING, TANGENT
         q[at, LENGTH] = rounding.radius * rounding.angle + (rest if taken else 0.0)
         q[at, NOMINAL], q[at, TOP], q[at, ASKED] = q[at, LENGTH], rounding.speed, rounding.asked
@@ -93,18 +109,34 @@ def put(b: Blocks, j: int, q: Floats, head: int, tail: int, control: Control) ->
 @jit()
 def begin(b: Blocks, j: int, q: Floats, new: int, control: Control) -> None:
     """A segment of block j as the interpreter gives it."""
-    q[new] = 0.0
-    q[new, BLOCK], q[new, KIND], q[new, ENDING] = j, b.kind[j], b.ending[j]
-    q[new, RAPID] = b.rapid[j]
-    q[new, TURNS] = (1.0 if b.begin[j].any() or b.kind[j] == ARC else 2.0) if b.turns[j] else 0.0
-    q[new, LENGTH] = q[new, NOMINAL] = b.length[j]
-    q[new, ASKED], q[new, TOP], q[new, ACCELERATION] = b.asked[j], b.top[j], b.acceleration[j]
-    q[new, TANGENT_SHARE], q[new, TOLERANCE], q[new, KINK] = TANGENTIAL, b.tolerance[j], -1.0
+    clear(q, new)
+    q[new, BLOCK], q[new, KIND], q[new, ENDING] = j, b.figures[j, OF_KIND], b.figures[j, OF_ENDING]
+    q[new, RAPID] = b.figures[j, OF_RAPID]
+    q[new, TURNS] = b.figures[j, OF_TURNS]
+    q[new, LENGTH] = q[new, NOMINAL] = b.figures[j, OF_LENGTH]
+    q[new, ASKED], q[new, TOP] = b.figures[j, OF_ASKED], b.figures[j, OF_TOP]
+    q[new, ACCELERATION] = b.figures[j, OF_ACCELERATION]
+    q[new, TANGENT_SHARE], q[new, TOLERANCE], q[new, KINK] = TANGENTIAL, b.figures[j, OF_TOLERANCE], -1.0
     q[new, PERIOD] = control.cycle
-    q[new, RADIUS], q[new, SWEEP] = b.radius[j], b.sweep[j]
+    q[new, SWEEP] = b.figures[j, OF_SWEEP]
     q[new, TOP] = min(q[new, TOP], q[new, LENGTH] / control.cycle)
-    if b.kind[j] == ARC:
-        q[new, TOP] = min(q[new, TOP], math.sqrt(NORMAL * b.acceleration[j] * b.radius[j]))
+    if q[new, KIND] == ARC:
+        # a helix counts as wider, by all of its rise
+        radius, rise = b.figures[j, OF_RADIUS], of_block(b, j, RISE)
+        q[new, RADIUS] = radius + dot(rise, rise) / radius
+        q[new, TOP] = min(q[new, TOP], math.sqrt(SIDEWAYS * q[new, ACCELERATION] * q[new, RADIUS]))
+
+
+@jit()
+def clear(q: Floats, k: int) -> None:
+    for column in range(COLUMNS):
+        q[k, column] = 0.0
+
+
+@jit()
+def copy(q: Floats, k: int, to: int) -> None:
+    for column in range(COLUMNS):
+        q[to, column] = q[k, column]
 
 
 @jit()
@@ -117,8 +149,8 @@ def bend(q: Floats, k: int) -> None:
         most *= 0.5
     needed = q[k, TOP] ** 2 / q[k, RADIUS]
     q[k, TANGENT_SHARE] = TANGENTIAL
-    if needed > NORMAL * most:
-        q[k, TOP] = math.sqrt(NORMAL * most * q[k, RADIUS])
+    if needed > SIDEWAYS * most:
+        q[k, TOP] = math.sqrt(SIDEWAYS * most * q[k, RADIUS])
     else:
         q[k, TANGENT_SHARE] = math.sqrt(1.0 - (needed / most) ** 2)
 
@@ -173,16 +205,16 @@ def pass_straight(b: Blocks, q: Floats, k: int, new: int, j: int, j_new: int, co
 
     Else the speed is noted at which it could be passed, and what that takes of the acceleration.
     """
-    turn = b.begin[j_new] - b.end[j]
-    if ((b.begin[j_new] + b.end[j]) ** 2).sum() < SHARP:
+    before, behind = of_block(b, j, END), of_block(b, j_new, BEGIN)
+    turn, back = from_to(before, behind), along(before, 1.0, behind)
+    if dot(back, back) < SHARP:
         end_with(q, k, new, REST)
         return True
     speed = min(most_speed(q, k, control, control.override), most_speed(q, new, control, control.override))
     jump = speed / control.cycle + q[new, ACCELERATION]
     share = 0.0
     for i in range(3):
-        if control.acceleration[i] > 0.0:
-            share = max(share, abs(turn[i]) * jump / control.acceleration[i])
+        share = max(share, abs(turn[i]) * jump / control.acceleration[i])
     if q[k, KIND] == ARC or q[new, KIND] == ARC:
         share /= TANGENTIAL
     flat = share < control.kink

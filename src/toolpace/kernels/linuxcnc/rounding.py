@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.linuxcnc.blocks import (
     ARC,
+    BEGIN,
+    CENTRE,
+    CORNER,
+    END,
+    KIND,
     LENGTH,
     LINE,
     NOMINAL,
     NORMAL,
+    OF_SWEEP,
+    SIDEWAYS,
     SWEEP,
     TOLERANCE,
     TOP,
@@ -22,7 +27,19 @@ from toolpace.kernels.linuxcnc.blocks import (
     Control,
     most_speed,
 )
-from toolpace.kernels.linuxcnc.vectors import across, between, dot, norm, on_circle, unit
+from toolpace.kernels.linuxcnc.vectors import (
+    ORIGIN,
+    Vector,
+    across,
+    along,
+    between,
+    dot,
+    from_to,
+    norm,
+    of_block,
+    on_circle,
+    unit,
+)
 
 SMALL_ANGLE = 1e-6
 SMALL_ARC = 1e-6
@@ -50,8 +67,8 @@ class Rounding(NamedTuple):
 class Side(NamedTuple):
     """One of both segments, as a line towards the corner or away from it."""
 
-    direction: Floats
-    """(3,) of its chord."""
+    direction: Vector
+    """Of its chord."""
     reach: float
     """Most length along it."""
     lean: float
@@ -73,59 +90,42 @@ def leaving(plan: Rounding, radius: float, angle: float, first: float, second: f
 
 
 @jit()
-def line_side(direction: Floats, reach: float) -> Side:
-    return Side(direction, reach, 0.0, False, 0.0)
-
-
-@jit()
-def arc_side(
-    b: Blocks,
-    j: int,
-    tangent: Floats,
-    other: Floats,
-    corner: Floats,
-    sweep: float,
-    share: float,
-    theta: float,
-    ends: bool,
-) -> Side:
-    """An arc that ends in the corner, or starts there; sweep is what is left of it."""
-    centre = b.centre[j]
-    radius = norm(corner - centre)
-    inside = dot(corner - centre, other) < 0.0
-    convex = inside if ends else not inside
-    most = min(sweep * share, theta if convex else math.pi / 2)
+def arc_side(b: Blocks, j: int, j1: int, sweep: float, theta: float, ends: bool) -> Side:
+    """An arc that ends in the corner at the start of block j1, or starts there; sweep is what is left of it."""
+    corner, centre = of_block(b, j1, CORNER), of_block(b, j, CENTRE)
+    spoke = from_to(centre, corner)
+    tangent = of_block(b, j, END) if ends else of_block(b, j, BEGIN)
+    other = of_block(b, j1, BEGIN) if ends else of_block(b, j1 - 1, END)
+    convex = (dot(spoke, other) < 0.0) == ends
+    most = min(sweep * (2.0 / 3.0 if ends else 1.0 / 3.0), theta if convex else math.pi / 2)
     if not convex:
-        return Side(tangent, most * radius, 0.0, False, most)
+        return Side(tangent, most * norm(spoke), 0.0, False, most)
     # the chord of half of what may be cut
-    near = on_circle(b, j, b.sweep[j] - 0.5 * most if ends else (b.sweep[j] - sweep) + 0.5 * most)
-    chord = unit(corner - near if ends else near - corner)
-    return Side(chord, math.sin(0.25 * most) * radius, 0.25 * most, True, most)
+    whole = b.figures[j, OF_SWEEP]
+    near = on_circle(b, j, whole - 0.5 * most if ends else whole - sweep + 0.5 * most)
+    chord = from_to(near, corner) if ends else from_to(corner, near)
+    return Side(unit(chord), math.sin(0.25 * most) * norm(spoke), 0.25 * most, True, most)
 
 
 @jit()
 def round_corner(b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, control: Control) -> tuple[bool, Rounding]:
     """The rounding between segments k and new, of blocks j0 and j1; False where there can be none."""
-    corner = b.corner[j1]
-    tangent0, tangent1 = b.end[j0], b.begin[j1]
+    tangent0, tangent1 = of_block(b, j0, END), of_block(b, j1, BEGIN)
     theta = 0.5 * math.acos(max(-1.0, min(1.0, -dot(tangent0, tangent1))))
-    binormal = unit(across(tangent0, tangent1))
     if math.pi / 2 - theta < SMALL_ANGLE or theta < SMALL_ANGLE:
         return False, no_rounding()
-    lines = b.kind[j0] == LINE and b.kind[j1] == LINE
-    if b.kind[j0] == LINE:
-        first = line_side(tangent0, min(q[k, LENGTH], 0.5 * q[k, NOMINAL]))
-    else:
-        first = arc_side(b, j0, tangent0, tangent1, corner, q[k, SWEEP], 2.0 / 3.0, theta, True)
-    if b.kind[j1] == LINE:
-        second = line_side(tangent1, 0.5 * q[new, NOMINAL])
-    else:
-        second = arc_side(b, j1, tangent1, tangent0, corner, q[new, SWEEP], 1.0 / 3.0, theta, False)
-    for j in (j0, j1):
-        if b.kind[j] == ARC and abs(abs(dot(binormal, b.normal[j])) - 1.0) > 0.5 * SMALL_ANGLE**2 + 1e-15:
-            return False, no_rounding()
-    half = min(theta, theta - first.lean, theta - second.lean)
-    if not lines and b.kind[j0] == ARC and b.kind[j1] == ARC and half < math.pi / 12:
+    binormal = across(tangent0, tangent1)
+    lines = q[k, KIND] == LINE and q[new, KIND] == LINE
+    first = Side(tangent0, min(q[k, LENGTH], 0.5 * q[k, NOMINAL]), 0.0, False, 0.0)
+    if q[k, KIND] == ARC:
+        first = arc_side(b, j0, j1, q[k, SWEEP], theta, True)
+    second = Side(tangent1, 0.5 * q[new, NOMINAL], 0.0, False, 0.0)
+    if q[new, KIND] == ARC:
+        second = arc_side(b, j1, j1, q[new, SWEEP], theta, False)
+    if not (in_its_plane(b, q, k, j0, binormal) and in_its_plane(b, q, new, j1, binormal)):
+        return False, no_rounding()
+    half = min(theta - first.lean, theta - second.lean)
+    if q[k, KIND] == ARC and q[new, KIND] == ARC and half < math.pi / 12:
         return False, no_rounding()
     tolerance = tolerance_of(q, k, new)
     found, plan = plan_of(q, k, new, control, first, second, half, tolerance, binormal, lines)
@@ -135,6 +135,15 @@ def round_corner(b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, contr
         cut = plan.radius / math.tan(half)
         return True, leaving(plan, plan.radius, plan.angle, q[k, LENGTH] - cut, q[new, LENGTH] - cut)
     return placed(b, q, k, new, j0, j1, plan, first, second, tolerance, binormal, control)
+
+
+@jit()
+def in_its_plane(b: Blocks, q: Floats, k: int, j: int, binormal: Vector) -> bool:
+    """Whether a segment is a line, or an arc in the plane of the corner."""
+    if q[k, KIND] == LINE:
+        return True
+    off = 1.0 - abs(dot(binormal, of_block(b, j, NORMAL)))
+    return off < 0.5 * SMALL_ANGLE**2 + 1e-15
 
 
 @jit()
@@ -150,12 +159,12 @@ def tolerance_of(q: Floats, k: int, new: int) -> float:
 @jit()
 def plan_of(
     q: Floats, k: int, new: int, control: Control, first: Side, second: Side, half: float, tolerance: float,
-    binormal: Floats, lines: bool,
+    binormal: Vector, lines: bool,
 ) -> tuple[bool, Rounding]:  # fmt: skip
     """Radius and speed: as fast as the normal acceleration allows within the tolerance, and no wider than needed."""
     phi = math.pi - 2.0 * half
     most = in_plane(binormal, control.acceleration)
-    normal_most = NORMAL * most
+    normal_most = SIDEWAYS * most
     asked = max(most_speed(q, k, control, 1.0), most_speed(q, new, control, 1.0))
     goal = max(most_speed(q, k, control, control.override), most_speed(q, new, control, control.override))
     planar = in_plane(binormal, control.velocity)
@@ -178,101 +187,99 @@ def altitude(q: Floats, k: int, new: int, first: Side, second: Side, phi: float)
     """Height of the triangle of both segments' most velocities over the side between them."""
     steep = math.cos(min(phi, 0.49 * math.pi))
     v0, v1 = min(q[k, TOP], q[new, TOP] / steep), min(q[new, TOP], q[k, TOP] / steep)
-    base = norm(second.direction * v1 - first.direction * v0)
-    return v0 * v1 * math.sin(phi) / base
+    base = v0 * v0 + v1 * v1 - 2.0 * v0 * v1 * dot(first.direction, second.direction)
+    return v0 * v1 * math.sin(phi) / math.sqrt(base)
 
 
 @jit()
-def in_plane(normal: Floats, limits: Floats) -> float:
+def in_plane(normal: Vector, limits: Floats) -> float:
     """Most of a vector in a plane that keeps every axis within its limit, whatever its direction there."""
     found = math.inf
     for i in range(3):
-        if limits[i] > 0.0:
-            found = min(found, limits[i] / max(math.sqrt(max(1.0 - normal[i] ** 2, 0.0)), 1e-12))
+        found = min(found, limits[i] / max(math.sqrt(max(1.0 - normal[i] ** 2, 0.0)), 1e-12))
     return found
 
 
 @jit()
 def placed(
     b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, plan: Rounding, first: Side, second: Side,
-    tolerance: float, binormal: Floats, control: Control,
+    tolerance: float, binormal: Vector, control: Control,
 ) -> tuple[bool, Rounding]:  # fmt: skip
     """The rounding where one side is an arc: its centre at its radius from both, and what is cut of them."""
-    corner, radius = b.corner[j1], plan.radius
-    found, spoke = centre_of(b, j0, j1, radius, first, second, binormal)
-    if not found or norm(spoke) - radius > tolerance:
+    found, spoke = centre_of(b, q, k, new, j0, j1, plan.radius, first, second, binormal)
+    if not found or norm(spoke) - plan.radius > tolerance:
         return False, plan
-    centre = corner + spoke
-    rest = np.empty(2)
-    ends = np.empty((2, 3))
-    tangents = np.empty((2, 3))
-    for side in range(2):
-        s, j = (k, j0) if side == 0 else (new, j1)
-        tangents[side] = b.end[j0] if side == 0 else b.begin[j1]
-        if b.kind[j] == LINE:
-            cut = abs(dot(spoke, tangents[side]))
-            rest[side] = q[s, LENGTH] - cut
-            ends[side] = corner + tangents[side] * (-cut if side == 0 else cut)
-            continue
-        cut = between(corner - b.centre[j], centre - b.centre[j])
-        if cut > (first.most if side == 0 else second.most):
-            return False, plan
-        rest[side] = q[s, SWEEP] - cut
-        at = b.sweep[j] - cut if side == 0 else (b.sweep[j] - q[s, SWEEP]) + cut
-        ends[side] = on_circle(b, j, at)
-        tangents[side] = unit(across(b.normal[j], ends[side] - b.centre[j]))
-    allowed = NORMAL * TANGENT_ERROR * plan.acceleration * control.cycle / plan.speed
-    for side in range(2):
-        j = j0 if side == 0 else j1
-        if b.kind[j] == ARC and between(unit(across(binormal, ends[side] - centre)), tangents[side]) > allowed:
-            return False, plan
-    angle = between(ends[0] - centre, ends[1] - centre)
-    radius = 0.5 * (norm(ends[0] - centre) + norm(ends[1] - centre))
-    return angle > SMALL_ANGLE, leaving(plan, radius, angle, rest[0], rest[1])
+    corner = of_block(b, j1, CORNER)
+    centre = along(corner, 1.0, spoke)
+    # how far its tangents may be off those of the arcs
+    allowed = SIDEWAYS * TANGENT_ERROR * plan.acceleration * control.cycle / plan.speed
+    good, first_left, start = cut_off(b, q, k, j0, corner, centre, binormal, first.most, allowed, True)
+    fine, second_left, stop = cut_off(b, q, new, j1, corner, centre, binormal, second.most, allowed, False)
+    angle = between(start, stop)
+    radius = 0.5 * (norm(start) + norm(stop))
+    return good and fine and angle > SMALL_ANGLE, leaving(plan, radius, angle, first_left, second_left)
+
+
+@jit()
+def cut_off(
+    b: Blocks, q: Floats, s: int, j: int, corner: Vector, centre: Vector, binormal: Vector, most: float, allowed: float,
+    ends: bool,
+) -> tuple[bool, float, Vector]:  # fmt: skip
+    """Whether a rounding about a centre may touch segment s, what it leaves of it, and the spoke to where it does."""
+    if q[s, KIND] == LINE:
+        way = of_block(b, j, END)
+        cut = abs(dot(from_to(corner, centre), way))
+        return True, q[s, LENGTH] - cut, from_to(centre, along(corner, -cut if ends else cut, way))
+    own = of_block(b, j, CENTRE)
+    cut = between(from_to(own, corner), from_to(own, centre))
+    left = q[s, SWEEP] - cut
+    whole = b.figures[j, OF_SWEEP]
+    place = on_circle(b, j, whole - cut if ends else whole - left)
+    spoke = from_to(centre, place)
+    tangent = across(of_block(b, j, NORMAL), from_to(own, place))
+    return cut <= most and between(across(binormal, spoke), tangent) <= allowed, left, spoke
 
 
 @jit()
 def centre_of(
-    b: Blocks, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Floats
-) -> tuple[bool, Floats]:
+    b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Vector
+) -> tuple[bool, Vector]:
     """From the corner to the centre of a circle that touches both sides."""
-    corner = b.corner[j1]
-    if b.kind[j0] == ARC and b.kind[j1] == ARC:
+    if q[k, KIND] == ARC and q[new, KIND] == ARC:
         return between_arcs(b, j0, j1, radius, first, second, binormal)
-    line_first = b.kind[j0] == LINE
+    line_first = q[k, KIND] == LINE
     side = first if line_first else second
     arc = second if line_first else first
-    j = j1 if line_first else j0
-    to_arc = b.centre[j] - corner
+    to_arc = from_to(of_block(b, j1, CORNER), of_block(b, j1 if line_first else j0, CENTRE))
     distance = norm(to_arc) + (-radius if arc.convex else radius)
-    inwards = unit(across(binormal, side.direction))
-    along, over = dot(to_arc, side.direction), dot(to_arc, inwards)
+    inwards = across(binormal, side.direction)
+    forth, over = dot(to_arc, side.direction), dot(to_arc, inwards)
     rest = distance**2 - (radius - over) ** 2
     if rest < 0.0:
         return False, to_arc
     root = math.sqrt(rest)
-    cut = min(abs(-along + root), abs(-along - root))
-    return True, side.direction * (-cut if line_first else cut) + inwards * radius
+    cut = min(abs(-forth + root), abs(-forth - root))
+    back = along(ORIGIN, -cut if line_first else cut, side.direction)
+    return True, along(back, radius, inwards)
 
 
 @jit()
 def between_arcs(
-    b: Blocks, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Floats
-) -> tuple[bool, Floats]:
+    b: Blocks, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Vector
+) -> tuple[bool, Vector]:
     """The same where both sides are arcs: the nearer of two circles."""
-    corner = b.corner[j1]
-    apart = b.centre[j1] - b.centre[j0]
+    corner, centre0, centre1 = of_block(b, j1, CORNER), of_block(b, j0, CENTRE), of_block(b, j1, CENTRE)
+    apart = from_to(centre0, centre1)
     gap = norm(apart)
-    d0 = norm(corner - b.centre[j0]) + (-radius if first.convex else radius)
-    d1 = norm(corner - b.centre[j1]) + (-radius if second.convex else radius)
+    d0 = norm(from_to(centre0, corner)) + (-radius if first.convex else radius)
+    d1 = norm(from_to(centre1, corner)) + (-radius if second.convex else radius)
     if gap < 1e-12:
         return False, apart
-    along = (d0 * d0 - d1 * d1 + gap * gap) / (2.0 * gap)
-    rest = d0 * d0 - along * along
+    forth = (d0 * d0 - d1 * d1 + gap * gap) / (2.0 * gap)
+    rest = d0 * d0 - forth * forth
     if rest < 0.0:
         return False, apart
-    forth = apart / gap
-    aside = unit(across(binormal, forth)) * math.sqrt(rest)
-    base = b.centre[j0] - corner + forth * along
-    one, other = base + aside, base - aside
+    aside = across(binormal, apart)
+    base = along(from_to(corner, centre0), forth, unit(apart))
+    one, other = along(base, math.sqrt(rest), aside), along(base, -math.sqrt(rest), aside)
     return True, other if norm(other) < norm(one) else one

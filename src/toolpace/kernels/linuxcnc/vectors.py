@@ -1,52 +1,68 @@
-"""Vectors of X, Y, Z."""
+"""Vectors of X, Y, Z as three numbers: nothing is allocated, and little is compiled."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
-from toolpace.kernels.linuxcnc.blocks import Blocks
+from toolpace.kernels.linuxcnc.blocks import CENTRE, CORNER, NORMAL, OF_SWEEP, RISE, Blocks
+
+Vector = tuple[float, float, float]
+ORIGIN = (0.0, 0.0, 0.0)
 
 
 @jit()
-def dot(a: Floats, b: Floats) -> float:
+def of_block(b: Blocks, j: int, which: int) -> Vector:
+    """A vector of a block."""
+    return b.vectors[j, which, 0], b.vectors[j, which, 1], b.vectors[j, which, 2]
+
+
+@jit()
+def dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @jit()
-def norm(a: Floats) -> float:
-    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+def norm(a: Vector) -> float:
+    return math.sqrt(dot(a, a))
 
 
 @jit()
-def across(a: Floats, b: Floats) -> Floats:
-    """Cross product."""
-    found = np.empty(3)
-    found[0] = a[1] * b[2] - a[2] * b[1]
-    found[1] = a[2] * b[0] - a[0] * b[2]
-    found[2] = a[0] * b[1] - a[1] * b[0]
-    return found
+def along(a: Vector, share: float, b: Vector) -> Vector:
+    """a + share b"""
+    return a[0] + share * b[0], a[1] + share * b[1], a[2] + share * b[2]
 
 
 @jit()
-def unit(a: Floats) -> Floats:
+def from_to(a: Vector, b: Vector) -> Vector:
+    """b - a"""
+    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
+
+
+@jit()
+def unit(a: Vector) -> Vector:
     """Direction; zero of a vector without length."""
     size = norm(a)
-    return a / size if size > 0.0 else a.copy()
+    return along(ORIGIN, 1.0 / size if size > 0.0 else 0.0, a)
 
 
 @jit()
-def between(a: Floats, b: Floats) -> float:
+def across(a: Vector, b: Vector) -> Vector:
+    """Direction of the cross product; zero where both are parallel."""
+    return unit((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+
+
+@jit()
+def between(a: Vector, b: Vector) -> float:
     """Angle."""
     return math.acos(max(-1.0, min(1.0, dot(unit(a), unit(b)))))
 
 
 @jit()
-def on_circle(b: Blocks, j: int, angle: float) -> Floats:
+def on_circle(b: Blocks, j: int, angle: float) -> Vector:
     """Place of block j's arc at an angle from its start."""
-    spoke = b.corner[j] - b.centre[j]
-    aside = across(b.normal[j], spoke)
-    return b.centre[j] + spoke * math.cos(angle) + aside * math.sin(angle) + b.rise[j] * (angle / b.sweep[j])
+    centre = of_block(b, j, CENTRE)
+    spoke = from_to(centre, of_block(b, j, CORNER))
+    place = along(centre, math.cos(angle), spoke)
+    place = along(place, math.sin(angle) * norm(spoke), across(of_block(b, j, NORMAL), spoke))
+    return along(place, angle / b.figures[j, OF_SWEEP], of_block(b, j, RISE))

@@ -9,7 +9,8 @@ HEAD = "G21 G90 G17 G94 G40 G49"
 START = "G0 X0 Y0 Z0 A0 C0"
 
 
-def _program(*lines: str, head: str = "G64") -> str:
+def program(*lines: str, head: str = "G64") -> str:
+    """A program in mm that starts in the zero of the machine, with a word of the path mode."""
     return "\n".join([HEAD, head, START, *lines, "M2", ""])
 
 
@@ -28,7 +29,7 @@ def blade(passes: int = 6, points: int = 60) -> str:
             place = f"X{x:.3f} Y{y:.3f} Z{z:.3f} A{a:.3f} C{c:.3f}"
             lines.append(f"G0 {place}" if i == 0 else f"G1 {place} F{120 + 20 * (i % 3)}")
         lines.append("G94\nG0 Z12\nG93")
-    return _program(*lines, "G94", "M429", head="G64 P0.02")
+    return program(*lines, "G94", "M429", head="G64 P0.02")
 
 
 def pocket(steps: int = 4) -> str:
@@ -50,7 +51,7 @@ def pocket(steps: int = 4) -> str:
                 f"G3 X{30 + w:.3f} Y{20 - h + r:.3f} I0 J{r:.3f}",
             ]
         lines.append("G1 X30 Y20 F1500")
-    return _program(*lines, head="G64 P0.05")
+    return program(*lines, head="G64 P0.05")
 
 
 def corners(count: int = 120) -> str:
@@ -65,7 +66,7 @@ def corners(count: int = 120) -> str:
         x, y = x + length * math.cos(angle), y + length * math.sin(angle)
         z += dice.uniform(-0.5, 0.5)
         lines.append(f"G1 X{x:.4f} Y{y:.4f} Z{z:.4f}" + (f" F{dice.choice([300, 900, 2500])}" if k % 10 == 0 else ""))
-    return _program(*lines)
+    return program(*lines)
 
 
 def modes() -> str:
@@ -76,7 +77,7 @@ def modes() -> str:
         lines += [mode, "G94", *(f"G1 {place} F800" for place in figure)]
         lines += ["G93", *(f"G1 {place} F{30 + 40 * k}" for k, place in enumerate(figure)), "G94"]
         lines += [f"G0 {place}" for place in figure]
-    return _program(*lines)
+    return program(*lines)
 
 
 def switching() -> str:
@@ -89,7 +90,7 @@ def switching() -> str:
             f"G1 X{x + 4} F900", "G4 P0.25", f"G1 Y{2 * k + 5}", "M9", f"G2 X{x + 7} Y{2 * k + 8} I3 J0", "G4 P0.1",
             "G0 Z10", "M5",
         ]  # fmt: skip
-    return _program(*lines, head="G64 P0.01")
+    return program(*lines, head="G64 P0.01")
 
 
 def noise(count: int = 900) -> str:
@@ -101,7 +102,7 @@ def noise(count: int = 900) -> str:
         x, y = 60.0 * u + dice.gauss(0.0, 0.002), 12.0 * math.sin(9.0 * u) + dice.gauss(0.0, 0.002)
         z = 2.0 * math.cos(7.0 * u) - 2.0
         lines.append(f"X{x:.4f} Y{y:.4f} Z{z:.4f}")
-    return _program(*lines, head="G64 P0.02 Q0.008")
+    return program(*lines, head="G64 P0.02 Q0.008")
 
 
 TUNED = {"blade": blade, "pocket": pocket, "corners": corners, "modes": modes, "switching": switching, "noise": noise}
