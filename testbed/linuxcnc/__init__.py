@@ -1,1 +1,1 @@
-"""LinuxCNC's own interpreter as a judge: programs to try, its canonical calls, and walks along both readings."""
+"""LinuxCNC as a judge: its interpreter beside our reading, and the whole control, headless, logged each servo cycle."""

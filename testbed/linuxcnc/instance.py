@@ -1,0 +1,139 @@
+"""One real LinuxCNC at a time, in a folder of its own, as a user without rights, faster than real time.
+
+Needs `apt-get install --no-install-recommends linuxcnc-uspace faketime`. LinuxCNC's `rtapi_app` is installed with the
+rights of root, which keeps the library of `faketime` out of it and refuses root himself: root takes that bit away, any
+other user runs in real time unless it was.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import pwd
+import shutil
+import signal
+import stat
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+SPEED = 8
+"""Times real time; at twenty the interpreter no longer keeps the queue full."""
+NOBODY = "nobody"
+LOCK = Path("/var/lock/lcnc.lock")
+CORE = Path("/usr/bin/rtapi_app")
+FASTER = sorted(Path("/usr/lib").glob("*/faketime/libfaketime.so.1"))
+LAST_WORDS = 1500
+"""Most characters of LinuxCNC's output that a message shows."""
+
+
+class LinuxCNCError(RuntimeError):
+    """LinuxCNC is missing, or did not do what it was asked to."""
+
+
+def missing() -> str:
+    """What has to be installed, as one line; empty where nothing has."""
+    if not (shutil.which("linuxcnc") and shutil.which("halrun") and CORE.exists()):
+        return "LinuxCNC is not installed (apt-get install --no-install-recommends linuxcnc-uspace faketime)"
+    return ""
+
+
+@contextlib.contextmanager
+def folder() -> Iterator[Path]:
+    """A folder for one run, gone after it."""
+    if missing():
+        raise LinuxCNCError(missing())
+    with tempfile.TemporaryDirectory(prefix="linuxcnc.") as name:
+        yield Path(name)
+
+
+def execute(command: list[str], place: Path, seconds: float, speed: int = SPEED) -> str:
+    """Run a command of LinuxCNC's in a folder, alone on this machine; what it printed.
+
+    Raises LinuxCNCError after `seconds` of real time.
+    """
+    rights = _without_rights(place)
+    with _alone():
+        output = place / "output.txt"
+        with output.open("wb") as printed:
+            process = subprocess.Popen(
+                command, cwd=place, env=_environment(place, speed), stdin=subprocess.DEVNULL, stdout=printed,
+                stderr=subprocess.STDOUT, start_new_session=True, **rights,  # type: ignore[call-overload]
+            )  # fmt: skip
+            try:
+                process.wait(seconds)
+            except subprocess.TimeoutExpired:
+                raise LinuxCNCError(f"LinuxCNC did not end within {seconds:g} s: {_tail(output)}") from None
+            finally:
+                _end(process)
+    return output.read_text(errors="replace")
+
+
+def _environment(place: Path, speed: int) -> dict[str, str]:
+    found = {"PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "HOME": str(place), "USER": "linuxcnc", "LC_ALL": "C.UTF-8"}
+    if speed > 1 and FASTER and _no_bit_of_root():
+        found |= {"LD_PRELOAD": str(FASTER[0]), "FAKETIME": f"+0 x{speed}"}
+    return found
+
+
+def _no_bit_of_root() -> bool:
+    """Whether rtapi_app runs with its user's rights; root sees to it."""
+    mode = CORE.stat().st_mode
+    if mode & stat.S_ISUID and os.geteuid() == 0:
+        CORE.chmod(stat.S_IMODE(mode) & ~stat.S_ISUID)
+        return True
+    return not mode & stat.S_ISUID
+
+
+def _without_rights(place: Path) -> dict[str, object]:
+    """How to start a process as nobody where we are root, and its folder given to him."""
+    if os.geteuid() != 0:
+        return {}
+    who = pwd.getpwnam(NOBODY)
+    for path in (place, *place.iterdir()):
+        os.chown(path, who.pw_uid, who.pw_gid)
+    return {"user": who.pw_uid, "group": who.pw_gid, "extra_groups": []}
+
+
+@contextlib.contextmanager
+def _alone() -> Iterator[None]:
+    """LinuxCNC's shared memory and its realtime core are one for the whole machine."""
+    try:
+        handle = os.open(LOCK, os.O_RDONLY | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise LinuxCNCError(f"{LOCK}: {error.strerror}: nothing keeps a second LinuxCNC away") from None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Nothing of a run outlives it: ask its processes to end, then end them."""
+    for how, patience in ((signal.SIGTERM, 20.0), (signal.SIGKILL, 5.0)):
+        if process.poll() is not None and not _members(process.pid):
+            return
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, how)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(patience)
+
+
+def _members(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def _tail(output: Path) -> str:
+    return " | ".join(output.read_text(errors="replace")[-LAST_WORDS:].split("\n"))
+
+
+def last_words(text: str) -> str:
+    """The end of what LinuxCNC printed, in one line."""
+    return " | ".join(line for line in text[-LAST_WORDS:].splitlines() if line.strip())

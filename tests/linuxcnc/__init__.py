@@ -1,0 +1,1 @@
+"""The real LinuxCNC beside ours: kinematics, and the harness that runs it."""
