@@ -1,7 +1,8 @@
 """By what a folder is known as one that toolpace wrote, and nobody has changed since.
 
-Its main file (plan.json, study.json) ends with a seal: the checksums of all other files, and one of itself, taken with
-zeros in place of that checksum. A folder that holds anything else, or anything changed, is not toolpace's to replace.
+Its main file (plan.json, study.json, export.json) ends with a seal: the checksums of all other files, and one of
+itself, taken with zeros in place of that checksum. A folder that holds anything else, or anything changed, is not
+toolpace's to replace.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import json
 import os
 from pathlib import Path
 
-MAIN = ("plan.json", "study.json")
+MAIN = ("plan.json", "study.json", "export.json")
 """Files that can bear a seal."""
 KEY = "seal"
 _OPEN = "0" * 64
@@ -71,6 +72,13 @@ def foreign(folder: Path) -> str:
         if not entry.is_file(follow_symlinks=False) or checksum(Path(entry.path)) != files[entry.name]:
             return f"its {entry.name} was changed after toolpace wrote it"
     return ""
+
+
+def sealed_files(folder: Path) -> tuple[str, ...]:
+    """Names of the files that toolpace wrote into a folder, beside the one that bears the seal; none where it is
+    broken."""
+    seal = read_seal(folder)
+    return tuple(seal[1]) if seal is not None else ()
 
 
 def changed(folder: Path) -> str:
