@@ -1,0 +1,185 @@
+"""Programs as LinuxCNC runs them itself, beside our plan of them and that plan played by LinuxCNC.
+
+    python -m testbed.linuxcnc.compared [--out FILE] [NAME...]
+
+Its own examples of five axes (Debian's package has them), on its own machines, and our demo. Under LinuxCNC's own
+planner joints are not held to their limits where the tip is; the plan is held to all of them, and to jerk.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import toolpace as tp
+from testbed.linuxcnc.configuration import Configuration
+from testbed.linuxcnc.run import Log, run_program
+from toolpace import demo
+from toolpace.arrays import Floats
+from toolpace.files import write_text
+from toolpace.units import format_time
+
+EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismach/5axis/table-rotary-tilting/demos")
+SPEED = 6
+"""Times real time: faster, rows of a dense stream are lost."""
+FREE = 1e6
+"""In place of limits, where a stream is played [mm, deg]."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A program and the machine that it runs on."""
+
+    text: Callable[[], str]
+    machine: Callable[[], tp.Machine]
+
+
+def _example(name: str) -> Callable[[], str]:
+    def text() -> str:
+        # the path mode of the startup code is lost now and then: it stands in the program
+        return re.sub(r"\A%?\s*", "%\nG21 G64 P0.001\n", (EXAMPLES / name).read_text(encoding="utf-8"))
+
+    return text
+
+
+def _demo() -> str:
+    """Our demo in LinuxCNC's words."""
+    return demo.impeller_program().replace("G43.4 H1", "M428\nG64 P0.01").replace("G49", "M429")
+
+
+def _xyzac() -> tp.Machine:
+    return tp.Machine.load("linuxcnc-xyzac-trt")
+
+
+def _xyzbc() -> tp.Machine:
+    """LinuxCNC's simulated machine xyzbc-trt: B in place of A, its axis aside along X."""
+    text = _xyzac().to_toml()
+    for old, new in (("joints.A", "joints.B"), ('"A", "C"', '"B", "C"'), ("linuxcnc-xyzac-trt", "linuxcnc-xyzbc-trt")):
+        text = text.replace(old, new)
+    text = re.sub(r"(\[joints\.B\][^\[]*direction = )\[1, 0, 0\]", r"\1[0, 1, 0]", text)
+    text = re.sub(r"point = \[0, 20, 10\]", "point = [20, 0, 10]", text)
+    return tp.Machine.from_toml(
+        re.sub(r"travel = \[-100, 50\]", "travel = [-100, 100]", text), "linuxcnc-xyzbc-trt.toml"
+    )
+
+
+CASES = {
+    "impeller-7bl-xyzac": Case(_example("impeller-7bl-xyzac.ngc"), _xyzac),
+    "boat-xyzac": Case(_example("boat-xyzac.ngc"), _xyzac),
+    "boat-xyzbc": Case(_example("boat-xyzbc.ngc"), _xyzbc),
+    "demo": Case(_demo, lambda: tp.Machine.load(demo.MACHINE)),
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """What came of one program: times [s], ratios of limits, and how far the played plan is off [m, rad]."""
+
+    name: str
+    own: float
+    own_velocity: float
+    own_acceleration: float
+    modelled: float
+    plan: float
+    played: float
+    played_velocity: float
+    played_acceleration: float
+    off: tuple[float, float]
+
+
+def used(q: Floats, machine: tp.Machine, cycle: float, span: int) -> tuple[float, float]:
+    """Largest velocity and acceleration of any joint over its limit, by differences over `span` rows."""
+    at = span * cycle
+    velocity = np.abs(q[span:] - q[:-span]).max(axis=0) / at
+    acceleration = np.abs(q[2 * span :] - 2.0 * q[span:-span] + q[: -2 * span]).max(axis=0) / at**2
+    return float((velocity / machine.limits.velocity).max()), float((acceleration / machine.limits.acceleration).max())
+
+
+def compare(name: str, case: Case, folder: Path) -> Row:
+    """Run, plan, export and play one program."""
+    from toolpace.cli import main
+
+    machine, text = case.machine(), case.text()
+    program, file, plan = folder / f"{name}.ngc", folder / f"{name}.toml", folder / f"{name}-plan"
+    program.write_text(text, encoding="utf-8")
+    file.write_text(machine.to_toml(), encoding="utf-8")
+    own = run_program(text, Configuration.tip(machine, path_velocity=FREE), seconds=1200.0, speed=SPEED)
+    modelled = tp.program_time(program, machine, controller="linuxcnc").total
+    if main(["plan", str(program), "-m", str(file), "--controller", "linuxcnc", "--no-report", "-o", str(plan)]):
+        raise SystemExit(f"{name}: the plan was not verified")
+    tp.export(plan, "linuxcnc-g93", folder / f"{name}-stream")
+    lifted = machine.with_limits(tp.Limits(FREE, FREE, np.inf, machine.joints))
+    stream = (folder / f"{name}-stream" / "stream.ngc").read_text(encoding="utf-8")
+    played = run_program(stream, Configuration.joints(lifted, path_velocity=FREE), seconds=3000.0, speed=SPEED)
+    with np.load(plan / "setpoints.npz") as saved:
+        q, t = saved["q"], saved["t"]
+    log = played.of(machine.joints)
+    shift, off = _aligned(log, q)
+    return Row(
+        name, own.duration, *used(own.of(machine.joints), machine, 1e-3, 1), modelled, float(t[-1]),
+        _moving(played, machine, shift, len(q)), *used(log[shift : shift + len(q)], machine, 1e-3, 2), off,
+    )  # fmt: skip
+
+
+def _aligned(log: Floats, q: Floats) -> tuple[int, tuple[float, float]]:
+    """Cycles by which the log is late, and how far it then is from the plan at most: [m] and [rad]."""
+    best = (0, (np.inf, np.inf))
+    longest = len(log) - len(q)
+    probe = np.linspace(0, len(q) - 1, 400).astype(int)
+    for shift in range(longest + 1):
+        off = np.abs(log[probe + shift] - q[probe]).max()
+        if off < max(best[1]):
+            best = (shift, (float(off), float(off)))
+    shift = best[0]
+    apart = np.abs(log[shift : shift + len(q)] - q).max(axis=0)
+    return shift, (float(apart[:3].max()), float(apart[3:].max()))
+
+
+def _moving(played: Log, machine: tp.Machine, shift: int, rows: int) -> float:
+    """Duration of the motion in the log, its padding at rest left out [s]."""
+    q = played.of(machine.joints)[shift : shift + rows]
+    moved = np.flatnonzero(np.abs(np.diff(q, axis=0)).max(axis=1) > 1e-9)
+    return float(1e-3 * (moved[-1] + 1 - moved[0])) if len(moved) else 0.0
+
+
+def table(rows: list[Row]) -> str:
+    """A table (Markdown)."""
+    lines = [
+        "| program | LinuxCNC itself | of a joint's velocity, acceleration | `toolpace time` | plan "
+        "| played by LinuxCNC | of velocity, acceleration | off the plan |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        lines.append(
+            f"| {row.name} | {format_time(row.own)} | {row.own_velocity:.2f}, {row.own_acceleration:.2f} "
+            f"| {format_time(row.modelled)} ({row.modelled / row.own - 1.0:+.2%}) | {format_time(row.plan)} "
+            f"| {format_time(row.played)} ({row.played / row.plan:.5f}) "
+            f"| {row.played_velocity:.4f}, {row.played_acceleration:.4f} "
+            f"| {row.off[0] * 1e6:.2g} µm, {np.degrees(row.off[1]):.1g} deg |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Compare the cases that are named, all without."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("names", nargs="*", default=list(CASES), choices=[*CASES, []])
+    parser.add_argument("--out", type=Path)
+    asked = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name in asked.names:
+            rows.append(compare(name, CASES[name], Path(folder)))
+            print(table(rows[-1:]), flush=True)
+    if asked.out is not None:
+        write_text(asked.out, table(rows))
+
+
+if __name__ == "__main__":
+    main()
