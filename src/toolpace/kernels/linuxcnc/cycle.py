@@ -50,7 +50,7 @@ def step(b: Blocks, q: Floats, head: int, tail: int, control: Control) -> bool:
     go(q, k, after, control)
     if after >= 0 and overlapping(b, q, k, after, control):
         go(q, after, -1, control)
-    return q[k, GONE] != 0.0
+    return bool(q[k, GONE] != 0.0)
 
 
 @jit()
@@ -86,7 +86,7 @@ def overlapping(b: Blocks, q: Floats, k: int, after: int, control: Control) -> b
         goal, goal_after = most_speed(q, k, control, 1.0), most_speed(q, after, control, 1.0)
         if q[k, SPEED] < overlap_speeds(b, q, k, after, goal, goal_after)[0]:
             q[k, OVERLAPPING] = 1.0
-    return q[k, OVERLAPPING] != 0.0
+    return bool(q[k, OVERLAPPING] != 0.0)
 
 
 @jit()
@@ -94,7 +94,9 @@ def final_speed(q: Floats, k: int, after: int, control: Control) -> float:
     """At the end of a segment."""
     if q[k, ENDING] != TANGENT or after < 0:
         return 0.0
-    return min(q[k, FINAL], min(most_speed(q, k, control, 1.0), most_speed(q, after, control, 1.0)))
+    most = min(most_speed(q, k, control, 1.0), most_speed(q, after, control, 1.0))
+    found: float = min(q[k, FINAL], most)
+    return found
 
 
 @jit()

@@ -188,7 +188,8 @@ def altitude(q: Floats, k: int, new: int, first: Side, second: Side, phi: float)
     steep = math.cos(min(phi, 0.49 * math.pi))
     v0, v1 = min(q[k, TOP], q[new, TOP] / steep), min(q[new, TOP], q[k, TOP] / steep)
     base = v0 * v0 + v1 * v1 - 2.0 * v0 * v1 * dot(first.direction, second.direction)
-    return v0 * v1 * math.sin(phi) / math.sqrt(base)
+    found: float = v0 * v1 * math.sin(phi) / math.sqrt(base)
+    return found
 
 
 @jit()
