@@ -36,8 +36,9 @@ HEAD = """# How long programs take on LinuxCNC, and by our model of it
 `python -m testbed.linuxcnc.times`: LinuxCNC 2.9 runs each program headless, its joints are logged each servo cycle of
 1 ms, and the time from the first cycle that moves a joint to the last is compared with `toolpace time` and its model
 `linuxcnc`. Usage is the largest velocity and acceleration of a joint in that log over its limit (differences of one
-cycle): LinuxCNC holds the limits of the words, not of the joints, while it holds the tip. "Tuned" programs were looked
-at while the model was written; "mended" is one that was written after it and showed a mistake; all others were not used.
+cycle): LinuxCNC holds the limits of the words, not of the joints, while it holds the tip. "Tuned" programs were
+looked at while the model was written; "mended" is one that was written after it and showed a mistake; all others were
+not used.
 
 | program | whose | blocks | LinuxCNC [s] | ours [s] | off by [%] | model [ms] | velocity | acceleration |
 |---|---|---|---|---|---|---|---|---|
