@@ -9,6 +9,7 @@ from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.instance import missing
 from testbed.linuxcnc.run import run_program
 from testbed.linuxcnc.timed import corners
+from toolpace.commanded import BLENDED, EXACT_PATH
 from toolpace.errors import UsageError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
@@ -74,6 +75,13 @@ def test_waits_are_added_between_motions_and_are_no_time_of_a_move():
     assert times[1] == pytest.approx(alone, abs=1e-9)
     assert times[2] == pytest.approx(alone + 3e-3, abs=1.1e-3)
     assert moves.dwell[1] == 1.0
+
+
+def test_canned_cycles_are_on_the_exact_path():
+    """As logged: three holes of LinuxCNC's, whose rapids do not overlap though G64 is in force."""
+    moves = moves_of("G0 Z2\nG98 G81 X5 Y5 Z-4 R1 F300\nX9\nX15 Y9\nG80\nG1 X0 F900")
+    assert moves.joining[2:-1].tolist() == [EXACT_PATH] * (len(moves) - 3)
+    assert moves.joining[[1, -1]].tolist() == [BLENDED] * 2
 
 
 def test_a_rotary_word_ends_tangential_chains():

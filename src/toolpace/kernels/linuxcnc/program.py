@@ -59,7 +59,7 @@ def cycles_of(b: Blocks, control: Control) -> Ints:
     return ended
 
 
-@jit()
+@jit(inline=True)
 def patience(q: Floats, k: int, control: Control) -> float:
     """Cycles that a segment can take at most, many times over."""
     speed = most_speed(q, k, control, 1.0)
@@ -67,7 +67,7 @@ def patience(q: Floats, k: int, control: Control) -> float:
     return found
 
 
-@jit()
+@jit(inline=True)
 def cruise(q: Floats, k: int, after: int, control: Control) -> int:
     """Cycles that a segment goes on as it is, at its most speed, far from its end; they are done at once."""
     v = q[k, SPEED]

@@ -106,7 +106,7 @@ def put(b: Blocks, j: int, q: Floats, head: int, tail: int, control: Control) ->
     return new + 1
 
 
-@jit()
+@jit(inline=True)
 def begin(b: Blocks, j: int, q: Floats, new: int, control: Control) -> None:
     """A segment of block j as the interpreter gives it."""
     clear(q, new)
@@ -165,7 +165,7 @@ def fix(q: Floats, k: int, control: Control) -> None:
     q[k, FIXED] = 1.0
 
 
-@jit()
+@jit(inline=True)
 def meet(b: Blocks, q: Floats, k: int, new: int, control: Control) -> tuple[bool, bool, Rounding]:
     """Choose how segment k meets the new one: whether by a rounding, whether k is part of it then, and which."""
     none = no_rounding()
@@ -189,7 +189,7 @@ def meet(b: Blocks, q: Floats, k: int, new: int, control: Control) -> tuple[bool
     return False, False, none
 
 
-@jit()
+@jit(inline=True)
 def shorten(q: Floats, k: int, rest: float) -> None:
     """Cut a segment where its rounding begins, to a length or, of an arc, to a sweep."""
     if q[k, KIND] == ARC:
@@ -199,7 +199,7 @@ def shorten(q: Floats, k: int, rest: float) -> None:
         q[k, LENGTH] = rest
 
 
-@jit()
+@jit(inline=True)
 def pass_straight(b: Blocks, q: Floats, k: int, new: int, j: int, j_new: int, control: Control) -> bool:
     """Whether the corner needs nothing: it is sharp and is met at rest, or so flat that it is passed at speed.
 
@@ -283,7 +283,7 @@ def look_back(q: Floats, head: int, tail: int, control: Control) -> None:
             return
 
 
-@jit()
+@jit(inline=True)
 def plan_end(q: Floats, k: int, s: int, control: Control) -> None:
     """Most final speed of segment k from which the next, s, gets down to its own."""
     speed = math.sqrt(q[s, FINAL] ** 2 + 2.0 * acceleration_of(q, s) * q[s, LENGTH])

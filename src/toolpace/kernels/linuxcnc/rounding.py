@@ -78,12 +78,12 @@ class Side(NamedTuple):
     """Of an arc: most sweep that may be cut."""
 
 
-@jit()
+@jit(inline=True)
 def no_rounding() -> Rounding:
     return Rounding(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@jit()
+@jit(inline=True)
 def leaving(plan: Rounding, radius: float, angle: float, first: float, second: float) -> Rounding:
     """A rounding as it was placed."""
     return Rounding(plan.speed, plan.asked, plan.acceleration, radius, angle, first, second)
@@ -137,7 +137,7 @@ def round_corner(b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, contr
     return placed(b, q, k, new, j0, j1, plan, first, second, tolerance, binormal, control)
 
 
-@jit()
+@jit(inline=True)
 def in_its_plane(b: Blocks, q: Floats, k: int, j: int, binormal: Vector) -> bool:
     """Whether a segment is a line, or an arc in the plane of the corner."""
     if q[k, KIND] == LINE:
@@ -146,7 +146,7 @@ def in_its_plane(b: Blocks, q: Floats, k: int, j: int, binormal: Vector) -> bool
     return off < 0.5 * SMALL_ANGLE**2 + 1e-15
 
 
-@jit()
+@jit(inline=True)
 def tolerance_of(q: Floats, k: int, new: int) -> float:
     """Most distance from the corner to the rounding."""
     found = math.inf
@@ -156,7 +156,7 @@ def tolerance_of(q: Floats, k: int, new: int) -> float:
     return found
 
 
-@jit()
+@jit(inline=True)
 def plan_of(
     q: Floats, k: int, new: int, control: Control, first: Side, second: Side, half: float, tolerance: float,
     binormal: Vector, lines: bool,
@@ -182,7 +182,7 @@ def plan_of(
     return True, Rounding(speed, asked, most, radius, phi, 0.0, 0.0)
 
 
-@jit()
+@jit(inline=True)
 def altitude(q: Floats, k: int, new: int, first: Side, second: Side, phi: float) -> float:
     """Height of the triangle of both segments' most velocities over the side between them."""
     steep = math.cos(min(phi, 0.49 * math.pi))
@@ -201,7 +201,7 @@ def in_plane(normal: Vector, limits: Floats) -> float:
     return found
 
 
-@jit()
+@jit(inline=True)
 def placed(
     b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, plan: Rounding, first: Side, second: Side,
     tolerance: float, binormal: Vector, control: Control,
@@ -241,7 +241,7 @@ def cut_off(
     return cut <= most and between(across(binormal, spoke), tangent) <= allowed, left, spoke
 
 
-@jit()
+@jit(inline=True)
 def centre_of(
     b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Vector
 ) -> tuple[bool, Vector]:
@@ -264,7 +264,7 @@ def centre_of(
     return True, along(back, radius, inwards)
 
 
-@jit()
+@jit(inline=True)
 def between_arcs(
     b: Blocks, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Vector
 ) -> tuple[bool, Vector]:
