@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -133,9 +135,8 @@ def test_a_program_without_motion_takes_none():
     assert len(linuxcnc_times(moves, MACHINE)) == len(moves)
 
 
-def test_a_block_that_never_ends_is_named(monkeypatch):
-    from toolpace.kernels.linuxcnc import program
-
-    monkeypatch.setattr(program, "cycles_of", lambda blocks, control: np.array([5, -1]))
-    with pytest.raises(UsageError, match=r"part\.ngc, line 4: LinuxCNC would not get to the end"):
-        linuxcnc_times(moves_of("G1 X1 F600\nG1 Y1"), MACHINE)
+def test_a_block_that_never_ends_is_named():
+    moves = moves_of("G1 X1 F600\nG1 Y1")
+    without_feed = dataclasses.replace(moves, speed=np.where(moves.line == 4, 0.0, moves.speed))
+    with pytest.raises(UsageError, match=r"part\.ngc, line 4: LinuxCNC would not get to the end of this block"):
+        linuxcnc_times(without_feed, MACHINE)

@@ -61,4 +61,5 @@ def joins(place: Floats, tolerance: float, first: int, i: int) -> bool:
 
 @jit(inline=True)
 def point(place: Floats, i: int) -> Vector:
+    """Place of a row."""
     return place[i, 0], place[i, 1], place[i, 2]

@@ -63,6 +63,8 @@ def cycles_of(b: Blocks, control: Control) -> Ints:
 def patience(q: Floats, k: int, control: Control) -> float:
     """Cycles that a segment can take at most, many times over."""
     speed = most_speed(q, k, control, 1.0)
+    if not speed > 0.0:
+        return 0.0
     found: float = 1e5 + 100.0 * (q[k, LENGTH] / speed + speed / acceleration_of(q, k)) / control.cycle
     return found
 
