@@ -101,7 +101,8 @@ def _without_rights(place: Path) -> dict[str, object]:
 def _alone() -> Iterator[None]:
     """LinuxCNC's shared memory and its realtime core are one for the whole machine."""
     try:
-        handle = os.open(LOCK, os.O_RDONLY | os.O_CREAT, 0o666)
+        # another user's file in a folder of all users may be opened, but not with leave to create it
+        handle = os.open(LOCK, os.O_RDONLY | (0 if LOCK.exists() else os.O_CREAT), 0o666)
     except OSError as error:
         raise LinuxCNCError(f"{LOCK}: {error.strerror}: nothing keeps a second LinuxCNC away") from None
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 
-from testbed.linuxcnc.tuned_on import program
+from testbed.linuxcnc.timed import program
 
 
 def surface(passes: int = 8, points: int = 250) -> str:

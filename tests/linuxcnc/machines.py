@@ -31,4 +31,6 @@ def xyzbc_trt() -> Machine:
         _joint("B", "rotary", [0, 1, 0], "travel = [-120, 120]\npoint = [27, 0, 15]"),
         _joint("C", "rotary", [0, 0, 1], "travel = [-3600, 3600]\npoint = [7, -4, 0]"),
     ]
-    return Machine.from_toml(XYZBC_TRT + "".join(joints), "xyzbc-trt.toml")
+    # its machine coordinates are positions of the joints
+    setup = "[setup]\nmachine_zero = { X = 0, Y = 0, Z = 0 }\n"
+    return Machine.from_toml(XYZBC_TRT + "".join(joints) + setup, "xyzbc-trt.toml")

@@ -6,13 +6,14 @@ Source: LinuxCNC's documents ("Trajectory Control" and section TRAJ of the ini f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.commanded import Commanded
+from toolpace.errors import UsageError
 from toolpace.timing.canon import Canon, Waits
 
 if TYPE_CHECKING:
@@ -37,11 +38,14 @@ class LinuxCNC:
     """ARC_BLEND_GAP_CYCLES."""
     ramp_frequency: float = 100.0
     """ARC_BLEND_RAMP_FREQ [Hz]."""
-    waits: Waits = Waits()
+    waits: Waits = field(default_factory=Waits)
 
 
 def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None = None) -> Floats:
-    """Time of each move (n,) [s], dwells left out: from the end of the one before, rotary axes' overlaps included."""
+    """Time of each move (n,) [s], dwells left out: from the end of the one before, overlaps included.
+
+    Raises UsageError for a block whose end the planner would not get to.
+    """
     from toolpace.kernels.linuxcnc.blocks import Control
     from toolpace.kernels.linuxcnc.program import cycles_of
 
@@ -53,4 +57,10 @@ def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None
         settings.cycle, canon.velocity[:3].copy(), canon.acceleration[:3].copy(), settings.path_velocity,
         settings.most_override, settings.kink_ratio, settings.depth, settings.gap_cycles, settings.ramp_frequency,
     )  # fmt: skip
-    return canon.times(cycles_of(canon.blocks, control) * settings.cycle)
+    ended = cycles_of(canon.blocks, control)
+    if np.any(ended < 0):
+        row = canon.rows.of[canon.ends[int(np.argmax(ended < 0))]]
+        raise UsageError(
+            f"{moves.source}, line {moves.line[row]}: LinuxCNC would not get to the end of this block; check its F"
+        )
+    return canon.times(ended.astype(float) * settings.cycle)

@@ -78,18 +78,19 @@ class Control(NamedTuple):
 @jit()
 def acceleration_of(q: Floats, k: int) -> float:
     """Of a segment along its way, less what kinks, overlaps and curvature take."""
-    share = 1.0 - max(q[k, KINK_AFTER], q[k, KINK_BEFORE])
+    share: float = 1.0 - max(q[k, KINK_AFTER], q[k, KINK_BEFORE])
     if q[k, OVERLAPS] or q[k, ENDING] == OVERLAPPED:
         share *= 0.5
     if q[k, KIND] != LINE:
         share *= q[k, TANGENT_SHARE]
-    return q[k, ACCELERATION] * share
+    found: float = q[k, ACCELERATION] * share
+    return found
 
 
 @jit()
 def most_speed(q: Floats, k: int, control: Control, override: float) -> float:
     """Of a segment at a feed override."""
-    speed = min(q[k, ASKED] * override, q[k, TOP])
+    speed: float = min(q[k, ASKED] * override, q[k, TOP])
     # a limit of the path's speed is for lengths
     return speed if q[k, TURNS] == 2.0 else min(speed, control.path_velocity)
 

@@ -41,7 +41,7 @@ def chain_ends(place: Floats, tolerance: Floats, alone: Bools, cut: Bools) -> In
     return ends[:count]
 
 
-@jit()
+@jit(inline=True)
 def joins(place: Floats, tolerance: float, first: int, i: int) -> bool:
     """Whether the rows from `first` up to i may be one block."""
     if tolerance <= 0.0 or i - first >= MOST:
@@ -59,6 +59,7 @@ def joins(place: Floats, tolerance: float, first: int, i: int) -> bool:
     return True
 
 
-@jit()
+@jit(inline=True)
 def point(place: Floats, i: int) -> Vector:
+    """Place of a row."""
     return place[i, 0], place[i, 1], place[i, 2]

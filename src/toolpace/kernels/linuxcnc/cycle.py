@@ -50,10 +50,10 @@ def step(b: Blocks, q: Floats, head: int, tail: int, control: Control) -> bool:
     go(q, k, after, control)
     if after >= 0 and overlapping(b, q, k, after, control):
         go(q, after, -1, control)
-    return q[k, GONE] != 0.0
+    return bool(q[k, GONE] != 0.0)
 
 
-@jit()
+@jit(inline=True)
 def start(q: Floats, k: int, control: Control) -> None:
     """A segment is begun: short ones at speed are ramped."""
     q[k, STARTED] = 1.0
@@ -64,7 +64,7 @@ def start(q: Floats, k: int, control: Control) -> None:
     q[k, RAMPED] = 1.0 if quick and not q[k, RAPID] and q[k, ENDING] == TANGENT and left != 0.0 else 0.0
 
 
-@jit()
+@jit(inline=True)
 def split(q: Floats, k: int, after: int, tail: int, control: Control) -> None:
     """A segment ends within the cycle; the next has what is left of it."""
     q[k, DONE] = q[k, LENGTH]
@@ -77,7 +77,7 @@ def split(q: Floats, k: int, after: int, tail: int, control: Control) -> None:
     go(q, after, after + 1 if after + 1 < tail else -1, control)
 
 
-@jit()
+@jit(inline=True)
 def overlapping(b: Blocks, q: Floats, k: int, after: int, control: Control) -> bool:
     """Whether the next segment runs beside this one: from when it slows down to its end, below the overlap's speed."""
     if q[k, ENDING] != OVERLAPPED:
@@ -86,7 +86,7 @@ def overlapping(b: Blocks, q: Floats, k: int, after: int, control: Control) -> b
         goal, goal_after = most_speed(q, k, control, 1.0), most_speed(q, after, control, 1.0)
         if q[k, SPEED] < overlap_speeds(b, q, k, after, goal, goal_after)[0]:
             q[k, OVERLAPPING] = 1.0
-    return q[k, OVERLAPPING] != 0.0
+    return bool(q[k, OVERLAPPING] != 0.0)
 
 
 @jit()
@@ -94,7 +94,9 @@ def final_speed(q: Floats, k: int, after: int, control: Control) -> float:
     """At the end of a segment."""
     if q[k, ENDING] != TANGENT or after < 0:
         return 0.0
-    return min(q[k, FINAL], min(most_speed(q, k, control, 1.0), most_speed(q, after, control, 1.0)))
+    most = min(most_speed(q, k, control, 1.0), most_speed(q, after, control, 1.0))
+    found: float = min(q[k, FINAL], most)
+    return found
 
 
 @jit()
@@ -128,7 +130,7 @@ def go(q: Floats, k: int, after: int, control: Control) -> None:
     look_for_end(q, k, final, most, control)
 
 
-@jit()
+@jit(inline=True)
 def look_for_end(q: Floats, k: int, final: float, most: float, control: Control) -> None:
     """Note whether the segment ends within the next cycle, when, and at what speed."""
     q[k, PERIOD] = control.cycle

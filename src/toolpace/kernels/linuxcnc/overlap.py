@@ -51,13 +51,13 @@ def overlap_speeds(b: Blocks, q: Floats, k: int, new: int, goal: float, goal_new
     return v, v_new, math.sin(theta) * 0.5 * (v + v_new)
 
 
-@jit()
+@jit(inline=True)
 def peak_speed(q: Floats, k: int, acceleration: float) -> float:
     """Of a segment from rest to rest; half of it may still be cut where its length is not final."""
     return math.sqrt(acceleration * q[k, LENGTH] * (1.0 if q[k, FIXED] else 0.5))
 
 
-@jit()
+@jit(inline=True)
 def start_of(b: Blocks, q: Floats, k: int, j: int) -> Vector:
     """Direction in which a segment accelerates at its start: an arc inwards, too."""
     if q[k, KIND] != ARC:

@@ -28,11 +28,11 @@ from toolpace.kernels.linuxcnc.queue import put
 
 @jit()
 def cycles_of(b: Blocks, control: Control) -> Ints:
-    """(n,) cycle in which each block has ended."""
+    """(n,) cycle in which each block has ended; -1 from a block on that never would."""
     n = len(b.figures)
     q = np.zeros((2 * n + 2, COLUMNS))
     ended = np.zeros(n, dtype=np.int64)
-    head = tail = fed = clock = 0
+    head = tail = fed = clock = since = 0
     waiting = False
     while True:
         if fed < n and not waiting:
@@ -50,12 +50,26 @@ def cycles_of(b: Blocks, control: Control) -> Ints:
         if gone:
             ended[int(q[head, BLOCK])] = clock
             head += 1
+            since = clock
         elif fed == n or waiting:
             clock += cruise(q, head, head + 1 if head + 1 < tail else -1, control)
+        if clock - since > patience(q, min(head, tail - 1), control):
+            ended[int(q[head, BLOCK]) :] = -1
+            break
     return ended
 
 
-@jit()
+@jit(inline=True)
+def patience(q: Floats, k: int, control: Control) -> float:
+    """Cycles that a segment can take at most, many times over."""
+    speed = most_speed(q, k, control, 1.0)
+    if not speed > 0.0:
+        return 0.0
+    found: float = 1e5 + 100.0 * (q[k, LENGTH] / speed + speed / acceleration_of(q, k)) / control.cycle
+    return found
+
+
+@jit(inline=True)
 def cruise(q: Floats, k: int, after: int, control: Control) -> int:
     """Cycles that a segment goes on as it is, at its most speed, far from its end; they are done at once."""
     v = q[k, SPEED]

@@ -1,4 +1,4 @@
-"""A block comes into the queue: it meets the one before, corners are rounded, speeds are planned backwards."""
+"""A block comes into the queue, with the rounding of the corner before it."""
 
 from __future__ import annotations
 
@@ -10,21 +10,15 @@ from toolpace.kernels.linuxcnc.blocks import (
     ACCELERATION,
     ARC,
     ASKED,
-    BEGIN,
     BLOCK,
     COLUMNS,
-    DONE,
-    END,
     ENDING,
-    EXACT,
-    FINAL,
     FIXED,
     KIND,
     KINK,
     KINK_AFTER,
     KINK_BEFORE,
     LENGTH,
-    LINE,
     NOMINAL,
     OF_ACCELERATION,
     OF_ASKED,
@@ -38,9 +32,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     OF_TOP,
     OF_TURNS,
     OVERLAPPED,
-    OVERLAPPING,
     OVERLAPS,
-    PEAK,
     PERIOD,
     RADIUS,
     RAPID,
@@ -48,7 +40,6 @@ from toolpace.kernels.linuxcnc.blocks import (
     RISE,
     ROUNDING,
     SIDEWAYS,
-    SPLIT,
     SWEEP,
     TANGENT,
     TANGENT_SHARE,
@@ -58,22 +49,11 @@ from toolpace.kernels.linuxcnc.blocks import (
     TURNS,
     Blocks,
     Control,
-    acceleration_of,
     end_with,
-    most_speed,
 )
-from toolpace.kernels.linuxcnc.overlap import overlap_speeds
-from toolpace.kernels.linuxcnc.rounding import Rounding, no_rounding, round_corner
-from toolpace.kernels.linuxcnc.vectors import along, dot, from_to, of_block
-
-SHARP = (math.pi * 2.0 / 180.0) ** 2
-"""Corners that turn back within two degrees: squared sum of unit vectors."""
-SHORTEST = 1.02
-"""Cycles of the shortest segment."""
-PEAKS = 4
-"""Peaks of the plan behind which looking back ends."""
-BEGUN = 0.25
-"""Share of a segment that is done from which on its end is not planned anew."""
+from toolpace.kernels.linuxcnc.lookahead import look_back
+from toolpace.kernels.linuxcnc.meeting import meet
+from toolpace.kernels.linuxcnc.vectors import dot, of_block
 
 
 @jit()
@@ -106,7 +86,7 @@ def put(b: Blocks, j: int, q: Floats, head: int, tail: int, control: Control) ->
     return new + 1
 
 
-@jit()
+@jit(inline=True)
 def begin(b: Blocks, j: int, q: Floats, new: int, control: Control) -> None:
     """A segment of block j as the interpreter gives it."""
     clear(q, new)
@@ -129,12 +109,14 @@ def begin(b: Blocks, j: int, q: Floats, new: int, control: Control) -> None:
 
 @jit()
 def clear(q: Floats, k: int) -> None:
+    """Set all of a segment to zero."""
     for column in range(COLUMNS):
         q[k, column] = 0.0
 
 
 @jit()
 def copy(q: Floats, k: int, to: int) -> None:
+    """Make a segment the same as another."""
     for column in range(COLUMNS):
         q[to, column] = q[k, column]
 
@@ -163,135 +145,3 @@ def fix(q: Floats, k: int, control: Control) -> None:
     q[k, TOP] = min(q[k, TOP], q[k, LENGTH] / control.cycle)
     bend(q, k)
     q[k, FIXED] = 1.0
-
-
-@jit()
-def meet(b: Blocks, q: Floats, k: int, new: int, control: Control) -> tuple[bool, bool, Rounding]:
-    """Choose how segment k meets the new one: whether by a rounding, whether k is part of it then, and which."""
-    none = no_rounding()
-    if q[k, DONE] > 0.5 * q[k, LENGTH] or q[k, TURNS] or q[new, TURNS] or q[k, ENDING] == REST:
-        return False, False, none
-    j, j_new = int(q[k, BLOCK]), int(q[new, BLOCK])
-    if pass_straight(b, q, k, new, j, j_new, control):
-        return False, False, none
-    if q[k, ENDING] == OVERLAPPED and not q[k, FIXED]:
-        found, rounding = round_corner(b, q, k, new, j, j_new, control)
-        if found:
-            left = rounding.first if q[k, KIND] == LINE else 1.0
-            taken = q[k, KIND] == LINE and not q[k, OVERLAPS] and left < control.gap * control.cycle * rounding.speed
-            length = rounding.radius * rounding.angle + (left if taken else 0.0)
-            if choose(b, q, k, new, min(rounding.speed, length / control.cycle), control):
-                shorten(q, k, rounding.first)
-                shorten(q, new, rounding.second)
-                end_with(q, k, new, TANGENT)
-                return True, taken, rounding
-    choose(b, q, k, new, 0.0, control)
-    return False, False, none
-
-
-@jit()
-def shorten(q: Floats, k: int, rest: float) -> None:
-    """Cut a segment where its rounding begins, to a length or, of an arc, to a sweep."""
-    if q[k, KIND] == ARC:
-        q[k, LENGTH] *= rest / q[k, SWEEP]
-        q[k, SWEEP] = rest
-    else:
-        q[k, LENGTH] = rest
-
-
-@jit()
-def pass_straight(b: Blocks, q: Floats, k: int, new: int, j: int, j_new: int, control: Control) -> bool:
-    """Whether the corner needs nothing: it is sharp and is met at rest, or so flat that it is passed at speed.
-
-    Else the speed is noted at which it could be passed, and what that takes of the acceleration.
-    """
-    before, behind = of_block(b, j, END), of_block(b, j_new, BEGIN)
-    turn, back = from_to(before, behind), along(before, 1.0, behind)
-    if dot(back, back) < SHARP:
-        end_with(q, k, new, REST)
-        return True
-    speed = min(most_speed(q, k, control, control.override), most_speed(q, new, control, control.override))
-    jump = speed / control.cycle + q[new, ACCELERATION]
-    share = 0.0
-    for i in range(3):
-        share = max(share, abs(turn[i]) * jump / control.acceleration[i])
-    if q[k, KIND] == ARC or q[new, KIND] == ARC:
-        share /= TANGENTIAL
-    flat = share < control.kink
-    if flat:
-        end_with(q, k, new, TANGENT)
-    q[k, KINK] = speed if flat else speed * control.kink / share
-    taken = min(share, control.kink)
-    q[k, KINK_AFTER], q[new, KINK_BEFORE] = max(taken, q[k, KINK_AFTER]), max(taken, q[new, KINK_BEFORE])
-    return flat
-
-
-@jit()
-def choose(b: Blocks, q: Floats, k: int, new: int, rounding: float, control: Control) -> bool:
-    """Whether a rounding at its speed is the fastest; else the faster of an overlap and a kink is set."""
-    if q[k, ENDING] == EXACT or q[k, ENDING] == REST:
-        return False
-    goal = most_speed(q, k, control, control.override)
-    goal_new = most_speed(q, new, control, control.override)
-    # an overlap slows its neighbours down as well: half its speed is what it is worth
-    overlap = 0.5 * overlap_speeds(b, q, k, new, goal, goal_new)[2]
-    kink = q[k, KINK]
-    if rounding > overlap and rounding > kink:
-        straighten(q, k, new)
-        return True
-    if kink > overlap:
-        end_with(q, k, new, TANGENT)
-    else:
-        straighten(q, k, new)
-        end_with(q, k, new, OVERLAPPED)
-    return False
-
-
-@jit()
-def straighten(q: Floats, k: int, new: int) -> None:
-    """No kink is left between two segments."""
-    q[k, KINK], q[k, KINK_AFTER], q[new, KINK_BEFORE] = -1.0, 0.0, 0.0
-
-
-@jit()
-def look_back(q: Floats, head: int, tail: int, control: Control) -> None:
-    """Plan final speeds from the end of the queue backwards, as deep as the control looks ahead."""
-    peaks = 0
-    past = False
-    for x in range(1, control.depth + 2):
-        s = tail - x
-        k = s - 1
-        if k < head:
-            return
-        if q[k, ENDING] != TANGENT:
-            if past:
-                return
-            past = True
-            continue
-        if q[k, DONE] >= BEGUN * q[k, LENGTH] or q[k, SPLIT] or q[k, OVERLAPPING]:
-            return
-        if q[s, FIXED]:
-            plan_end(q, k, s, control)
-        else:
-            # up to half of the last segment may still be cut: stop in the middle of it
-            half = math.sqrt(acceleration_of(q, s) * q[s, LENGTH])
-            q[k, FINAL] = min(q[k, TOP], min(half, most_speed(q, s, control, control.override)))
-            q[s, FINAL] = 0.0
-        if q[s, PEAK]:
-            peaks += 1
-        if peaks > PEAKS:
-            return
-
-
-@jit()
-def plan_end(q: Floats, k: int, s: int, control: Control) -> None:
-    """Most final speed of segment k from which the next, s, gets down to its own."""
-    speed = math.sqrt(q[s, FINAL] ** 2 + 2.0 * acceleration_of(q, s) * q[s, LENGTH])
-    most = min(q[s, TOP], q[k, TOP])
-    if q[k, KINK] >= 0.0:
-        most = min(most, q[k, KINK])
-    if speed >= most:
-        speed = most
-        q[k, PEAK] = 1.0
-    q[k, FINAL] = speed
-    q[s, TOP] = min(q[s, TOP], q[s, LENGTH] / (SHORTEST * control.cycle))

@@ -19,11 +19,13 @@ def of_block(b: Blocks, j: int, which: int) -> Vector:
 
 @jit()
 def dot(a: Vector, b: Vector) -> float:
+    """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @jit()
 def norm(a: Vector) -> float:
+    """Length."""
     return math.sqrt(dot(a, a))
 
 

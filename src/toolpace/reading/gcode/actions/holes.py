@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from toolpace.commanded import EXACT_PATH
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_BACK, FEED_OUT, RAPID_OUT, Drilling, bore_backwards, drill
 from toolpace.reading.control.feed import INVERSE
+from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
@@ -107,6 +109,9 @@ class Holes:
         if not drills:
             return
         cycle = self._cycle(letter)
+        joining = control.moves.joining
+        if self.rs274:  # its interpreter has cycles on the exact path, whatever mode is in force
+            control.moves.join(Joining(EXACT_PATH))
         for _ in range(int(repeats)):
             target, _ = self.motion.target(dict(numbers))
             if state.cycle == "bore backwards" and not self.rs274:
@@ -117,6 +122,7 @@ class Holes:
                 bore_backwards(control, self._arriving(cycle), target, *self._aside(target, cycle.bottom))
             else:
                 drill(control, self._arriving(cycle), target)
+        control.moves.join(joining)
 
     def _arriving(self, cycle: Drilling) -> Drilling:
         """The cycle with the level at which LinuxCNC's interpreter (`convert_cycle_xy`) has the tool over the hole.

@@ -1,0 +1,131 @@
+"""How a new segment meets the one before: by a kink, a rounding or an overlap, whichever is the fastest."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.kernels.arrays import Floats
+from toolpace.kernels.jit import jit
+from toolpace.kernels.linuxcnc.blocks import (
+    ACCELERATION,
+    ARC,
+    BEGIN,
+    BLOCK,
+    DONE,
+    END,
+    ENDING,
+    EXACT,
+    FIXED,
+    KIND,
+    KINK,
+    KINK_AFTER,
+    KINK_BEFORE,
+    LENGTH,
+    LINE,
+    OVERLAPPED,
+    OVERLAPS,
+    REST,
+    SWEEP,
+    TANGENT,
+    TANGENTIAL,
+    TURNS,
+    Blocks,
+    Control,
+    end_with,
+    most_speed,
+)
+from toolpace.kernels.linuxcnc.overlap import overlap_speeds
+from toolpace.kernels.linuxcnc.rounding import round_corner
+from toolpace.kernels.linuxcnc.sides import Rounding, no_rounding
+from toolpace.kernels.linuxcnc.vectors import along, dot, from_to, of_block
+
+SHARP = (math.pi * 2.0 / 180.0) ** 2
+"""Corners that turn back within two degrees: squared sum of unit vectors."""
+
+
+@jit(inline=True)
+def meet(b: Blocks, q: Floats, k: int, new: int, control: Control) -> tuple[bool, bool, Rounding]:
+    """Choose how segment k meets the new one: whether by a rounding, whether k is part of it then, and which."""
+    none = no_rounding()
+    if q[k, DONE] > 0.5 * q[k, LENGTH] or q[k, TURNS] or q[new, TURNS] or q[k, ENDING] == REST:
+        return False, False, none
+    j, j_new = int(q[k, BLOCK]), int(q[new, BLOCK])
+    if pass_straight(b, q, k, new, j, j_new, control):
+        return False, False, none
+    if q[k, ENDING] == OVERLAPPED and not q[k, FIXED]:
+        found, rounding = round_corner(b, q, k, new, j, j_new, control)
+        if found:
+            left = rounding.first if q[k, KIND] == LINE else 1.0
+            taken = q[k, KIND] == LINE and not q[k, OVERLAPS] and left < control.gap * control.cycle * rounding.speed
+            length = rounding.radius * rounding.angle + (left if taken else 0.0)
+            if choose(b, q, k, new, min(rounding.speed, length / control.cycle), control):
+                shorten(q, k, rounding.first)
+                shorten(q, new, rounding.second)
+                end_with(q, k, new, TANGENT)
+                return True, taken, rounding
+    choose(b, q, k, new, 0.0, control)
+    return False, False, none
+
+
+@jit(inline=True)
+def shorten(q: Floats, k: int, rest: float) -> None:
+    """Cut a segment where its rounding begins, to a length or, of an arc, to a sweep."""
+    if q[k, KIND] == ARC:
+        q[k, LENGTH] *= rest / q[k, SWEEP]
+        q[k, SWEEP] = rest
+    else:
+        q[k, LENGTH] = rest
+
+
+@jit(inline=True)
+def pass_straight(b: Blocks, q: Floats, k: int, new: int, j: int, j_new: int, control: Control) -> bool:
+    """Whether the corner needs nothing: it is sharp and is met at rest, or so flat that it is passed at speed.
+
+    Else the speed is noted at which it could be passed, and what that takes of the acceleration.
+    """
+    before, behind = of_block(b, j, END), of_block(b, j_new, BEGIN)
+    turn, back = from_to(before, behind), along(before, 1.0, behind)
+    if dot(back, back) < SHARP:
+        end_with(q, k, new, REST)
+        return True
+    speed = min(most_speed(q, k, control, control.override), most_speed(q, new, control, control.override))
+    jump = speed / control.cycle + q[new, ACCELERATION]
+    share = 0.0
+    for i in range(3):
+        share = max(share, abs(turn[i]) * jump / control.acceleration[i])
+    if q[k, KIND] == ARC or q[new, KIND] == ARC:
+        share /= TANGENTIAL
+    flat = share < control.kink
+    if flat:
+        end_with(q, k, new, TANGENT)
+    q[k, KINK] = speed if flat else speed * control.kink / share
+    taken = min(share, control.kink)
+    q[k, KINK_AFTER], q[new, KINK_BEFORE] = max(taken, q[k, KINK_AFTER]), max(taken, q[new, KINK_BEFORE])
+    return flat
+
+
+@jit()
+def choose(b: Blocks, q: Floats, k: int, new: int, rounding: float, control: Control) -> bool:
+    """Whether a rounding at its speed is the fastest; else the faster of an overlap and a kink is set."""
+    if q[k, ENDING] == EXACT or q[k, ENDING] == REST:
+        return False
+    goal = most_speed(q, k, control, control.override)
+    goal_new = most_speed(q, new, control, control.override)
+    # an overlap slows its neighbours down as well: half its speed is what it is worth
+    overlap = 0.5 * overlap_speeds(b, q, k, new, goal, goal_new)[2]
+    kink = q[k, KINK]
+    if rounding > overlap and rounding > kink:
+        straighten(q, k, new)
+        return True
+    if kink > overlap:
+        end_with(q, k, new, TANGENT)
+    else:
+        straighten(q, k, new)
+        end_with(q, k, new, OVERLAPPED)
+    return False
+
+
+@jit()
+def straighten(q: Floats, k: int, new: int) -> None:
+    """No kink is left between two segments."""
+    q[k, KINK], q[k, KINK_AFTER], q[new, KINK_BEFORE] = -1.0, 0.0, 0.0

@@ -1,0 +1,133 @@
+"""How long programs take on the real LinuxCNC, and by our model of it; what they ask of the joints there.
+
+    python -m testbed.linuxcnc.times [--only NAME...] [--out FILE]
+
+All programs take about twenty minutes. Those of LinuxCNC's own examples are where its Debian package puts them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from testbed.linuxcnc.configuration import Configuration
+from testbed.linuxcnc.run import Log, run_program
+from testbed.linuxcnc.timed import TUNED
+from testbed.linuxcnc.written_after import AFTER
+from tests.linuxcnc.machines import xyzbc_trt
+from toolpace.commanded import Commanded
+from toolpace.machine.machine import Machine
+from toolpace.reading import Source, read_commanded
+from toolpace.reading.options import ReadOptions
+from toolpace.timing.linuxcnc import linuxcnc_times
+
+RESULTS = Path("benchmarks/results/linuxcnc_times.md")
+EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismach/5axis/table-rotary-tilting/demos")
+FILES = Path("/usr/share/linuxcnc/ncfiles")
+FAST, SLOW = 8, 2
+"""Times real time."""
+NEEDS_TIME = ("switching", "noise", "surface", "holes", "dense")
+"""Blocks of a cycle or two, and words that wait: LinuxCNC's interpreter has to keep up."""
+RUNS = 2
+"""Of each program; the quicker counts: where this machine is busy, LinuxCNC waits longer, never less."""
+MENDED = ("bores", "holes")
+"""Written after the model, and showed a mistake that was then mended."""
+HEAD = """# How long programs take on LinuxCNC, and by our model of it
+
+`python -m testbed.linuxcnc.times`: LinuxCNC 2.9 runs each program headless, its joints are logged each servo cycle of
+1 ms, and the time from the first cycle that moves a joint to the last is compared with `toolpace time` and its model
+`linuxcnc`. Usage is the largest velocity and acceleration of a joint in that log over its limit (differences of one
+cycle): LinuxCNC holds the limits of the words, not of the joints, while it holds the tip. "Tuned" programs were
+looked at while the model was written; "mended" ones were written after it and each showed a mistake; all others were
+not used. Each is run twice, and the quicker run counts: where the computer is busy, LinuxCNC waits longer, never less.
+
+| program | whose | blocks | LinuxCNC [s] | ours [s] | off by [%] | model [ms] | velocity | acceleration |
+|---|---|---|---|---|---|---|---|---|
+"""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A program, where it runs and how fast."""
+
+    name: str
+    whose: str
+    text: Callable[[], str]
+    machine: Machine
+
+    @property
+    def speed(self) -> int:
+        """Times real time."""
+        return SLOW if self.name in NEEDS_TIME else FAST
+
+
+def cases() -> list[Case]:
+    """All programs, the tuned ones first."""
+    trt = Machine.load("linuxcnc-xyzac-trt")
+    found = [Case(name, "tuned", text, trt) for name, text in TUNED.items()]
+    found += [Case(name, "mended" if name in MENDED else "after", text, trt) for name, text in AFTER.items()]
+    for name, machine in (("impeller-7bl-xyzac", trt), ("boat-xyzac", trt), ("boat-xyzbc", xyzbc_trt())):
+        found.append(Case(name, "LinuxCNC's", (EXAMPLES / f"{name}.ngc").read_text, machine))
+    for name in ("3D_Chips", "arcspiral"):
+        found.append(Case(name, "LinuxCNC's", (FILES / f"{name}.ngc").read_text, trt))
+    return found
+
+
+def row(case: Case) -> str:
+    """A row of the table."""
+    text = case.text()
+    options = ReadOptions.of(case.machine, "linuxcnc")
+    moves = read_commanded(Source.from_text(text, f"{case.name}.ngc"), case.machine, options=options)
+    linuxcnc_times(moves, case.machine)
+    began = time.process_time()
+    times = linuxcnc_times(moves, case.machine)
+    spent = time.process_time() - began
+    ours = float(times.sum() + moves.dwell[:-1].sum())
+    logs = [run_program(text, Configuration.tip(case.machine), seconds=3000.0, speed=case.speed) for _ in range(RUNS)]
+    theirs, log = min(((since_start(each, moves), each) for each in logs), key=lambda found: found[0])
+    velocity, acceleration = usage(log, case.machine)
+    figures = [f"{theirs:.3f}", f"{ours:.3f}", f"{100 * (ours / theirs - 1):+.3f}", f"{1e3 * spent:.0f}"]
+    figures += [f"{velocity:.2f}", f"{acceleration:.2f}"]
+    return f"| {' | '.join([case.name, case.whose, str(moves.blocks), *figures])} |"
+
+
+def since_start(log: Log, moves: Commanded) -> float:
+    """From where the path of the program starts to the last motion [s]."""
+    moved = np.flatnonzero(np.any(np.diff(log.joints, axis=0) != 0.0, axis=1))
+    begun = moved[log.line[moved + 1] >= moves.line[1]]
+    return float(log.t[moved[-1] + 1] - log.t[begun[0]])
+
+
+def usage(log: Log, machine: Machine) -> tuple[float, float]:
+    """Largest velocity and acceleration of a joint over its limit."""
+    joints, cycle = log.of(machine.joints), float(log.t[1] - log.t[0])
+    velocity = np.abs(np.diff(joints, axis=0)).max(axis=0) / cycle / machine.limits.velocity
+    acceleration = np.abs(np.diff(joints, 2, axis=0)).max(axis=0) / cycle**2 / machine.limits.acceleration
+    return float(velocity.max()), float(acceleration.max())
+
+
+def main(arguments: Iterable[str]) -> int:
+    """Run, print each row, write the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", nargs="*", help="names of the programs to run; the table is printed, not written")
+    parser.add_argument("--out", type=Path, default=RESULTS)
+    given = parser.parse_args(list(arguments))
+    rows = []
+    for case in cases():
+        if given.only and case.name not in given.only:
+            continue
+        rows.append(row(case))
+        print(rows[-1], flush=True)
+    if not given.only:
+        given.out.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
