@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from toolpace.axispath.axispath import AxisPath
     from toolpace.axispath.run import AxisRun
     from toolpace.errors import ToolpaceError
+    from toolpace.exporting import Exported, export
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.laws.law import Probe, TimeLaw
     from toolpace.machine.file import ChainFile, JointFile, MachineFile
@@ -58,6 +59,7 @@ __all__ = [
     "Check",
     "Controller",
     "EndState",
+    "Exported",
     "Genetic",
     "Geometry",
     "JointFile",
@@ -94,6 +96,7 @@ __all__ = [
     "__version__",
     "apply_feed",
     "deflect",
+    "export",
     "plan",
     "program_time",
     "prove",
@@ -110,6 +113,7 @@ _HOME = {
     "Check": "judge",
     "Controller": "reading.controllers.controller",
     "EndState": "planning.endstate",
+    "Exported": "exporting",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
@@ -144,6 +148,7 @@ _HOME = {
     "Verification": "judge",
     "Workers": "workers",
     "apply_feed": "reading",
+    "export": "exporting",
     "plan": "planning.planner",
     "program_time": "timing.program",
     "prove": "planning.bound.prove",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cyclopts import App
 
-from toolpace.cli import options
+from toolpace.cli import exporting, options
 from toolpace.cli.steps import Steps, new_console
 from toolpace.errors import UsageError
 from toolpace.version import __version__
@@ -26,6 +26,7 @@ Examples:
     toolpace plan part.ngc -m xyzac-trunnion        plan, and write a report
     toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and needs to
     toolpace verify part-plan         judge a plan again, from its files alone
+    toolpace export part-plan --to table            files that a control loads
 
 Exit codes: 0 all is well; 1 a verification failed; 2 something in the input is
 wrong, and one line says what, where and how to cure it.
@@ -124,6 +125,30 @@ def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading
     record, verification = folder.verify_folder(Path(directory), Steps(console), reading)
     summary.show_verification(console, record, verification)
     return 0 if verification.ok else 1
+
+
+@app.command(name="export", help_epilogue="")
+def export_command(
+    directory: options.PlanFolder,
+    /,
+    *,
+    to: exporting.TargetName,
+    out: exporting.ExportOut = None,
+    target: exporting.TargetOptions = exporting.AS_USUAL,
+) -> int:
+    """Write a plan as files that a control loads: a table, streams for LinuxCNC, rows of a FIFO, or the program itself.
+
+    The files are read back and compared with the plan before the folder takes its
+    place; each says at its head how to use it. What a target cannot hold is
+    refused. docs: from plan to machine.
+
+    For example:
+
+        toolpace export part-plan --to table --period 4ms --columns t,q,qd
+        toolpace export part-plan --to linuxcnc-g93 --out part-stream
+        toolpace export part-plan --to program --inverse-time
+    """
+    return exporting.run_export(directory, to, out, target)
 
 
 @app.command(name="inspect", help_epilogue="")

@@ -82,6 +82,14 @@ def time_step(text: str) -> float:
     return _within("--dt", text, units.parse_time(text), TIME_STEPS, units.format_time)
 
 
+def time_given(option: str, text: str) -> float:
+    """A time [s], named by its option where it is wrong."""
+    try:
+        return units.parse_time(text)
+    except UsageError as error:
+        raise UsageError(f"{option}: {error}") from None
+
+
 def _within(option: str, text: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> float:
     if not bounds[0] <= value <= bounds[1]:
         raise UsageError(f"{option} {text[:40]}: give a value from {show(bounds[0])} to {show(bounds[1])}")
