@@ -52,7 +52,9 @@ def read_comma_separated(file: Path, columns: Sequence[Numbers], rows: int) -> I
         while line.startswith("#"):
             line = stream.readline()
         if line.rstrip("\n") != heading(columns):
-            raise VerificationError(f"{file.name}: read back it has other columns; nothing was written; is the disk sound?")
+            raise VerificationError(
+                f"{file.name}: read back it has other columns; nothing was written; is the disk sound?"
+            )
         while lines := list(itertools.islice(stream, rows)):
             try:
                 yield np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)

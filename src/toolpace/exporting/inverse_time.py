@@ -23,7 +23,7 @@ from toolpace.exporting.motion import PlannedMotion
 from toolpace.exporting.provenance import provenance, start_in_words
 from toolpace.exporting.rows import Rows, rows_every
 from toolpace.exporting.target import ReadBack, Written
-from toolpace.units import format_time
+from toolpace.units import format_angle, format_length, format_time
 
 FILE = "stream.ngc"
 AXES = "XYZABCUVW"
@@ -79,11 +79,15 @@ class InverseTime:
                 stream.write((form * len(part)) % tuple(part.ravel().tolist()))
             stream.write(("M429\n" if self.tip else "") + "G94\nM2\n")
         what = "tip and rotary joints" if self.tip else "joints"
+        show = [format_angle if turns else format_length for turns in motion.rotary]
+        sag = ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(motion.joints, show, rows.sag))
         return Written(
             [FILE],
             [
-                f"{len(written)} blocks of two cycles of {format_time(rows.period / 2)}: {what}, {self.digits} decimals, "
+                f"{len(written)} blocks of two cycles of {format_time(rows.period / 2)}: {what}, {self.digits} "
+                "decimals, "
                 f"after {format_time(lead * rows.period)} for the queue to fill",
+                f"straight from block to block it leaves the motion by at most {sag}",
                 f"a limit is used to {100.0 * use:.2f} % at most, by differences of the written positions",
                 f"LinuxCNC's own limits must be lifted while it runs: {'; '.join(LIFTED)}",
             ],
@@ -106,7 +110,9 @@ class InverseTime:
                 before = values
                 if at >= 0:
                     if at >= len(positions):
-                        raise VerificationError(f"{FILE}: read back it has more blocks than the plan; nothing was written")
+                        raise VerificationError(
+                            f"{FILE}: read back it has more blocks than the plan; nothing was written"
+                        )
                     worst = max(worst, float(np.abs(np.array(values, dtype=np.float64) - positions[at]).max()))
                 at += 1
         worst = worst if at == len(positions) and not still else math.inf
@@ -121,13 +127,15 @@ class InverseTime:
         wrong = [joint for joint in motion.joints if len(joint) != 1 or joint not in AXES]
         if wrong:
             raise UsageError(
-                f"--to {self.name}: LinuxCNC has no axis {', '.join(wrong)}; it has {', '.join(AXES)}: name the joints so in "
+                f"--to {self.name}: LinuxCNC has no axis {', '.join(wrong)}; it has {', '.join(AXES)}: name the "
+                "joints so in "
                 "the machine file, and plan again"
             )
         turning = [joint for joint, turns in zip(motion.joints, motion.rotary) if turns != (joint in "ABC")]
         if turning:
             raise UsageError(
-                f"--to {self.name}: for LinuxCNC A, B and C turn and all others move straight, and {', '.join(turning)} "
+                f"--to {self.name}: for LinuxCNC A, B and C turn and all others move straight, and "
+                f"{', '.join(turning)} "
                 "does not: rename it in the machine file, and plan again"
             )
         if self.tip and not motion.setpoints.has_tool:
@@ -180,7 +188,8 @@ class InverseTime:
             worst = max([worst, *((float(value), f"{kind} of {j}") for value, j in zip(use, motion.joints))])
         if worst[0] > MOST_USE:
             raise UsageError(
-                f"--to {self.name}: with {self.digits} decimals and blocks of {format_time(period)} the {worst[1]} is used to "
+                f"--to {self.name}: with {self.digits} decimals and blocks of {format_time(period)} the "
+                f"{worst[1]} is used to "
                 f"{100.0 * worst[0]:.1f} % of its limit, more than {100.0 * MOST_USE:.0f} %: "
                 + (f"give --digits 9, not {self.digits}" if self.digits < 9 else "plan with a longer --dt")
             )
@@ -197,7 +206,8 @@ class InverseTime:
         words = " ".join(f"{axis}{value:.{self.digits}f}" for axis, value in zip(motion.joints, first))
         what = "the tip in the workpiece frame and the rotary joints" if self.tip else "joint positions"
         kins = (
-            "under the tool-centre-point kinematics of the machine: M428 and M429 must be remapped to switch them on and off"
+            "under the tool-centre-point kinematics of the machine: M428 and M429 must be remapped to switch "
+            "them on and off"
             if self.tip
             else "so the kinematics must be the identity, with no offset and no tool length in force"
         )

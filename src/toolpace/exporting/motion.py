@@ -68,7 +68,9 @@ class PlannedMotion:
         """A trajectory sampled every `dt` [s]. Raises UsageError where it was planned without a machine."""
         machine = trajectory.axis_path.machine
         if machine is None:
-            raise UsageError("export: the trajectory was planned without a machine, so that no unit is known; plan on one")
+            raise UsageError(
+                "export: the trajectory was planned without a machine, so that no unit is known; plan on one"
+            )
         points = trajectory.sample(dt)
         return cls(points, machine, "trajectory", duration=trajectory.duration, sha256={"machine": _sha(machine)})
 

@@ -20,7 +20,8 @@ def arrow() -> Any:
         import pyarrow.parquet
     except ImportError:
         raise UsageError(
-            "--format parquet needs pyarrow, which is not installed: pip install 'toolpace[parquet]', or give --format csv"
+            "--format parquet needs pyarrow, which is not installed: pip install 'toolpace[parquet]', or give "
+            "--format csv"
         ) from None
     return pyarrow
 
@@ -38,9 +39,7 @@ def write_parquet(
     schema = pa.schema(fields, metadata=metadata)
     with pa.parquet.ParquetWriter(file, schema) as writer:
         for rows in pieces:
-            parts = [
-                column.part(rows).astype(np.int64) if column.whole else column.part(rows) for column in columns
-            ]
+            parts = [column.part(rows).astype(np.int64) if column.whole else column.part(rows) for column in columns]
             writer.write_table(pa.table(parts, schema=schema))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Bools, Floats, Ints
 from toolpace.errors import UsageError
 from toolpace.exporting.motion import PlannedMotion
 from toolpace.setpoints import SetPoints
@@ -70,15 +70,14 @@ def rows_every(motion: PlannedMotion, period: float, resample: bool = False) -> 
     return Rows(_between(motion, t), period, _error(motion))
 
 
-def _picked(points: SetPoints, t: Floats, index: Ints, beyond: np.ndarray) -> SetPoints:
+def _picked(points: SetPoints, t: Floats, index: Ints, beyond: Bools) -> SetPoints:
     """Rows of the plan's own; behind its end the machine rests."""
-    rates = []
-    for value in (points.qd, points.qdd, points.qddd):
-        rate = value[index]
+    qd, qdd, qddd = points.qd[index], points.qdd[index], points.qddd[index]
+    for rate in (qd, qdd, qddd):
         rate[beyond] = 0.0
-        rates.append(rate)
     tool = index if points.has_tool else np.zeros(0, dtype=np.int64)
-    return SetPoints(t, points.q[index], *rates, points.tip[tool], points.axis[tool], points.block[index], points.joints)
+    tip, axis, block = points.tip[tool], points.axis[tool], points.block[index]
+    return SetPoints(t, points.q[index], qd, qdd, qddd, tip, axis, block, points.joints)
 
 
 def _between(motion: PlannedMotion, t: Floats) -> SetPoints:
@@ -102,7 +101,7 @@ def _between(motion: PlannedMotion, t: Floats) -> SetPoints:
 
 
 def quintic(points: SetPoints, k: Ints, u: Floats, dt: float) -> tuple[Floats, Floats, Floats, Floats]:
-    """Position and three derivatives (n, m) in the time steps from set-points k (n,) on, at the share u (n,) of them."""
+    """Position and three derivatives (n, m) at the shares u (n,) of the time steps that begin with set-points k (n,)."""
     q0, v0, a0 = points.q[k], points.qd[k] * dt, points.qdd[k] * dt**2
     q1, v1, a1 = points.q[k + 1], points.qd[k + 1] * dt, points.qdd[k + 1] * dt**2
     x = u[:, None]
@@ -121,7 +120,8 @@ def _error(motion: PlannedMotion) -> Floats:
     jerk = motion.machine.limits.jerk
     if not np.isfinite(jerk).all() or (motion.record is not None and None in motion.record.usage.jerk.values()):
         raise UsageError(
-            "--resample: without a limit of jerk nothing bounds what lies between two set-points; plan with such limits, "
+            "--resample: without a limit of jerk nothing bounds what lies between two set-points; plan with "
+            "such limits, "
             "or give a period that is a whole number of time steps"
         )
     most: Floats = np.maximum(jerk, np.abs(motion.setpoints.qddd).max(axis=0))

@@ -52,9 +52,13 @@ def scale_of(motion: PlannedMotion, units: str, counts: Mapping[str, str]) -> Sc
         )
     for joint in counts:
         if joint not in motion.joints:
-            raise UsageError(f"--counts {joint[:40]}: the machine has no such joint; {did_you_mean(joint, motion.joints)}")
+            raise UsageError(
+                f"--counts {joint[:40]}: the machine has no such joint; {did_you_mean(joint, motion.joints)}"
+            )
     if counts and (missing := [joint for joint in motion.joints if joint not in counts]):
-        raise UsageError(f"--counts: nothing is said of joint {', '.join(missing)}; give all, like {missing[0]}=10000/mm")
+        raise UsageError(
+            f"--counts: nothing is said of joint {', '.join(missing)}; give all, like {missing[0]}=10000/mm"
+        )
     names, factors = [], []
     for joint, turns in zip(motion.joints, motion.rotary):
         if joint in counts:
@@ -91,5 +95,7 @@ def _per_unit(joint: str, text: str, turns: bool) -> float:
             f"like {joint}={example}"
         )
     if not (math.isfinite(value) and value != 0.0):
-        raise UsageError(f"--counts {joint}={text[:40]}: '{figure[:20]}' is no number of increments; like {joint}={example}")
+        raise UsageError(
+            f"--counts {joint}={text[:40]}: '{figure[:20]}' is no number of increments; like {joint}={example}"
+        )
     return value / known[unit.strip().lower()]

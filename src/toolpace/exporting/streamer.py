@@ -57,7 +57,8 @@ class Streamer:
         head = [
             *provenance(motion, "Joint positions for HAL's streamer"),
             f"columns {', '.join(f'{j} [{u}]' for j, u in zip(motion.joints, units))}; a row every {period:.9g} s",
-            f"rows 1 to {lead} lead from zero to the start, row {lead + 1} is the first of the plan; play.hal plays them",
+            f"rows 1 to {lead} lead from zero to the start, row {lead + 1} is the first of the plan; play.hal "
+            "plays them",
         ]
         form = " ".join(["%.17g"] * rows.shape[1]) + "\n"
         with (folder / ROWS).open("w", encoding="utf-8", newline="\n") as stream:
@@ -69,7 +70,8 @@ class Streamer:
         return Written(
             [HAL, ROWS],
             [
-                f"{len(rows)} rows every {format_time(period)}: {format_time(lead * period)} from every joint at zero to "
+                f"{len(rows)} rows every {format_time(period)}: {format_time(lead * period)} from every joint "
+                "at zero to "
                 f"the start ({start_in_words(motion)}), then the plan",
                 "limit3 stands 0.05 % above the plan's velocities and 0.3 % above its accelerations",
             ],
@@ -90,7 +92,9 @@ class Streamer:
 
     def _refuse(self, motion: PlannedMotion) -> None:
         if len(motion.joints) > MOST_PINS:
-            raise UsageError(f"--to {self.name}: {len(motion.joints)} joints, and a streamer has {MOST_PINS} pins at most")
+            raise UsageError(
+                f"--to {self.name}: {len(motion.joints)} joints, and a streamer has {MOST_PINS} pins at most"
+            )
         for joint, (low, high) in zip(motion.joints, motion.machine.travel):
             if not low <= 0.0 <= high:
                 raise UsageError(
@@ -118,7 +122,9 @@ class Streamer:
             "#",
             "# How to use it:",
             "#  1. Try it as it is, in a simulation: halrun -I -f play.hal, in this folder.",
-            "#  2. On a machine: connect toolpace-" + joints[0] + " and its like with the position commands of the joints",
+            "#  2. On a machine: connect toolpace-"
+            + joints[0]
+            + " and its like with the position commands of the joints",
             "#     (where the file says so), and let the servo thread be that of the machine, with this very period.",
             "#  3. Before it is loaded every joint must stand at zero: limit3 starts there, whatever the drives say.",
             f"#     It moves to the start first ({start_in_words(motion)}), then plays the plan.",

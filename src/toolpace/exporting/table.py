@@ -147,7 +147,8 @@ class Table:
 
     def _how_to_use(self, motion: PlannedMotion, rows: Rows) -> list[str]:
         return [
-            f"one row every {format_time(rows.period)} ({rows.period:.9g} s), {len(rows.points)} rows, the first at rest",
+            f"one row every {format_time(rows.period)} ({rows.period:.9g} s), {len(rows.points)} rows, the "
+            "first at rest",
             f"bring the machine to the first row before: {start_in_words(motion)}",
             "take one row a period, without filter, look-ahead or limit of jerk behind it: they would smooth it again",
             "velocities and accelerations are those of the motion at the row's time, for feed-forward",
