@@ -97,7 +97,7 @@ def write_export(
         tell(0.0)
         written = target.write(motion, folder)
         tell(0.6)
-        checks = target.check(motion, folder)
+        checks = target.check(motion, folder, written)
         tell(0.95)
         write_record(folder, motion, target, written, checks)
     return Exported(Path(out), (*written.files, EXPORT), tuple(written.notes), tuple(checks))

@@ -70,7 +70,7 @@ class Fifo:
         (folder / HOW_TO).write_text("\n".join(text) + "\n", encoding="utf-8")
         return Written([ROWS, HOW_TO], notes)
 
-    def check(self, motion: PlannedMotion, folder: Path) -> list[ReadBack]:
+    def check(self, motion: PlannedMotion, folder: Path, written: Written) -> list[ReadBack]:
         """Every position must be there to the last bit."""
         rows, scale = self._rows(motion)
         right = rows.points.q * scale.factors

@@ -93,7 +93,7 @@ class InverseTime:
             ],
         )
 
-    def check(self, motion: PlannedMotion, folder: Path) -> list[ReadBack]:
+    def check(self, motion: PlannedMotion, folder: Path, written: Written) -> list[ReadBack]:
         """Every second set-point must be there, to the digits that were asked for and the swing at rest."""
         positions = self._positions(motion, self._rows(motion))[1:]
         file, lead = folder / FILE, self._lead(motion)

@@ -101,7 +101,7 @@ def _between(motion: PlannedMotion, t: Floats) -> SetPoints:
 
 
 def quintic(points: SetPoints, k: Ints, u: Floats, dt: float) -> tuple[Floats, Floats, Floats, Floats]:
-    """Position and three derivatives (n, m) at the shares u (n,) of the time steps that begin with set-points k (n,)."""
+    """Position and three derivatives (n, m) at shares u (n,) of the time steps that begin with set-points k (n,)."""
     q0, v0, a0 = points.q[k], points.qd[k] * dt, points.qdd[k] * dt**2
     q1, v1, a1 = points.q[k + 1], points.qd[k + 1] * dt, points.qdd[k + 1] * dt**2
     x = u[:, None]

@@ -77,7 +77,7 @@ class Streamer:
             ],
         )
 
-    def check(self, motion: PlannedMotion, folder: Path) -> list[ReadBack]:
+    def check(self, motion: PlannedMotion, folder: Path, written: Written) -> list[ReadBack]:
         """Every row of the plan must be there to the last bit, and the way to it must not jump."""
         points = rows_every(motion, self.period or motion.dt, self.resample).points
         right = points.q * motion.shop_units[1]

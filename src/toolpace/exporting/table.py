@@ -96,7 +96,7 @@ class Table:
             write_parquet(folder / self.file, head, columns, motion.sha256, _pieces(len(rows.points)))
         return Written([self.file], notes)
 
-    def check(self, motion: PlannedMotion, folder: Path) -> list[ReadBack]:
+    def check(self, motion: PlannedMotion, folder: Path, written: Written) -> list[ReadBack]:
         """Read it back, and compare each number with the plan's."""
         rows, scale = self._rows(motion)
         columns = self._columns(rows, scale)

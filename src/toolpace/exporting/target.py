@@ -51,5 +51,5 @@ class Target(Protocol):
     def write(self, motion: PlannedMotion, folder: Path) -> Written:
         """Write the files into a folder. Raises UsageError where the target cannot hold the plan."""
 
-    def check(self, motion: PlannedMotion, folder: Path) -> list[ReadBack]:
+    def check(self, motion: PlannedMotion, folder: Path, written: Written) -> list[ReadBack]:
         """Read the files again and compare them with the plan. Raises VerificationError with the figure."""
