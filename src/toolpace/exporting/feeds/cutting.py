@@ -12,7 +12,7 @@ from toolpace.arrays import Floats
 from toolpace.exporting.feeds.comparison import strays
 from toolpace.exporting.feeds.job import Job
 from toolpace.exporting.feeds.passes import pose
-from toolpace.exporting.feeds.words import code_of
+from toolpace.exporting.feeds.word_address import code_of
 from toolpace.setpoints import SetPoints
 
 DECIMALS = 6

@@ -12,10 +12,10 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import ToolpaceError, UsageError, VerificationError
+from toolpace.exporting.feeds.languages import LANGUAGES
 from toolpace.exporting.feeds.passes import Passes
 from toolpace.exporting.feeds.rewriting import Rewriting, Rewritten, figure
 from toolpace.exporting.feeds.text import ProgramText
-from toolpace.exporting.feeds.words import LANGUAGES
 from toolpace.exporting.motion import PlannedMotion
 from toolpace.machine.machine import Machine
 from toolpace.reading import ReadOptions, Source, read_source
