@@ -58,6 +58,7 @@ def plan_command(
     dt: options.TimeStep = "1ms",
     out: options.Out = None,
     csv: options.Csv = False,
+    npz: options.Npz = "all",
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
     no_report: options.NoReport = False,
@@ -96,6 +97,7 @@ def plan_command(
         options=how,
         dt=arguments.time_step(dt),
         csv=csv,
+        npz=arguments.npz_wanted(npz),
         report=not no_report,
     )
     console = new_console()

@@ -82,6 +82,13 @@ def time_step(text: str) -> float:
     return _within("--dt", text, units.parse_time(text), TIME_STEPS, units.format_time)
 
 
+def npz_wanted(text: str) -> bool:
+    """Whether set-points are written: all of them, or none."""
+    if text not in ("all", "none"):
+        raise UsageError(f"--npz {text[:40]}: give all or none")
+    return text == "all"
+
+
 def time_given(option: str, text: str) -> float:
     """A time [s], named by its option where it is wrong."""
     try:

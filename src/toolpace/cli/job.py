@@ -57,6 +57,7 @@ class Job:
     """[s]"""
     csv: bool = False
     report: bool = True
+    npz: bool = True
     source: Source | None = None
     """The program, where it has been read already; else it is read from its file, once."""
 
@@ -94,8 +95,9 @@ def refuse_without_room(job: Job, duration: float, what: str) -> None:
     # A curve may cut corners, so half of the time is what is sure.
     refuse_too_many(0.5 * duration, job.dt, joints, what + " more than")
     row = 8 * (4 * joints + 8)
+    share = job.npz + 2.5 * job.csv
     # Of a table every figure has about 20 characters; a report has at most 20 MB.
-    wanted = 0.5 * duration / job.dt * row * (1.0 + 2.5 * job.csv) + 5e6
+    wanted = 0.5 * duration / job.dt * row * share + 5e6
     free = free_disk(job.out)
     if wanted > free:
         raise UsageError(
@@ -208,7 +210,7 @@ def write_results(
             axis_tolerance=job.axis_tolerance,
             step_s=dict(steps.seconds),
         )
-        return write.write_folder(job.out, result, csv=job.csv, report=job.report, progress=step)
+        return write.write_folder(job.out, result, csv=job.csv, report=job.report, npz=job.npz, progress=step)
 
 
 def warm_up(steps: Steps) -> None:
@@ -225,7 +227,7 @@ def written(job: Job, record: PlanRecord) -> list[str]:
     """Names of the files of its folder, the one to look at last."""
     from toolpace.write import written_files
 
-    return written_files(job.program, record, csv=job.csv, report=job.report)
+    return written_files(job.program, record, csv=job.csv, report=job.report, npz=job.npz)
 
 
 def exit_code(record: PlanRecord, verification: Verification) -> int:

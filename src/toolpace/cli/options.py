@@ -62,6 +62,13 @@ ToolLength = Annotated[
     str | None, Parameter(help="From the spindle nose to the tip, in place of the machine file's: 120mm.")
 ]
 Dialect = Annotated[str | None, Parameter(help="gcode, apt or csv, where the name of the program does not tell.")]
+Npz = Annotated[
+    str,
+    Parameter(
+        help="all: write every set-point to setpoints.npz. none: leave it out, of a long job for its time alone; it can"
+        " then be neither judged again nor exported."
+    ),
+]
 NoReport = Annotated[bool, Switch, Parameter(help="Leave report.html out.")]
 
 

@@ -17,7 +17,7 @@ from toolpace.machine.machine import Machine
 from toolpace.reading import ReadOptions, Source
 from toolpace.setpoints import SetPoints
 from toolpace.trajectory import Trajectory
-from toolpace.write import MACHINE, PLAN, SET_POINTS, PlanRecord, read_again, read_plan
+from toolpace.write import MACHINE, PLAN, SET_POINTS, PlanRecord, read_again, read_plan, refuse_without_set_points
 
 
 @dataclass(frozen=True)
@@ -115,15 +115,6 @@ class PlannedMotion:
             read_again(folder, record.reading),
             {"machine": _file_sha(folder / MACHINE)}
             | ({"program": hashlib.sha256(source.data).hexdigest()} if source else {}),
-        )
-
-
-def refuse_without_set_points(folder: Path, what: str) -> None:
-    """Raise UsageError where the plan in a folder was written without its set-points."""
-    if not (folder / SET_POINTS).is_file():
-        raise UsageError(
-            f"{folder}: there is no {SET_POINTS} in it (planned with --npz none?), so that nothing can be {what}; "
-            "plan again without --npz none"
         )
 
 

@@ -74,6 +74,13 @@ def foreign(folder: Path) -> str:
     return ""
 
 
+def sealed_files(folder: Path) -> tuple[str, ...]:
+    """Names of the files that toolpace wrote into a folder, beside the one that bears the seal; none where it is
+    broken."""
+    seal = read_seal(folder)
+    return tuple(seal[1]) if seal is not None else ()
+
+
 def changed(folder: Path) -> str:
     """Which file of a folder was changed after toolpace wrote it, in words; empty where none was.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 
 from toolpace.errors import UsageError
-from toolpace.files import reason, whole_folder
+from toolpace.files import reason, sealed_files, whole_folder
 from toolpace.write.csv import write_csv
 from toolpace.write.how_read import CONTROLLER, SETUP, read_again, reading_record, write_how_read
 from toolpace.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
@@ -18,7 +18,7 @@ from toolpace.write.result import PlanResult, copy_name
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "SET_POINTS", "TABLE", "WRITING", "PlanRecord", "PlanResult",
-    "read_again", "read_plan", "reading_record", "write_csv", "write_folder",
+    "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip
 
 SET_POINTS = "setpoints.npz"
@@ -36,10 +36,11 @@ def write_folder(
     *,
     csv: bool = False,
     report: bool = True,
+    npz: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> PlanRecord:
-    """Write setpoints.npz, machine.toml, a copy of the program (program.<ext>), controller.toml and setup.toml where
-    it was read with them, as asked setpoints.csv and report.html, and last plan.json; return what plan.json says.
+    """Write machine.toml, a copy of the program (program.<ext>), controller.toml and setup.toml where it was read with
+    them, as asked setpoints.npz, setpoints.csv and report.html, and last plan.json; return what plan.json says.
 
     `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which
     takes its place in one step. What is there already is replaced only where toolpace wrote all of it; where it is
@@ -50,7 +51,8 @@ def write_folder(
     record = result.record()
     with whole_folder(directory, seal=PLAN) as folder:
         tell(0.0)
-        result.setpoints.save(folder / SET_POINTS)
+        if npz:
+            result.setpoints.save(folder / SET_POINTS)
         (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
@@ -84,7 +86,20 @@ def copy_program(result: PlanResult, copy: Path) -> None:
     copy.write_bytes(data)
 
 
-def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool) -> list[str]:
+def refuse_without_set_points(folder: Path, what: str) -> None:
+    """Raise UsageError where the folder of a plan has no set-points: nothing can then be `what`."""
+    if os.path.lexists(folder / SET_POINTS):
+        return
+    sealed = sealed_files(folder)
+    why = (
+        "was taken out of it" if SET_POINTS in sealed else "was not written (--npz none)" if sealed else "is not there"
+    )
+    raise UsageError(
+        f"{folder}: {SET_POINTS} {why}, and without set-points nothing can be {what}; plan again without --npz none"
+    )
+
+
+def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: bool = True) -> list[str]:
     """Names of the files of a plan, the one to look at last."""
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
-    return [PLAN, SET_POINTS, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report
+    return [PLAN, *[SET_POINTS] * npz, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report
