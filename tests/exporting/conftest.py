@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from toolpace.cli import main
 from toolpace.exporting import PlannedMotion
+from toolpace.setpoints import SetPoints
 
 PROGRAM = """\
 (rests, a turn, a loop, a cycle)
@@ -49,3 +52,11 @@ def motion(plan):
     found = PlannedMotion.load(plan)
     assert found.duration > 20.0
     return found
+
+
+@pytest.fixture(scope="session")
+def brief(motion):
+    """Its first four seconds, for what needs no more."""
+    points = motion.setpoints
+    arrays = {name: getattr(points, name)[:4001] for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")}
+    return replace(motion, setpoints=SetPoints(**arrays, joints=points.joints))

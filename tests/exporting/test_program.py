@@ -18,13 +18,18 @@ from toolpace.reading import read_source
 F = re.compile(rb"\s*(?<![A-Za-z])(?:F(?:\[[^\]]*\]|[0-9.]+)|G93|G94)")
 
 
+@pytest.fixture(scope="module")
+def refed(plan, tmp_path_factory):
+    """The program with the feeds of its plan, and what was said of it."""
+    return export(plan, "program", tmp_path_factory.mktemp("program") / "out")
+
+
 def without_feeds(data):
     return F.sub(b"", data)
 
 
-def test_the_text_is_kept_to_the_byte_but_for_f(plan, tmp_path):
-    said = export(plan, "program", tmp_path / "out")
-    before, after = (plan / "program.ngc").read_bytes(), (tmp_path / "out" / "program.ngc").read_bytes()
+def test_the_text_is_kept_to_the_byte_but_for_f(plan, refed):
+    before, after = (plan / "program.ngc").read_bytes(), (refed.folder / "program.ngc").read_bytes()
     assert b"\r\n" in before
     changed = [line for line in after.splitlines(keepends=True) if line not in before.splitlines(keepends=True)]
     assert all(b"F" in line for line in changed)
@@ -33,14 +38,13 @@ def test_the_text_is_kept_to_the_byte_but_for_f(plan, tmp_path):
         line for line in without_feeds(before).split(b"\n") if line.strip()
     ]
     assert b"N10 X30 F" in after and b" ; along x\r\n" in after
-    assert any("with the old feed" in note for note in said.notes)
+    assert any("with the old feed" in note for note in refed.notes)
 
 
 @pytest.mark.parametrize("inverse", [False, True])
-def test_read_again_each_block_takes_the_time_that_the_plan_takes(plan, motion, tmp_path, inverse):
-    export(plan, "program", tmp_path / "out", inverse_time=inverse)
-    before = read(plan / "program.ngc", motion.machine)
-    after = read(tmp_path / "out" / "program.ngc", motion.machine)
+def test_read_again_each_block_takes_the_time_that_the_plan_takes(plan, motion, refed, tmp_path, inverse):
+    out = export(plan, "program", tmp_path / "out", inverse_time=True).folder if inverse else refed.folder
+    before, after = read(plan / "program.ngc", motion.machine), read(out / "program.ngc", motion.machine)
     assert np.array_equal(before.tip, after.tip) and np.array_equal(before.axis, after.axis)
     assert np.array_equal(before.stop, after.stop) and np.array_equal(before.dwell, after.dwell)
     now = Passes.of(after).asked_times(after)
@@ -77,9 +81,8 @@ def test_straight_blocks_are_cut_into_the_same_way(plan, motion, tmp_path):
     assert max(corners) < 1e-12
 
 
-def test_blocks_that_run_often_keep_their_feed(plan, motion, tmp_path):
-    export(plan, "program", tmp_path / "out")
-    lines = (tmp_path / "out" / "program.ngc").read_text().splitlines()
+def test_blocks_that_run_often_keep_their_feed(refed):
+    lines = (refed.folder / "program.ngc").read_text().splitlines()
     loop = lines.index("o100 repeat [2]")
     assert lines[loop + 1 : loop + 4] == ["  G91 G1 X-4 Y-2", "  X1", "  G90"]
     cycle = lines.index("G81 Z-1 R2 F200")
