@@ -39,6 +39,9 @@ def test_the_text_is_kept_to_the_byte_but_for_f(plan, refed):
     ]
     assert b"N10 X30 F" in after and b" ; along x\r\n" in after
     assert any("with the old feed" in note for note in refed.notes)
+    told = next(note for note in refed.notes if "by the model linuxcnc" in note)
+    seconds = [float(value) for value in re.findall(r"([0-9.]+) s for", told)]
+    assert len(seconds) == 2 and all(15.0 < value < 30.0 for value in seconds)
 
 
 @pytest.mark.parametrize("inverse", [False, True])
