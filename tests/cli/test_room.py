@@ -35,7 +35,7 @@ def test_memory_is_that_of_the_set_points_as_often_as_they_are_held(monkeypatch,
 @pytest.mark.parametrize(("share", "fine"), [(0.99, True), (1.01, False)])
 def test_disk_is_that_of_the_files(monkeypatch, csv, share, fine):
     """Half of the time is sure; with a table two and a half times as much again; five megabytes for the report."""
-    task = SimpleNamespace(machine=Machine.load("xyzac-trunnion"), dt=1e-3, csv=csv, out=Path("out"))
+    task = SimpleNamespace(machine=Machine.load("xyzac-trunnion"), dt=1e-3, csv=csv, npz=True, out=Path("out"))
     wanted = 0.5e6 * ROW * (3.5 if csv else 1.0) + 5e6
     monkeypatch.setattr("toolpace.files.free_disk", lambda folder: wanted / share)
     if fine:

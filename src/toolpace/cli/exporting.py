@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from toolpace.cli import arguments
+from toolpace.cli import arguments, job
 from toolpace.cli.options import Switch
 from toolpace.cli.steps import Steps, new_console
 from toolpace.errors import UsageError, printable
@@ -109,6 +109,8 @@ def run_export(directory: str, to: str, out: str | None, options: TargetOptions)
     target = target_of(to, options.given())
     place = arguments.folder_for_results(default_folder(directory, to) if out is None else out)
     steps = Steps(console)
+    if to == "program":
+        job.warm_up(steps)
     with steps.step("loading") as step:
         motion = PlannedMotion.load(Path(directory))
         step.note = f"{len(motion.setpoints)} set-points"

@@ -72,13 +72,10 @@ class Fifo:
 
     def check(self, motion: PlannedMotion, folder: Path, written: Written) -> list[ReadBack]:
         """Every position must be there to the last bit."""
-        rows, scale = self._rows(motion)
-        right = rows.points.q * scale.factors
+        right = self._table(*self._rows(motion))
         data = (folder / ROWS).read_bytes()
-        rest = self._rest(rows)
-        found = np.frombuffer(data[: len(data) // 8 * 8], dtype="<f8")
-        same = len(data) == 8 * right.shape[1] * (len(right) + rest)
-        worst = float(np.abs(found[: right.size].reshape(right.shape) - right).max()) if same else math.inf
+        same = len(data) == 8 * right.size
+        worst = float(np.abs(np.frombuffer(data, dtype="<f8") - right.ravel()).max()) if same else math.inf
         return [ReadBack("largest difference of a position [mm, deg]", worst, 0.0).raise_if_failed(folder / ROWS)]
 
     def _rows(self, motion: PlannedMotion) -> tuple[Rows, Scale]:

@@ -16,6 +16,7 @@ from toolpace.description import counted
 from toolpace.errors import VerificationError
 from toolpace.exporting.feeds.comparison import largest_change_of_kept, strays
 from toolpace.exporting.feeds.cutting import cut
+from toolpace.exporting.feeds.expected import expected
 from toolpace.exporting.feeds.job import Job
 from toolpace.exporting.feeds.rewriting import Rewritten, rounding
 from toolpace.exporting.motion import PlannedMotion
@@ -60,6 +61,7 @@ class Program:
         file = motion.record.program_file
         (folder / file).write_bytes(new.data)
         notes = self._notes(motion, job, len(pieces), sum(map(len, pieces.values())))
+        notes += [told] if (told := expected(job, new)) else []
         text = [*provenance(motion, "The program with the feeds of its plan"), "", *self._how_to_use(), "", *notes]
         (folder / HOW_TO).write_text("\n".join(text) + "\n", encoding="utf-8")
         return NewFeeds([file, HOW_TO], notes, job=job, new=new, feeds=feeds)

@@ -57,7 +57,7 @@ def rows_every(motion: PlannedMotion, period: float, resample: bool = False) -> 
             f"--period {format_time(period)} is {ratio:.6g} time steps of the plan ({format_time(dt)}), not a whole "
             f"number of them; give --resample to interpolate, or plan again with --dt {period * 1e3:.6g}ms"
         )
-    if rows < 2 or rows > 20 * len(points):
+    if ratio > len(points) - 1 or rows > 20 * len(points):
         raise UsageError(
             f"--period {format_time(period)} makes {rows} rows of a motion of {format_time(motion.duration)} with "
             f"set-points every {format_time(dt)}; give a period nearer to that"

@@ -9,6 +9,9 @@ from typing import ClassVar
 
 from toolpace.exporting.feeds.word_address import NUMBER, WordAddress
 
+_BEFORE_COMMENT = re.compile(r'(?:[^;"]|"[^"]*")*+')
+_TEXT = re.compile(r'"[^"]*"')
+
 
 @dataclass(frozen=True)
 class Sinumerik(WordAddress):
@@ -44,7 +47,7 @@ class Sinumerik(WordAddress):
 
 
 def _bare(line: str) -> str:
-    """A line with its comment blanked out; a ; within a text begins none."""
-    match = re.match(r'((?:[^;"]|"[^"]*")*+)', line)
+    """A line with its comment and its texts blanked out; a ; within a text begins no comment."""
+    match = _BEFORE_COMMENT.match(line)
     end = match.end() if match else len(line)
-    return line[:end] + " " * (len(line) - end)
+    return _TEXT.sub(lambda text: '"' + "." * (len(text[0]) - 2) + '"', line[:end]) + " " * (len(line) - end)

@@ -1,0 +1,31 @@
+"""How long the control will take for a program, before and after its feeds were changed, by the model of the control."""
+
+from __future__ import annotations
+
+from toolpace.errors import ToolpaceError
+from toolpace.exporting.feeds.job import Job
+from toolpace.exporting.feeds.rewriting import Rewritten
+from toolpace.reading import Source
+from toolpace.timing.program import figures_for, moves_of
+from toolpace.timing.program_time import time_of_moves
+from toolpace.units import format_time
+
+
+def expected(job: Job, new: Rewritten) -> str:
+    """ "by the model linuxcnc the control takes 25.10 s for it, 24.90 s for the program as it was"; empty where the
+    controller has no model."""
+    try:
+        figures = figures_for(job.options, None)
+        if figures.model == "ideal":
+            return ""
+        times = []
+        for source in (Source.from_bytes(new.data, job.source.name), job.source):
+            moves = moves_of(source, job.machine, job.options, None, job.dialect)
+            times.append(time_of_moves(moves, job.machine, figures, job.options.setup.tool_change).total)
+    except ToolpaceError:
+        # What was planned with --feed may have no feeds of its own to be timed by.
+        return ""
+    return (
+        f"by the model {figures.model} the control takes {format_time(times[0])} for it, {format_time(times[1])} for the "
+        "program as it was"
+    )
