@@ -50,7 +50,7 @@ def _example(name: str) -> Callable[[], str]:
 
 def _demo() -> str:
     """Our demo in LinuxCNC's words."""
-    return demo.impeller_program().replace("G43.4 H1", "M428\nG64 P0.01").replace("G49", "M429")
+    return demo.impeller_program(_xyzac()).replace("G43.4 H1", "M428\nG64 P0.01").replace("G49", "M429")
 
 
 def _xyzac() -> tp.Machine:
@@ -73,7 +73,7 @@ CASES = {
     "impeller-7bl-xyzac": Case(_example("impeller-7bl-xyzac.ngc"), _xyzac),
     "boat-xyzac": Case(_example("boat-xyzac.ngc"), _xyzac),
     "boat-xyzbc": Case(_example("boat-xyzbc.ngc"), _xyzbc),
-    "demo": Case(_demo, lambda: tp.Machine.load(demo.MACHINE)),
+    "demo": Case(_demo, _xyzac),
 }
 
 
