@@ -3,7 +3,8 @@
     python -m testbed.linuxcnc.compared [--out FILE] [NAME...]
 
 Its own examples of five axes (Debian's package has them), on its own machines, and our demo. Under LinuxCNC's own
-planner joints are not held to their limits where the tip is; the plan is held to all of them, and to jerk.
+planner joints are not held to their limits where the tip is; the plan is held to all of them, and to jerk. It is played
+through HAL's streamer and limit3, set just above the limits of the machine.
 """
 
 from __future__ import annotations
@@ -19,17 +20,18 @@ import numpy as np
 
 import toolpace as tp
 from testbed.linuxcnc.configuration import Configuration
-from testbed.linuxcnc.run import Log, run_program
+from testbed.linuxcnc.play import play
+from testbed.linuxcnc.run import run_program
 from toolpace import demo
 from toolpace.arrays import Floats
 from toolpace.files import write_text
-from toolpace.units import format_time
+from toolpace.units import DEGREE, MILLIMETRE, format_time
 
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismach/5axis/table-rotary-tilting/demos")
 SPEED = 6
 """Times real time: faster, rows of a dense stream are lost."""
 FREE = 1e6
-"""In place of limits, where a stream is played [mm, deg]."""
+"""In place of a limit of the path [mm/s]."""
 
 
 @dataclass(frozen=True)
@@ -113,39 +115,18 @@ def compare(name: str, case: Case, folder: Path) -> Row:
     modelled = tp.program_time(program, machine, controller="linuxcnc").total
     if main(["plan", str(program), "-m", str(file), "--controller", "linuxcnc", "--no-report", "-o", str(plan)]):
         raise SystemExit(f"{name}: the plan was not verified")
-    tp.export(plan, "linuxcnc-g93", folder / f"{name}-stream")
-    lifted = machine.with_limits(tp.Limits(FREE, FREE, np.inf, machine.joints))
-    stream = (folder / f"{name}-stream" / "stream.ngc").read_text(encoding="utf-8")
-    played = run_program(stream, Configuration.joints(lifted, path_velocity=FREE), seconds=3000.0, speed=SPEED)
     with np.load(plan / "setpoints.npz") as saved:
         q, t = saved["q"], saved["t"]
-    log = played.of(machine.joints)
-    shift, off = _aligned(log, q)
+    units, limits = np.where(machine.is_rotary, DEGREE, MILLIMETRE), machine.limits
+    # just above the plan's own limits: what passes them would be changed
+    held = tp.Limits(1.0005 * limits.velocity / units, 1.003 * limits.acceleration / units, np.inf, machine.joints)
+    played = play(q / units, held, seconds=1200.0, speed=SPEED)
+    off = np.abs(played.limited * units - q).max(axis=0)
     return Row(
         name, own.duration, *used(own.of(machine.joints), machine, 1e-3, 1), modelled, float(t[-1]),
-        _moving(played, machine, shift, len(q)), *used(log[shift : shift + len(q)], machine, 1e-3, 2), off,
+        1e-3 * (len(played.limited) - 1), *used(played.limited * units, machine, 1e-3, 1),
+        (float(off[~machine.is_rotary].max()), float(off[machine.is_rotary].max())),
     )  # fmt: skip
-
-
-def _aligned(log: Floats, q: Floats) -> tuple[int, tuple[float, float]]:
-    """Cycles by which the log is late, and how far it then is from the plan at most: [m] and [rad]."""
-    best = (0, (np.inf, np.inf))
-    longest = len(log) - len(q)
-    probe = np.linspace(0, len(q) - 1, 400).astype(int)
-    for shift in range(longest + 1):
-        off = np.abs(log[probe + shift] - q[probe]).max()
-        if off < max(best[1]):
-            best = (shift, (float(off), float(off)))
-    shift = best[0]
-    apart = np.abs(log[shift : shift + len(q)] - q).max(axis=0)
-    return shift, (float(apart[:3].max()), float(apart[3:].max()))
-
-
-def _moving(played: Log, machine: tp.Machine, shift: int, rows: int) -> float:
-    """Duration of the motion in the log, its padding at rest left out [s]."""
-    q = played.of(machine.joints)[shift : shift + rows]
-    moved = np.flatnonzero(np.abs(np.diff(q, axis=0)).max(axis=1) > 1e-9)
-    return float(1e-3 * (moved[-1] + 1 - moved[0])) if len(moved) else 0.0
 
 
 def table(rows: list[Row]) -> str:
