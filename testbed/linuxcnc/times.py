@@ -32,7 +32,7 @@ EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismac
 FILES = Path("/usr/share/linuxcnc/ncfiles")
 FAST, SLOW = 8, 2
 """Times real time."""
-NEEDS_TIME = ("switching", "noise", "surface", "holes", "dense")
+NEEDS_TIME = ("switching", "noise", "surface", "dense")
 """Blocks of a cycle or two, and words that wait: LinuxCNC's interpreter has to keep up."""
 RUNS = 2
 """Of each program; the quicker counts: where this machine is busy, LinuxCNC waits longer, never less."""
@@ -124,8 +124,8 @@ def main(arguments: Iterable[str]) -> int:
             continue
         rows.append(row(case))
         print(rows[-1], flush=True)
-    if not given.only:
-        given.out.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
+        if not given.only:
+            given.out.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
     return 0
 
 
