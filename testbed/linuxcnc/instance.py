@@ -16,6 +16,7 @@ import signal
 import stat
 import subprocess
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -113,22 +114,26 @@ def _alone() -> Iterator[None]:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Nothing of a run outlives it: ask its processes to end, then end them."""
+    """Nothing of a run outlives it: ask its processes to end, which clear up behind themselves, then end them."""
     for how, patience in ((signal.SIGTERM, 20.0), (signal.SIGKILL, 5.0)):
-        if process.poll() is not None and not _members(process.pid):
-            return
+        if not _running(process.pid):
+            break
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, how)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(patience)
+        until = time.monotonic() + patience
+        while _running(process.pid) and time.monotonic() < until:
+            time.sleep(0.05)
+    process.wait()
 
 
-def _members(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+def _running(group: int) -> bool:
+    """Whether a process of the group goes on; one that has ended may wait there for somebody to ask how."""
+    for each in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, its_group = each.read_text().rpartition(")")[2].split()[:3]
+            if int(its_group) == group and state != "Z":
+                return True
+    return False
 
 
 def _tail(output: Path) -> str:
