@@ -113,8 +113,11 @@ def test_a_tolerance_for_chains_makes_one_block_of_straight_ones():
 
 
 def test_flat_arcs_are_lines_and_arcs_of_several_turns_are_not():
-    flat = moves_of("G3 X10 Y0 R5000 F600", "G64 P0.05")
-    assert list(Canon(flat, MACHINE, Waits()).blocks.figures[:, 0]) == [0.0]
+    flat = moves_of("G3 X10 Y0 R5000 F600\nG2 X10 Y8 R900", "G64 P0.05 Q0.01")
+    canon = Canon(flat, MACHINE, Waits())
+    assert list(canon.blocks.figures[:, 0]) == [0.0, 0.0]
+    # by way of the middle of the arc
+    assert canon.rows.place[1, 1] == pytest.approx(-(5000.0 - np.sqrt(5000.0**2 - 25.0)), rel=1e-6)
     turns = moves_of("G3 X0 Y0 Z-4 I-6 J0 P4 F900", "G64 P0.05")
     assert list(Canon(turns, MACHINE, Waits()).blocks.figures[:, 0]) == [1.0]
     assert linuxcnc_times(turns, MACHINE).sum() > turns.length.sum() / 0.015

@@ -142,16 +142,14 @@ class _Rows:
         self.wait = np.where(is_last, _waits(moves, waits)[of], -1.0)
 
     def _flatten(self, moves: Commanded, flat: Bools) -> None:
-        """Halve the ways of flat arcs, by way of their middle."""
-        for k in np.flatnonzero(flat):
-            rows = np.flatnonzero(self.of == k)
-            spoke = (moves.words[k, :3] - moves.way[k, :3] - moves.centre[k]) / MILLIMETRE
-            aside = np.cross(moves.normal[k], spoke)
-            half = 0.5 * moves.sweep[k]
-            whole = self.way[rows[0]].copy()
-            to_middle = 0.5 * whole
-            to_middle[:2] = (spoke * (np.cos(half) - 1.0) + aside * np.sin(half))[:2]
-            self.way[rows[0]], self.way[rows[1]] = to_middle, whole - to_middle
+        """Halve the ways of flat arcs, by way of their middle; their normal is Z."""
+        first = np.searchsorted(self.of, np.flatnonzero(flat))
+        whole, half = self.way[first], 0.5 * moves.sweep[flat][:, None]
+        spoke = (moves.words[flat, :3] - moves.way[flat, :3] - moves.centre[flat]) / MILLIMETRE
+        aside = np.cross(moves.normal[flat], spoke)
+        to_middle = 0.5 * whole
+        to_middle[:, :2] = (spoke * (np.cos(half) - 1.0) + aside * np.sin(half))[:, :2]
+        self.way[first], self.way[first + 1] = to_middle, whole - to_middle
 
     def _rates(self, moves: Commanded) -> tuple[Floats, Floats]:
         """What F comes to for each row: of lengths [mm/s], and of turns in place [deg/s]."""
