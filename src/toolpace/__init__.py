@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from toolpace.axispath.axispath import AxisPath
     from toolpace.axispath.run import AxisRun
     from toolpace.errors import ToolpaceError
-    from toolpace.exporting import Exported, export
+    from toolpace.exporting import Exported, ReadBack, export
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.laws.law import Probe, TimeLaw
     from toolpace.machine.file import ChainFile, JointFile, MachineFile
@@ -80,6 +80,7 @@ __all__ = [
     "Probe",
     "ProgramTime",
     "Progress",
+    "ReadBack",
     "Sampled",
     "SecondOrder",
     "SetPoints",
@@ -134,6 +135,7 @@ _HOME = {
     "Probe": "laws.law",
     "ProgramTime": "timing.program_time",
     "Progress": "workers",
+    "ReadBack": "exporting",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
     "SetPoints": "setpoints",

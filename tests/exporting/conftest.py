@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from tests.support.thinned import first_of
 from toolpace.cli import main
 from toolpace.exporting import PlannedMotion
-from toolpace.setpoints import SetPoints
 
 PROGRAM = """\
 (rests, a turn, a loop, a cycle)
@@ -57,6 +57,4 @@ def motion(plan):
 @pytest.fixture(scope="session")
 def brief(motion):
     """Its first four seconds, for what needs no more."""
-    points = motion.setpoints
-    arrays = {name: getattr(points, name)[:4001] for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")}
-    return replace(motion, setpoints=SetPoints(**arrays, joints=points.joints))
+    return replace(motion, setpoints=first_of(motion.setpoints, 4001))

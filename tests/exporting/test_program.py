@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from tests.support.thinned import every
 from toolpace import read
 from toolpace.errors import UsageError, VerificationError
 from toolpace.exporting import export
@@ -60,8 +61,6 @@ def test_read_again_each_block_takes_the_time_that_the_plan_takes(plan, motion, 
 
 def test_times_of_blocks_are_found_between_the_set_points(motion):
     """The same plan with a tenth of its set-points: where it is fast, ends are told to a small part of a time step."""
-    from tests.exporting.test_rows import every
-
     toolpath = read_source(motion.source, motion.machine, None, motion.options)
     passes = Passes.of(toolpath)
     fine = passes.ends(toolpath, motion.setpoints)

@@ -8,15 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.support.thinned import every
 from toolpace.errors import UsageError
 from toolpace.exporting.rows import QUINTIC_ERROR, rows_every
-from toolpace.setpoints import SetPoints
-
-
-def every(points, step):
-    """Each step-th set-point."""
-    arrays = {name: getattr(points, name)[::step] for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")}
-    return SetPoints(**arrays, joints=points.joints)
 
 
 def test_whole_periods_are_the_plans_own_set_points(motion):

@@ -1,4 +1,4 @@
-"""How long the control will take for a program, before and after its feeds were changed, by the model of the control."""
+"""How long the control will take for a program, before and after its feeds were changed, by a model of it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,5 @@ def expected(job: Job, new: Rewritten) -> str:
     except ToolpaceError:
         # What was planned with --feed may have no feeds of its own to be timed by.
         return ""
-    return (
-        f"by the model {figures.model} the control takes {format_time(times[0])} for it, {format_time(times[1])} for the "
-        "program as it was"
-    )
+    now, before = map(format_time, times)
+    return f"by the model {figures.model} the control takes {now} for it, {before} for the program as it was"
