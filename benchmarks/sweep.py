@@ -4,7 +4,8 @@
     python -m benchmarks.sweep --seed 1 --summary                     the table of what is there
 
 Families are those of testbed/random_plans.py, the judge is testbed/from_positions.py. Each plan is a line of
-out/sweep/SEED.jsonl; the tables are written to benchmarks/results/sweep.md and sweep.json.
+out/sweep/SEED.jsonl; the tables are written to benchmarks/results/sweep.md and sweep.json. Slow plans whose line does
+not tell why are planned once more, for their causes: out/sweep/SEED.again.jsonl.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ def one(seed: int) -> dict[str, Any]:
     """What came of the plan of a seed."""
     from testbed.from_positions import used_by_positions
     from testbed.random_plans import FAMILIES, WAYS, random_plan
+    from testbed.slow_plans import watched, work_of
     from toolpace.errors import InfeasibleError, ToolpaceError
     from toolpace.planning.planner import plan
 
@@ -47,11 +49,12 @@ def one(seed: int) -> dict[str, Any]:
     asked = timed(made.path.runs)
     began = time.process_time()
     try:
-        trajectory = plan(made.path, made.limits, **made.options)
+        with watched() as work:
+            trajectory = plan(made.path, made.limits, **made.options)
     except ToolpaceError as error:
         return row | {"refused": str(error), "cpu": time.process_time() - began}
     row |= {"cpu": time.process_time() - began, "points": trajectory.mesh_points, "duration": trajectory.duration}
-    row |= {"path_cpu": sum(asked), "notes": list(trajectory.notes)}
+    row |= {"path_cpu": sum(asked), "notes": list(trajectory.notes), "work": work_of(work)}
     positions = used_by_positions(trajectory)
     gap = trajectory.gap if trajectory.gap < 1e300 else None
     return row | {"usage": [float(x) for x in positions], "told": trajectory.usage().worst, "gap": gap}
@@ -148,7 +151,23 @@ def main() -> None:
         run(given.count, given.seed, given.workers)
     from benchmarks.sweep_tables import write_tables
 
-    write_tables(read(HOME / f"{given.seed}.jsonl"), f"python -m benchmarks.sweep {' '.join(sys.argv[1:])}", SLOW)
+    command = f"python -m benchmarks.sweep {' '.join(sys.argv[1:])}"
+    write_tables(read(HOME / f"{given.seed}.jsonl"), command, SLOW, lambda seeds: once_more(seeds, given.seed))
+
+
+def once_more(seeds: Sequence[int], seed: int) -> dict[int, dict[str, Any]]:
+    """The rows of plans that are made again, one at a time; those that were are read."""
+    file = HOME / f"{seed}.again.jsonl"
+    rows = {row["seed"]: row for row in read(file)}
+    left = [k for k in seeds if k not in rows]
+    if left:
+        guarded(left[0])  # kernels are loaded
+    with file.open("a", encoding="utf-8") as out:
+        for k in left:
+            rows[k] = guarded(k)
+            out.write(json.dumps(rows[k]) + "\n")
+            out.flush()
+    return {k: rows[k] for k in seeds if "usage" in rows[k]}
 
 
 if __name__ == "__main__":
