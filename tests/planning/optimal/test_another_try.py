@@ -1,11 +1,15 @@
 """Plans far from their bound: another try, and a note on why."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
 from toolpace.planning.bound.allowance import Allowance
+from toolpace.planning.bound.relaxation import Bound
+from toolpace.planning.optimal import another_try as another
 from toolpace.planning.planner import plan
 
 
@@ -37,6 +41,47 @@ def test_what_is_left_open_is_said():
     trajectory = planned(1000122)
     assert trajectory.gap > 0.02
     assert "as far as tried" in trajectory.notes[0]
+
+
+def scripted(monkeypatch, stands, proofs, finer):
+    """Another try whose proofs leave these gaps, one after the other, and whose finer mesh this one (None: no better);
+    with the gaps that it ends with, and its words."""
+    a_run, gaps = SimpleNamespace(s0=0.0), iter(proofs)
+
+    def plan_of(gap):
+        return another.Plan(SimpleNamespace(nodes=np.zeros(9)), Bound(1.0, 1.0 + gap, 1.0, np.empty((0, 3)), 0))
+
+    opening = SimpleNamespace(stands=stands, words="here", cells=None)
+    monkeypatch.setattr(another, "opening_of", lambda *_: opening)
+    monkeypatch.setattr(another, "prove_run", lambda *_: plan_of(next(gaps)).bound)
+    monkeypatch.setattr(
+        another, "on_a_finer_mesh", lambda run, limits, plan, *_: (plan_of(finer) if finer else plan, "finer")
+    )
+    best, notes = another.another_try(a_run, None, plan_of(0.2), None, None, False, True, None)
+    return best.bound.gap, notes[0].split("; ")[1:], list(gaps)
+
+
+LOOSE, NOTHING, LEFT = "the bound was loose", "a proof by ranges", "what is left is the bound's"
+
+
+@pytest.mark.parametrize(
+    ("stands", "proofs", "finer", "gap", "words"),
+    [
+        (0.9, [0.01], None, 0.01, [LOOSE]),
+        (0.9, [0.05], 0.015, 0.015, [LOOSE, "finer"]),
+        (0.9, [0.05, 0.01], 0.3, 0.01, [LOOSE, "finer", LOOSE]),
+        (0.9, [0.05, 0.3], 0.3, 0.3, [LOOSE, "finer", NOTHING, LEFT]),
+        (0.9, [0.05], None, 0.05, [LOOSE, "finer", LEFT]),
+        (0.1, [0.01], 0.1, 0.01, ["finer", LOOSE]),
+        (0.1, [0.25], None, 0.2, ["finer", NOTHING, LEFT]),
+    ],
+)
+def test_what_is_tried_and_in_which_order(monkeypatch, stands, proofs, finer, gap, words):
+    """A proof belongs to its mesh: on a finer one it is made anew, and on the same one not twice."""
+    left, said, unused = scripted(monkeypatch, stands, proofs, finer)
+    assert left == pytest.approx(gap)
+    assert [one.startswith(word) for one, word in zip(said, words, strict=True)] == [True] * len(words)
+    assert unused == []
 
 
 def test_a_mesh_that_is_given_is_kept():
