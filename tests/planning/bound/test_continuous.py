@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from tests.support.random_paths import harmonics, random_limits
 from tests.support.straight_line import line, s_curve
 from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
-from toolpace.planning.bound.continuous import continuous_bound, gauss
+from toolpace.planning.bound.continuous import continuous_bound, gauss, widest_at_breaks
 from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import fastest_law
 
@@ -99,3 +101,18 @@ def test_gauss_integrates_polynomials_up_to_each_place(points):
     for power in range(points):
         assert rule @ place**power == pytest.approx(1.0 / (power + 1), rel=1e-12)
         assert up_to @ place**power == pytest.approx(place ** (power + 1) / (power + 1), rel=1e-10)
+
+
+@pytest.mark.parametrize("cell", [0, 1, 4, 8, 9])
+def test_beside_a_break_no_cap_is_below_that_of_either_side(cell):
+    """Rounding may put a break into the cell before or behind its own: nothing near it may be taken for too slow."""
+    edges = np.linspace(0.0, 1.0, 11)
+    law = SimpleNamespace(nodes=np.array([0.0, 2.0]), times=np.array([0.0, 1.0]))
+    run = SimpleNamespace(breaks=np.array([2.0 * (edges[cell] + edges[cell + 1]) / 2.0]))
+    cap = np.random.default_rng(cell).uniform(1.0, 2.0, (10, 3))
+    found = widest_at_breaks(run, law, edges, cap.copy())
+    near = slice(max(cell - 1, 0), cell + 2)
+    assert (found[near] == cap[near].max()).all()
+    others = np.ones(10, dtype=bool)
+    others[near] = False
+    assert (found[others] == cap[others]).all()

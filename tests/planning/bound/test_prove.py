@@ -97,6 +97,21 @@ def test_losses_sum_to_the_gap(seed):
 
 
 @pytest.mark.parametrize("seed", range(6))
+def test_no_knot_pays_more_for_jerk_than_its_time(seed):
+    """Else standing still would pay, and multipliers would bound nothing; where z has a range it cannot."""
+    problem, c = solved(seed)
+    knots = Knots(problem)
+    dear = np.random.default_rng(seed).exponential(1.0, (*knots.rows.shape[:2], 2))
+    assert (knots.jerk_price(dear) > knots.weight).all()
+    low = np.where(np.arange(len(knots.cap)) % 2, 0.5 * knots.state(c)[:, 0], 0.0)
+    for ranges, free in ((None, np.ones_like(low)), (low, low == 0.0)):
+        price = knots.jerk_price(settled(knots, dear, ranges))
+        assert (price[free > 0] <= knots.weight[free > 0]).all()
+        assert (price[free == 0] == knots.jerk_price(dear)[free == 0]).all()
+        assert np.isfinite(knots.value(settled(knots, dear, ranges), low if ranges is not None else None))
+
+
+@pytest.mark.parametrize("seed", range(6))
 def test_beyond_a_border_ipopt_finds_nothing_below_what_was_asked(seed):
     pytest.importorskip("casadi")
     from testbed import ipopt
