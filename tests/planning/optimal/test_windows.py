@@ -89,7 +89,7 @@ def test_windows_whose_seams_would_overlap_are_wider(monkeypatch, wide, pieces):
         problem=lambda low, high: SimpleNamespace(of_most_used=lambda c, most: (low, high)),
     )  # fmt: skip
     monkeypatch.setattr(windows, "mend", mend)
-    monkeypatch.setattr(windows, "solve", lambda problem, c, spread: solved.append([problem]) or c)
+    monkeypatch.setattr(windows, "solve_whole", lambda problem, c, spread: solved.append([problem]) or c)
     solve_run(run, np.ones(last + 3), 1.0, Workers())
     assert len(solved[0]) == pieces
     assert [low for low, _ in solved[0]] + [last] == [0] + [high for _, high in solved[0]]

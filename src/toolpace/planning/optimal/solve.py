@@ -33,13 +33,14 @@ LIMITS = ("a velocity limit or the feed", "an acceleration limit", "a jerk limit
 
 class Stalled(Exception):
     """The core found no point within the limits; `place` is the parameter where one is broken most, `limit` its name.
+    Or none near the optimum: `within` are coefficients of one that is far from it.
 
     Between two rests there always is such a point: a motion slow enough.
     """
 
-    def __init__(self, place: float, limit: str) -> None:
+    def __init__(self, place: float, limit: str, within: Floats | None = None) -> None:
         super().__init__(f"{limit} is passed near s = {place:.9g}")
-        self.place, self.limit = place, limit
+        self.place, self.limit, self.within = place, limit, within
 
 
 def start_from(mesh: OnMesh, s: Floats, z: Floats, share: float) -> Floats:
@@ -121,7 +122,7 @@ def solve(problem: Problem, c: Floats, spread: float, once: bool = False) -> Flo
         return best.c
     if best is None and rests and (starts[-1][0] > 0.0).all():
         return starts[-1][0]
-    raise stalled(problem, attempts)
+    raise stalled(problem, attempts, None if best is None else best.c)
 
 
 def attempted(problem: Problem, begin: Floats, first_gap: float) -> Attempt | None:
@@ -149,13 +150,13 @@ def agreed(holding: list[Attempt]) -> bool:
     return least < GOOD_ENOUGH or (least < ACCEPTABLE and same)
 
 
-def stalled(problem: Problem, attempts: list[Attempt]) -> Stalled:
-    """Where the last attempt passes a limit most."""
+def stalled(problem: Problem, attempts: list[Attempt], within: Floats | None) -> Stalled:
+    """Where the last attempt passes a limit most; with what is within them, if there is anything."""
     used = attempts[-1].used if attempts else None
     if used is None:
-        return Stalled(float(problem.nodes[0]), "some limit")
+        return Stalled(float(problem.nodes[0]), "some limit", within)
     worst, kind = divmod(int(np.argmax(used)), used.shape[1])
-    return Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind])
+    return Stalled(float(problem.nodes[problem.node[worst]]), LIMITS[kind], within)
 
 
 def well_inside(problem: Problem, c: Floats) -> Floats:

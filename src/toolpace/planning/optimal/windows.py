@@ -11,6 +11,7 @@ from toolpace.arrays import Bools, Floats, Ints
 from toolpace.kernels.optimal import newton
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.problem import Problem
+from toolpace.planning.optimal.slower_ends import solve_whole
 from toolpace.planning.optimal.solve import Stalled, slower, solve
 from toolpace.workers import UNTOLD, Progress, Workers
 
@@ -84,7 +85,7 @@ def solve_run(
             break
         count //= 2
     if count <= 1:
-        return solve(whole(c), c, spread)
+        return solve_whole(whole(c), c, spread)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
     begin = c
     for parts, loss, gap, told in (
@@ -93,7 +94,7 @@ def solve_run(
         c, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
         if stuck:
             # an end in motion may leave no way to so slow a border
-            return solve(whole(begin), begin, spread)
+            return solve_whole(whole(begin), begin, spread)
     return c
 
 
