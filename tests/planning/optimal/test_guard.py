@@ -12,6 +12,7 @@ from toolpace.machine.limits import Limits
 from toolpace.planning.endstate import AT_REST
 from toolpace.planning.guarantee import GUARANTEE
 from toolpace.planning.mesh.nodes import first_mesh
+from toolpace.planning.optimal import guard
 from toolpace.planning.optimal.ease import closer, slowing, within_guarantee
 from toolpace.planning.optimal.guard import guarded
 from toolpace.planning.optimal.meshed_run import MeshedRun
@@ -52,6 +53,25 @@ def test_a_cell_in_which_z_falls_far_is_solved_again(fixed):
     found = guarded(meshed, crawling, fixed, WORKERS)
     assert not found.dips().any() and found.duration < 1.001 * law.duration
     assert Look(meshed.run, LOOSE, found.nodes).peaks(found).used.max() <= GUARANTEE
+
+
+@pytest.mark.parametrize("most", [0, 1, 3])
+def test_after_the_rounds_that_are_given_what_is_left_is_slowed_down(monkeypatch, most):
+    """A coarse mesh, on which limits are passed between the nodes by far."""
+    looks, true = [], guard.looked_at
+
+    def looked_at(*given):
+        looks.append(given)
+        return true(*given)
+
+    monkeypatch.setattr(guard, "looked_at", looked_at)
+    run, limits, _, _ = small(1)
+    meshed, law = meshed_and_solved(run, limits, 12)
+    assert meshed.look.peaks(law).used.max() > 1.01
+    found = guarded(meshed, law, True, WORKERS, most_rounds=most)
+    assert len(looks) <= most + 1
+    assert most > 0 or found.duration > law.duration
+    assert Look(run, limits, found.nodes).peaks(found).used.max() <= GUARANTEE
 
 
 def test_a_law_that_dips_is_never_handed_back():

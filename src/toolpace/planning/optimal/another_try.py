@@ -41,6 +41,8 @@ PARTS = 4
 """Into how many the cells are cut about which the gap lies."""
 START_LOSS, START_SPREAD = 0.1, 0.1
 """How the search on the finer mesh starts: the plan, so much slower, and its first gap relative to the duration."""
+ROUNDS = 8
+"""Of the guard on the finer mesh: where as many leave a limit passed, it is no better than the mesh before."""
 AS_FAST = 1e-4
 """How much slower a plan on a finer mesh may be and still be taken, if its bound is nearer."""
 CLOSED = 0.9
@@ -152,7 +154,7 @@ def refined(
     begin = slower(meshed, pinned(meshed, np.maximum(c, least)), START_LOSS)
     try:
         found = SplineLaw(meshed.nodes, solve_run(meshed, begin, START_SPREAD, workers), meshed.rest)
-        return guarded(meshed, found, False, workers) if guard else found
+        return guarded(meshed, found, False, workers, most_rounds=ROUNDS) if guard else found
     except Stalled:
         return None
 

@@ -44,7 +44,10 @@ GIVE = 1e-5
 be no other motion within the same ones."""
 
 
-def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD) -> SplineLaw:
+def guarded(
+    meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD,
+    most_rounds: int = MOST_ROUNDS,
+) -> SplineLaw:  # fmt: skip
     """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
 
     repeat
@@ -55,7 +58,7 @@ def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, pr
     """
     best: tuple[MeshedRun, SplineLaw, Floats] | None = None
     least = np.inf
-    for number in range(MOST_ROUNDS + 1):
+    for number in range(most_rounds + 1):
         peaks, now = looked_at(meshed, law, number, workers)
         dips = law.dips()
         if not dips.any() and now <= (1.0 + EASED_BY) * law.duration:
@@ -64,7 +67,7 @@ def guarded(meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, pr
                 return gently
         if best is None or now < least:
             best, least = (meshed, law, peaks.used), now
-        if number == MOST_ROUNDS:
+        if number == most_rounds:
             break
         parts = parts_of_cells(meshed, law, peaks, dips, fixed or number >= REFINE_ROUNDS)
         meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, dips, number)
