@@ -9,6 +9,7 @@ import pytest
 
 from tests.support.sinumerik import SINUMERIK, START, last, read
 from toolpace.errors import ProgramError, UsageError
+from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.setup import SetUp
 
 HARMLESS = """STOPRE
@@ -98,8 +99,8 @@ def test_a_controllers_file_changes_what_words_mean():
     assert path.operations[-1].tool == "7" and path.stop.all()
     with pytest.raises(UsageError, match="M46 = 'change' is no meaning"):
         read("G1 X1", controller=msgspec.structs.replace(own, meanings={"M46": "change"}))
-    with pytest.raises(UsageError, match="base_unit = 'yard'"):
-        read("G1 X1", controller=msgspec.structs.replace(own, options={"base_unit": "yard"}))
+    with pytest.raises(UsageError, match="base_unit = 'yard': use one of 'program', 'mm', 'inch'"):
+        Controller.from_toml('name = "own"\nlike = "sinumerik"\n[options]\nbase_unit = "yard"\n')
 
 
 def test_base_unit_of_the_control():

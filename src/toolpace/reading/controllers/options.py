@@ -31,8 +31,8 @@ WORD_ADDRESS: dict[str, Kind] = {
     ),
     **dict.fromkeys(
         (
-            *("chip_break_mm", "dwell_point_s", "dwell_whole_s", "local_variables", "peck_clearance_mm"),
-            *("scale_of_whole", "system_variables_from"),
+            *("chip_break_mm", "dwell_point_s", "dwell_whole_s", "local_variables", "offset_group"),
+            *("peck_clearance_mm", "scale_of_whole", "system_variables_from"),
         ),
         NUMBER,
     ),
