@@ -245,7 +245,10 @@ class _Reader(Parser):
             else:
                 self.assignments.append(Assignment(name, index, self.expression()))
         elif self.sign("("):
-            self.calls.append(Call(name, tuple(self.arguments()), True))
+            try:
+                self.calls.append(Call(name, tuple(self.arguments()), True))
+            except SyntaxFault as fault:
+                raise SyntaxFault(f"{fault}; brackets hold what {name[:20]} is given, comments begin with ;") from None
         else:
             self.codes.append(name)
 
