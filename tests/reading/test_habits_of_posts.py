@@ -185,6 +185,11 @@ def test_notes_behind_a_slash_are_no_words():
         tips("fanuc", body, block_delete=False)
 
 
+def test_m98_hands_no_values_over():
+    with pytest.raises(ProgramError, match="M98 with V is not read: it hands no values over: write G65 in its place"):
+        tips("fanuc", START + "M98 P9998 I10. D2. Z-1. V.1 R1.5 X1.\nM30\nO9998\nM99")
+
+
 def test_units_of_other_controls_have_their_cure():
     """NX's default words for units are G70 and G71, whatever the control."""
     with pytest.raises(ProgramError, match="G71 is not read: other controls say millimetres by it: write G21"):
