@@ -144,6 +144,27 @@ def test_cycles_that_cannot_be_are_refused(block, says):
         read_for("fanuc", START + block + "\nM30")
 
 
+def test_more_strokes_than_memory_holds_are_refused():
+    with pytest.raises(ProgramError, match="holes make more than 4000000 motions up to here: check their pecks"):
+        read_for("fanuc", START + "G91 G83 X1. Z-9. R-1. Q.001 K400\nM30")
+
+
+def test_holes_that_are_alike_share_their_strokes_and_keep_what_is_their_own():
+    """Line, operation, stop and dwell of each hole, a hole of another depth between, in a turned frame."""
+    text = (
+        "G68 X0 Y0 R90.\nG98 G82 X1. Z-3. R2. P500 F60.\nX2.\nX3. Z-4. P0\nT2 M6\nX4. Z-3. F120.\nG80\nM0\nG0 X0\nM30"
+    )
+    path = read_for("fanuc", START + text)
+    holes = np.round(path.tip[1:17] * 1e3, 9).reshape(4, 4, 3)
+    np.testing.assert_allclose(holes[:, :, 1], [[y] * 4 for y in (1, 2, 3, 4)], atol=1e-12)
+    np.testing.assert_allclose(holes[:, :, 2], [[10, 2, z, 10] for z in (-3, -3, -4, -3)], atol=1e-12)
+    assert path.dwell[1:17].reshape(4, 4)[:, 2].tolist() == [0.5, 0.5, 0.0, 0.0]
+    assert path.block[1:17].reshape(4, 4)[:, 0].tolist() == [4, 5, 6, 8]
+    np.testing.assert_allclose(path.feed[1:17].reshape(4, 4)[:, 2], [0.001, 0.001, 0.001, 0.002])
+    assert np.isinf(path.feed[1:17].reshape(4, 4)[:, [0, 1, 3]]).all()
+    assert path.operation[1:17].reshape(4, 4)[:, 0].tolist() == [0, 0, 0, 1] and path.stop[16]
+
+
 def test_a_cycle_of_millplus_is_defined_and_then_run_from_a_surface():
     """Autodesk's post-processor for MillPlus: G81 Y clearance Z depth B more to go back; G79 X Y Z of the surface."""
     start = "G71 G90 G94 F100\nG0 X0 Y0 Z20\n"

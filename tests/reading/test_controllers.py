@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import ast
+import re
+from pathlib import Path
+
 import msgspec
 import pytest
 
+from toolpace import reading
 from toolpace.errors import UsageError
 from toolpace.machine.machine import Machine
 from toolpace.reading import ReadOptions, Source, read_text
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.controllers.options import OPTIONS
 from toolpace.reading.inspection import inspect_source
 from toolpace.reading.languages import READERS, recognised
 
@@ -89,6 +95,14 @@ def test_wrong_files_are_one_line(text, words):
         ("[options]\nlocal_variables = 1e300\n", "option local_variables = 1e+300 must be from 0 to 10000"),
         ("[options]\nsystem_variables_from = inf\n", "option system_variables_from = inf must be from 0 to 10000"),
         ("[options]\ndwell_whole_s = -1.0\n", "option dwell_whole_s = -1 must be from 0 to 10000"),
+        ("[options]\npeck_clearence_mm = 1.0\n", "did you mean 'peck_clearance_mm'?"),
+        ("[options]\nbase_unit = true\n", "option base_unit is not known: known: arc_centre, "),
+        ('[options]\nunits = "inches"\n', "option units = 'inches': use one of 'mm', 'inch'"),
+        ("[options]\nunits = 1\n", "option units = 1: use one of 'mm', 'inch'"),
+        ("[options]\nnested_comments = 1\n", "option nested_comments = 1 must be true or false"),
+        ("[options]\ndwell_whole_s = true\n", "option dwell_whole_s = True must be a number"),
+        ("[options]\nvariable_letter = 3\n", "option variable_letter = 3 must be a text"),
+        ("[option]\nunits = 3\n", "unknown field `option`, did you mean 'options'?"),
         (f'[meanings]\nG1 = "{"z" * 3000}"\n', f"G1 = '{'z' * 40}' is no meaning that is known"),
     ],
 )
@@ -96,6 +110,21 @@ def test_options_and_meanings_that_cannot_be_are_told_before_a_program_is_read(t
     with pytest.raises(UsageError) as caught:
         read_text("G0 X1\nM30\n", None, "gcode", controller=Controller.from_toml(OWN + text, "own.toml"))
     assert words in str(caught.value) and len(str(caught.value)) < 2000
+
+
+@pytest.mark.parametrize(
+    "language, folder", [("word-address", "gcode"), ("sinumerik", "sinumerik"), ("heidenhain", "heidenhain")]
+)
+def test_options_that_a_file_may_say_are_those_that_its_language_asks_for(language, folder):
+    """A name that no reader asks for would be obeyed by nobody, and one that is not in the table refused."""
+    asked = {}
+    for path in (Path(reading.__file__).parent / folder).rglob("*.py"):
+        for name, default in re.findall(r'\b(?:option|by)\("(\w+)", ([^,()]+)\)', path.read_text()):
+            asked[name] = ast.literal_eval(default)
+    assert asked.keys() == OPTIONS[language].keys()
+    for name, default in asked.items():
+        kind = OPTIONS[language][name]
+        assert default in kind if isinstance(kind, tuple) else type(default) is type(kind), name
 
 
 MAZAK = """\

@@ -9,7 +9,7 @@ from tests.support.controllers import read_for, tips
 from toolpace.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.reading.controllers.recognise import recognise
-from toolpace.reading.dialect import is_conversational
+from toolpace.reading.dialect import dialect_of, is_conversational
 from toolpace.reading.source import Source
 
 START = "G90 G21 G94 G17 F100\nG0 X0 Y0 Z10.\n"
@@ -175,3 +175,32 @@ def test_roll_pitch_and_yaw_of_a_tilted_plane_where_one_turns():
     assert np.allclose(path.tip[-1] * 1e3, [20, 0, 20 * np.sqrt(0.75)])
     with pytest.raises(ProgramError, match=r"G68\.2 with P, Q or R"):
         read_for("fanuc", body.format("P1 Q123 ", "30.").replace("K0", "K5."), machine)
+
+
+def test_notes_behind_a_slash_are_no_words():
+    """Some posts put notes of theirs behind `/`: a block that is left out may say anything."""
+    body = START + "//DATE=09-07-10 TIME 11:53\n/(a note without end\nN5 /see drawing 3\nG1 X5.\nM30"
+    assert tips("fanuc", body)[-1] == [5, 0, 10]
+    with pytest.raises(ProgramError, match="'DATE' is no letter with a number"):
+        tips("fanuc", body, block_delete=False)
+
+
+def test_m98_hands_no_values_over():
+    with pytest.raises(ProgramError, match="M98 with V is not read: it hands no values over: write G65 in its place"):
+        tips("fanuc", START + "M98 P9998 I10. D2. Z-1. V.1 R1.5 X1.\nM30\nO9998\nM99")
+
+
+def test_units_of_other_controls_have_their_cure():
+    """NX's default words for units are G70 and G71, whatever the control."""
+    with pytest.raises(ProgramError, match="G71 is not read: other controls say millimetres by it: write G21"):
+        tips("fanuc", START + "G71\nG1 X5.\nM30")
+
+
+def test_a_value_of_another_control_is_no_header_of_a_table():
+    """Okuma's `X[VC1*2]` was taken for a column; its header tells it."""
+    text = "O1001\nG15 H1\nVC1=10.5\nX[VC1*2]\nM02\n"
+    assert dialect_of(Source.from_text(text)).dialect == "gcode"
+    for header in ("x [mm],y [mm]", "X(mm);Y(mm)", "x,y,z", '"x [mm]","y [mm]"', "x\ty"):
+        assert dialect_of(Source.from_text(header + "\n1,2,3\n")).dialect == "csv"
+    with pytest.raises(ProgramError, match="this header is of Okuma's OSP"):
+        dialect_of(Source.from_text("$O1001.MIN%\n" + text, "part.min"))

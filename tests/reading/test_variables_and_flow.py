@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tests.support.controllers import read_for, tips
 from toolpace.errors import ProgramError
+from toolpace.machine.machine import Machine
 from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.gcode.program.expressions import Parser, value_of
 from toolpace.reading.gcode.program.variables import Variables
@@ -193,6 +194,31 @@ def test_positions_are_read_back_in_the_units_of_the_program():
     """Fanuc: #5001 is X at the end of the last block. LinuxCNC: #5420."""
     assert xs("fanuc", "G20 G1 X2.\nX[#5001+1.]\nM30")[-1] == pytest.approx(76.2)
     assert xs("linuxcnc", "G1 X2\nX[#5420+1]\nM2")[-1] == 3
+
+
+def test_machine_coordinates_that_are_read_are_those_that_g53_goes_to():
+    """B-63944EN, custom macro: #5021 is the position in machine coordinates, in units of the program."""
+    machine = Machine.load("xyzac-trunnion")
+    sheet = SetUp(offsets={"G55": {"X": -0.1, "Z": -0.05}}, machine_zero={"X": 0.0, "Y": 0.0, "Z": 0.3})
+    there = "G55 G0 X2. Y3. Z4. A0 C0\n#100=#5021\n#101=#5023\nX0 Y0 Z0\n"
+    path = read_for("fanuc", f"{there}G53 G0 X#100 Z#101\nG20 G0 Y[#5022-#5022+1.]\nM30", machine, setup=sheet)
+    at = [row - path.tip[0] for row in path.tip]
+    assert at[2] == pytest.approx([0, -0.003, 0], abs=1e-12) and at[3] == pytest.approx([0, 0.0224, 0], abs=1e-12)
+    said = read_for("fanuc", "G0 X1. Y2. Z3. A0 C0\nX[#5021-#5021]\nM30", machine).assumed
+    assert any("that the program reads count from the upper ends" in sentence for sentence in said)
+
+
+@pytest.mark.parametrize(
+    "controller, words, number, value",
+    [
+        ("fanuc", "", 4005, 94), ("fanuc", "G93", 4005, 93), ("fanuc", "G55", 4014, 55), ("haas", "G56", 4012, 56),
+        ("fanuc", "F250", 4109, 250), ("fanuc", "S800", 4119, 800), ("fanuc", "G80", 4009, 80),
+        ("fanuc", "G54.1 P3", 4014, 54),
+    ],
+)  # fmt: skip
+def test_codes_and_words_in_force_are_read(controller, words, number, value):
+    text = START + f"{words}\n#100=#{number}\nG94 G54 F100\nG1 X[#100-{value}+7]\nM30"
+    assert read_for(controller, text).tip[-1, 0] == pytest.approx(0.007)
 
 
 def test_the_set_up_sheet_sets_variables():

@@ -20,7 +20,7 @@ DIALECTS = {
 }
 SUFFIXES = {
     **dict.fromkeys((".ngc", ".nc", ".gcode", ".gc", ".g", ".tap", ".cnc", ".eia", ".ncc", ".din", ".iso"), "gcode"),
-    **dict.fromkeys((".mpf", ".spf", ".h"), "gcode"),
+    **dict.fromkeys((".mpf", ".spf", ".h", ".ptp", ".min"), "gcode"),
     **dict.fromkeys((".apt", ".cls", ".cl", ".clsf", ".cldata", ".aptsource", ".ncl"), "cldata"),
     **dict.fromkeys((".csv", ".tsv"), "csv"),
 }
@@ -29,7 +29,10 @@ _BLANK = r"[^\S\n]*+"
 _CLDATA = re.compile(
     rf"^{_BLANK}(?:(?:GOTO|TOOL PATH|FEDRAT){_BLANK}/|PARTNO|RAPID{_BLANK}$|MULTAX|\$\$)", re.IGNORECASE | re.MULTILINE
 )
-_TABLE = re.compile(rf"^{_BLANK}\"?x(?:{_BLANK}[\[(,;]|[^\S\n\t]*+\t)", re.IGNORECASE | re.MULTILINE)
+_TABLE = re.compile(
+    rf"^{_BLANK}\"?x(?:{_BLANK}(?:[\[(]{_BLANK}[a-z]++{_BLANK}[\])]|[,;])|[^\S\n\t]*+\t)", re.IGNORECASE | re.MULTILINE
+)
+"""A header; X[ alone begins a value of many controls."""
 _GCODE = re.compile(
     rf"^{_BLANK}(?:%|/?(?:N{_BLANK}[0-9]++{_BLANK})?[GM][ \t]*+[0-9]|O[0-9]++\b)", re.IGNORECASE | re.MULTILINE
 )
@@ -37,6 +40,8 @@ _CONVERSATIONAL = re.compile(
     rf"^{_BLANK}(?:N?[0-9]++{_BLANK}(?<=\s))?(?:BEGIN PGM\b|L{_BLANK}(?<=\s)I?[XYZ]|TOOL CALL\b)",
     re.IGNORECASE | re.MULTILINE,
 )
+_OSP = re.compile(r"\s*+\$[A-Z0-9_-]++(?:\.[A-Z]{3})?%", re.IGNORECASE)
+"""The header of a program for Okuma's controls."""
 HEAD = 200
 """Lines by which a program without a known suffix is told."""
 
@@ -60,6 +65,12 @@ def dialect_of(source: Source, wanted: str | None = None) -> Told:
             raise UsageError(f"dialect '{wanted}' is not known: use gcode, apt or csv")
         return Told(DIALECTS[wanted.lower()], "named")
     head = "\n".join(source.lines[:HEAD])
+    if _OSP.match(head):
+        source.fail(
+            "this header is of Okuma's OSP, to which words mean other things (G15 H is a work offset, G56 H the length "
+            "of the tool), and which is not read: let the CAM system write for Fanuc",
+            1,
+        )
     if is_conversational(source):
         return Told(CONTROLS, "it has blocks of Heidenhain conversational code")
     suffix = PurePath(source.name).suffix.lower()

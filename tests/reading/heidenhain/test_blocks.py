@@ -63,6 +63,13 @@ def test_the_slash_skips_a_block_unless_told_otherwise():
     text = "3 L X+1 F100\n4 / L X+5"
     assert last(text) == (1, 0, 0)
     assert last(text, block_delete=False) == (5, 0, 0)
+    hidden = "3 L X+1 F100\n/4 L X+5"  # hyperMILL's posts put it before the number
+    assert last(hidden) == (1, 0, 0) and last(hidden, block_delete=False) == (5, 0, 0)
+
+
+def test_a_block_that_the_control_marked_is_refused_as_such():
+    with pytest.raises(ProgramError, match="ERROR is not read: the control stops at a block that it has marked so"):
+        read("L X+1 F100\n4 ERROR = 13 TOOL CALL\nL X+2")
 
 
 def test_a_block_goes_on_behind_the_tilde_and_where_a_post_leaves_it_out():

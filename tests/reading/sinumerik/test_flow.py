@@ -162,6 +162,7 @@ def test_recursion_and_loops_without_end_are_told():
     [
         ("IF R1==0\nX1", "IF is never closed"),
         ("ENDFOR", "ENDFOR stands without its FOR"),
+        ("FOR R=1 TO 2\nENDFOR", "FOR needs a variable: write it like FOR I=1 TO 5, or FOR R1=1 TO 5"),
         ("FOR R1=1 TO 2\nENDWHILE\nENDFOR", "ENDWHILE stands without its WHILE, the last open one is FOR"),
     ],
 )

@@ -9,6 +9,8 @@ import pytest
 
 from tests.support.sinumerik import SINUMERIK, START, last, read
 from toolpace.errors import ProgramError, UsageError
+from toolpace.reading import read_text
+from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.setup import SetUp
 
 HARMLESS = """STOPRE
@@ -98,8 +100,20 @@ def test_a_controllers_file_changes_what_words_mean():
     assert path.operations[-1].tool == "7" and path.stop.all()
     with pytest.raises(UsageError, match="M46 = 'change' is no meaning"):
         read("G1 X1", controller=msgspec.structs.replace(own, meanings={"M46": "change"}))
-    with pytest.raises(UsageError, match="base_unit = 'yard'"):
-        read("G1 X1", controller=msgspec.structs.replace(own, options={"base_unit": "yard"}))
+    with pytest.raises(UsageError, match="base_unit = 'yard': use one of 'program', 'mm', 'inch'"):
+        Controller.from_toml('name = "own"\nlike = "sinumerik"\n[options]\nbase_unit = "yard"\n')
+
+
+def test_words_of_other_controls_have_their_cure():
+    with pytest.raises(ProgramError, match=r"G20 is not read: .* write G70 or G700"):
+        read("G20\nG1 X1")
+    with pytest.raises(ProgramError, match="brackets hold what TRAORI is given, comments begin with ;"):
+        read("TRAORI (FIVE 5-AXES)\nG1 X1")
+
+
+def test_a_header_whose_name_has_a_point():
+    text = "%_N_part.MPF_MPF\nG0 X0 Y0 Z0\nG1 X5 F100\nM30\n"
+    assert read_text(text, None, controller="sinumerik").tip[-1].tolist() == [0.005, 0, 0]
 
 
 def test_base_unit_of_the_control():

@@ -296,11 +296,15 @@ class Control:
 
     def dwell(self, seconds: float) -> None:
         """Come to rest and wait."""
-        if not 0 <= seconds <= LONGEST_DWELL:
-            self.source.fail(f"dwell of {seconds:g} s is not between 0 and a day: check its unit", self.line)
+        self.check_dwell(seconds)
         if not len(self.moves):
             self.findings.ignored("dwell before the first position")
         self.moves.dwell(seconds)
+
+    def check_dwell(self, seconds: float) -> None:
+        """ProgramError where nobody waits so long."""
+        if not 0 <= seconds <= LONGEST_DWELL:
+            self.source.fail(f"dwell of {seconds:g} s is not between 0 and a day: check its unit", self.line)
 
     def change_tool(self, tool: str) -> None:
         """Take another tool; the machine stops, and stays where it is."""

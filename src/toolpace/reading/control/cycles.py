@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
-from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.level_moves import along
+from toolpace.reading.control.strokes import Stroke
 
 MOST_PECKS = 10_000
 """Strokes of one hole: more is a slip, and would fill memory."""
@@ -13,8 +15,7 @@ RAPID_OUT, FEED_OUT, FEED_BACK = "rapid", "feed", "feed back"
 """Ways out: at rapid, at feed to the top, at feed to the level that is gone back to."""
 
 
-@dataclass(frozen=True)
-class Drilling:
+class Drilling(NamedTuple):
     """One cycle; levels are coordinates of the program along the drill axis [m]."""
 
     top: float
@@ -31,6 +32,8 @@ class Drilling:
     that is above."""
     axis: int = 2
     """Of X, Y, Z, the one along which the tool goes."""
+    ends: tuple[float, ...] = ()
+    """Depths below the top at which strokes end [m], where pecks do not tell them."""
     peck: float = 0.0
     """Most depth of a stroke [m]; 0: the whole hole in one."""
     first_peck: float = 0.0
@@ -40,6 +43,8 @@ class Drilling:
     least_peck: float = 0.0
     chip_break: float = 0.0
     """How far a stroke is gone back to break the chip [m]; 0: back to the top."""
+    breaks_at_feed: bool = False
+    """Whether that is at feed, as it is where the spindle reverses."""
     clearance: float = 0.0
     """How far above the last depth the rapid ends with which the next stroke begins [m]."""
     dwell: float = 0.0
@@ -54,11 +59,13 @@ class Drilling:
     out_speed: float = 0.0
     """Of the way out at feed [m/s]; 0: the feed in force."""
     stops: bool = False
-    """Whether the spindle stops or reverses at the bottom: so does the motion, and chips are broken at feed."""
+    """Whether the spindle stops or reverses at the bottom, and where chips are broken: so does the motion."""
 
 
 def depths(cycle: Drilling) -> list[float]:
     """Depths below the top [m] of the ends of the strokes, the whole depth last."""
+    if cycle.ends:
+        return list(cycle.ends)
     whole = abs(cycle.top - cycle.bottom)
     peck = cycle.first_peck or cycle.peck
     if peck <= 0.0 or peck >= whole:
@@ -78,65 +85,70 @@ def drill(control: Control, cycle: Drilling, hole: list[float], number: float | 
 
     Rapid over the hole; rapid to the top; strokes at feed; out to the level `back`.
     """
-    axis, line = cycle.axis, control.line
-    strokes = depths(cycle)
-    if len(strokes) > MOST_PECKS:
-        control.source.fail(f"this hole takes more than {MOST_PECKS} strokes: check its depth and its peck", line)
-    down = 1.0 if cycle.bottom >= cycle.top else -1.0
-
-    def to(level: float, rapid: bool) -> None:
-        words = list(hole)
-        words[axis] = level
-        control.straight(words, 7, rapid=rapid, number=number)
-
-    _arrive(control, cycle, hole, down)
-    for k, depth in enumerate(strokes):
-        to(cycle.top + down * depth, False)
-        if k + 1 == len(strokes):
-            break
-        if cycle.peck_dwell:
-            control.dwell(cycle.peck_dwell)
-        if cycle.stops:
-            control.stop()
-        if cycle.chip_break and not (cycle.full_after and (k + 1) % (cycle.full_after + 1) == 0):
-            to(cycle.top + down * max(depth - cycle.chip_break, 0.0), not cycle.stops)
-            if cycle.stops:
-                control.stop()
-        else:
-            to(cycle.top, True)
-            if cycle.top_dwell:
-                control.dwell(cycle.top_dwell)
-            to(cycle.top + down * max(depth - cycle.clearance, 0.0), True)
-    if cycle.dwell:
-        control.dwell(cycle.dwell)
-    if cycle.stops:
-        control.stop()
-    if cycle.out != RAPID_OUT:
-        with control.feed.held(cycle.out_speed) if cycle.out_speed else nullcontext():
-            to(cycle.top if cycle.out == FEED_OUT else cycle.back, False)
-    to(cycle.back, True)
+    try:
+        strokes = _strokes(cycle)
+    except OverflowError:
+        control.source.fail(
+            f"this hole takes more than {MOST_PECKS} strokes: check its depth and its peck", control.line
+        )
+    along(control, hole, cycle.axis, [_over(control, cycle), *strokes], number)
 
 
-def _arrive(control: Control, cycle: Drilling, hole: list[float], down: float) -> None:
-    """Rapid over the hole, then to the top, and on to where cutting begins."""
-    axis = cycle.axis
-    present = control.words[axis]
-    over = list(hole)
+def _down(cycle: Drilling) -> float:
+    return 1.0 if cycle.bottom > cycle.top else -1.0
+
+
+def _over(control: Control, cycle: Drilling) -> Stroke:
+    """Rapid over the hole, from below the top by way of it."""
+    present = control.words[cycle.axis]
     if cycle.over is not None:
-        over[axis] = cycle.over
-    elif (cycle.top - present) * down >= 0.0:
-        over[axis] = present
-    else:  # from below the top the tool rises before it goes sideways
-        over[axis] = cycle.top
-        control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
-    control.straight(over, 7, rapid=True)
-    over = list(hole)
-    over[axis] = cycle.top
-    control.straight(over, 7, rapid=True)
-    if cycle.start is not None:
-        over[axis] = cycle.start
-        with control.feed.held(cycle.start_speed) if cycle.start_speed else nullcontext():
-            control.straight(over, 7, rapid=not cycle.start_speed)
+        return Stroke(cycle.over)
+    if (cycle.top - present) * _down(cycle) >= 0.0:
+        return Stroke(present)
+    # from below the top the tool rises before it goes sideways
+    along(control, control.words, cycle.axis, [Stroke(cycle.top)])
+    return Stroke(cycle.top)
+
+
+@lru_cache(maxsize=16)
+def _strokes(cycle: Drilling) -> tuple[Stroke, ...]:
+    """The strokes of a hole, from the rapid to its top on; OverflowError where they are too many."""
+    ends = depths(cycle)
+    if len(ends) > MOST_PECKS:
+        raise OverflowError
+    return (
+        *_to_start(cycle),
+        *(stroke for k in range(len(ends) - 1) for stroke in _peck(cycle, ends, k)),
+        *_out(cycle),
+    )
+
+
+def _to_start(cycle: Drilling) -> list[Stroke]:
+    """To the top, and on to where cutting begins."""
+    if cycle.start is None:
+        return [Stroke(cycle.top)]
+    return [Stroke(cycle.top), Stroke(cycle.start, rapid=not cycle.start_speed, speed=cycle.start_speed)]
+
+
+def _peck(cycle: Drilling, ends: list[float], k: int) -> list[Stroke]:
+    """Stroke k, and the way back behind it; `ends` are depths below the top [m]."""
+    down, depth = _down(cycle), ends[k]
+    cut = Stroke(cycle.top + down * depth, rapid=False, stop=cycle.stops, dwell=cycle.peck_dwell)
+    if cycle.chip_break and not (cycle.full_after and (k + 1) % (cycle.full_after + 1) == 0):
+        level = cycle.top + down * max(depth - cycle.chip_break, 0.0)
+        return [cut, Stroke(level, rapid=not (cycle.stops or cycle.breaks_at_feed), stop=cycle.stops)]
+    level = cycle.top + down * max(depth - cycle.clearance, 0.0)
+    return [cut, Stroke(cycle.top, dwell=cycle.top_dwell), Stroke(level)]
+
+
+def _out(cycle: Drilling) -> list[Stroke]:
+    """The last stroke, and out."""
+    level = cycle.top + _down(cycle) * abs(cycle.top - cycle.bottom)
+    found = [Stroke(level, rapid=False, stop=cycle.stops, dwell=cycle.dwell)]
+    if cycle.out != RAPID_OUT:
+        level = cycle.top if cycle.out == FEED_OUT else cycle.back
+        found.append(Stroke(level, rapid=False, speed=cycle.out_speed))
+    return [*found, Stroke(cycle.back)]
 
 
 def bore_backwards(control: Control, cycle: Drilling, hole: list[float], aside: list[float], middle: float) -> None:
@@ -145,21 +157,10 @@ def bore_backwards(control: Control, cycle: Drilling, hole: list[float], aside: 
     aside: the place (3 + rotary) beside the hole at which the tool goes down and up; levels count as in `drill`.
     After LinuxCNC's interpreter, `convert_cycle_g87`.
     """
-
-    def to(place: list[float], level: float, rapid: bool) -> None:
-        words = list(place)
-        words[cycle.axis] = level
-        control.straight(words, 7, rapid=rapid)
-
-    _arrive(control, cycle, hole, -1.0)
-    to(aside, cycle.top, True)
-    control.stop()
-    to(aside, cycle.bottom, True)
-    to(hole, cycle.bottom, True)
-    control.stop()
-    to(hole, middle, False)
-    to(hole, cycle.bottom, False)
-    control.stop()
-    to(aside, cycle.bottom, True)
-    to(aside, cycle.back, True)
-    to(hole, cycle.back, True)
+    axis, bottom = cycle.axis, cycle.bottom
+    along(control, hole, axis, [_over(control, cycle), Stroke(cycle.top)])
+    along(control, aside, axis, [Stroke(cycle.top, stop=True), Stroke(bottom)])
+    along(control, hole, axis, [Stroke(bottom, stop=True), Stroke(middle, rapid=False)])
+    along(control, hole, axis, [Stroke(bottom, rapid=False, stop=True)])
+    along(control, aside, axis, [Stroke(bottom), Stroke(cycle.back)])
+    along(control, hole, axis, [Stroke(cycle.back)])

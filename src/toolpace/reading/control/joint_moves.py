@@ -31,6 +31,20 @@ def reference(control: Control, number: int, letters: list[str]) -> None:
     control.stop()
 
 
+def machine_coordinates(control: Control) -> dict[str, float]:
+    """Where the machine stands, in machine coordinates by axis letter [m, rad]; empty where that is not known."""
+    if control.poses.machine is None or len(control.poses.linear) < 3 or not len(control.moves):
+        return {}
+    setup, joints = control.setup, _joints(control)
+    control.findings.used.machine_zero = True
+    if not (setup.machine_zero or setup.references):
+        control.findings.assumed(
+            "machine coordinates that the program reads count from the upper ends of the travel of X, Y and Z "
+            "(--setup FILE tells others)"
+        )
+    return {letter: joints[slot] - control.datum.zero[slot] for letter, slot in control.poses.slots().items()}
+
+
 def turn_joints(control: Control, wanted: list[float], *, rapid: bool) -> None:
     """Turn the rotary joints to words (rotary) [rad]; the linear joints stay, also where words are the tip."""
     shift = control.placement.shift or (0.0,) * len(wanted)

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.commanded import BLENDED
+from toolpace.reading.control.strokes import Expansion, StrokeTable
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.curves.beziers import Bezier
 
@@ -46,6 +47,10 @@ class Moves:
         self.rows: list[tuple[float, ...]] = []
         self.arcs: dict[int, Arc] = {}
         self.curves: dict[int, Bezier] = {}
+        self.strokes: dict[int, StrokeTable] = {}
+        """Rows that stand for several motions along one line."""
+        self.in_strokes = 0
+        """How many motions those are."""
         self.stops: set[int] = set()
         self.exact: set[int] = set()
         """Rows at rest at their ends by the mode alone."""
@@ -110,30 +115,30 @@ class Moves:
         """The motions as arrays, from the start of the path on."""
         width = 3 + self.rotary
         array = np.array(self.rows, dtype=float).reshape(len(self.rows), width + 9)
-        first = self._start(array[:, width + 4], array[:, width + 6].astype(int)) if len(array) else 0
-        array = array[first:]
-        count = len(array)
-        dwell = np.zeros(count)
-        for index, seconds in self.dwells.items():
-            if index >= first:
-                dwell[index - first] = seconds
-        arcs = {i - first: arc for i, arc in self.arcs.items() if i > first}
-        curves = {i - first: curve for i, curve in self.curves.items() if i > first}
-        stop, switched = (self._flags(rows, first, count) for rows in (self.stops, self.stops | self.switched))
-        at_rest = stop | self._flags(self.exact, first, count)
-        joining = self._joining(first, count)
+        expansion = Expansion(len(array), self.strokes)
+        array, last = array[expansion.row], expansion.last
+        stop, dwell = np.zeros(len(array), dtype=np.bool_), np.zeros(len(array))
+        for strokes, motions in expansion.strokes:
+            array[motions, :3] += strokes.offset
+            array[motions, width : width + 3], array[motions, self.kind] = strokes.rate, strokes.kind
+            stop[motions], dwell[motions] = strokes.stop, strokes.dwell
+        stop[last[list(self.stops)]] = True
+        dwell[last[list(self.dwells)]] += list(self.dwells.values())
+        at_rest, switched = stop.copy(), stop.copy()
+        at_rest[last[list(self.exact)]] = True
+        switched[last[list(self.switched)]] = True
+        joining = self._joining()[expansion.row]
+        first = self._start(array[:, self.kind], array[:, width + 6].astype(int)) if len(array) else 0
+        arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
+        curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}
+        array, joining = array[first:], joining[first:]
+        at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
         return MoveTable(array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining)
 
-    @staticmethod
-    def _flags(rows: set[int], first: int, count: int) -> Bools:
-        flags = np.zeros(count, dtype=np.bool_)
-        flags[[row - first for row in rows if row >= first]] = True
-        return flags
-
-    def _joining(self, first: int, count: int) -> Floats:
-        """(count, 3) Joining of each row."""
-        begin = np.maximum([row - first for row, _ in self.joinings], 0)
-        rows = np.diff(np.minimum(np.append(begin, count), count))
+    def _joining(self) -> Floats:
+        """(rows, 3) Joining of each row."""
+        begin = np.array([row for row, _ in self.joinings])
+        rows = np.diff(np.append(begin, len(self.rows)))
         return np.repeat(np.array([each for _, each in self.joinings]), rows, axis=0)
 
     @staticmethod

@@ -66,13 +66,14 @@ class Unroll:
 
     def evaluate(self, move: Ints, t: Floats) -> tuple[Floats, Floats, Floats]:
         """Tip, tool axis and rotary joints at fractions t (k,) of moves (k,)."""
-        position = self.start[move] + t[:, None] * (self.end - self.start)[move]
-        done = t >= 1
-        position[done] = self.end[move[done]]
-        curved = (self.arc[move] >= 0) & ~done
-        position[curved, :3] = self.arcs.evaluate(self.arc[move[curved]], t[curved])
-        curved = (self.curve[move] >= 0) & ~done
-        position[curved, :3] = self.curves.evaluate(self.curve[move[curved]], t[curved])
+        position = self.end[move]
+        inside = np.flatnonzero(t < 1)
+        of, share = move[inside], t[inside]
+        position[inside] = self.start[of] + share[:, None] * (self.end[of] - self.start[of])
+        curved = self.arc[of] >= 0
+        position[inside[curved], :3] = self.arcs.evaluate(self.arc[of[curved]], share[curved])
+        curved = self.curve[of] >= 0
+        position[inside[curved], :3] = self.curves.evaluate(self.curve[of[curved]], share[curved])
         tip, axis = self.poses.place(position, self.tip_mode[move], self.longer[move])
         return tip, axis, position[:, 3:]
 

@@ -10,14 +10,13 @@ import msgspec
 
 from toolpace.errors import UsageError, did_you_mean, in_short
 from toolpace.files.toml import toml_text
+from toolpace.reading.controllers.options import fault
 
 FOLDER = Path(__file__).parent / "builtin"
 LANGUAGES = ("word-address", "sinumerik", "heidenhain")
 Option = TypeVar("Option", bool, float, str)
 LONGEST = 1 << 20
 """Most characters of a controller's file."""
-MOST = 10_000.0
-"""Of a number that is an option: seconds, millimetres, and numbers of variables."""
 
 
 class Sign(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -92,13 +91,18 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 re.compile(sign.pattern)
         except (msgspec.DecodeError, re.error, ValueError, OverflowError, RecursionError) as error:
             cure = "see `toolpace controllers fanuc --toml` for an example"
-            raise UsageError(f"{source}: {in_short(error)}; {cure}") from None
+            unknown = re.search(r"unknown field `(\w{1,40})`", str(error))
+            near = f", {did_you_mean(unknown[1], (*cls.__struct_fields__, *Sign.__struct_fields__))}" if unknown else ""
+            raise UsageError(f"{source}: {in_short(error)}{near}; {cure}") from None
         if found.like:
             found = _upon(found, source)
         if found.language not in LANGUAGES:
             raise UsageError(
                 f"{source}: language '{found.language[:40]}' is not known: use one of {', '.join(LANGUAGES)}"
             )
+        for name, value in found.options.items():
+            if wrong := fault(found.language, name, value):
+                raise UsageError(f"{source}: {wrong}")
         return msgspec.structs.replace(found, source=source)
 
     def to_toml(self) -> str:
@@ -109,14 +113,11 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return toml_text(given)
 
     def option(self, name: str, default: Option) -> Option:
-        """The option, or the default; UsageError where it is of another kind than that."""
+        """The option, or the default, which is of its kind."""
         value = self.options.get(name, default)
-        if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+        if isinstance(default, float):
             value = float(value)
-        if not isinstance(value, type(default)):
-            raise UsageError(f"{self.source}: option {name} = {value!r:.40} must be of the kind of {default!r}")
-        if isinstance(value, float) and not 0.0 <= value <= MOST:
-            raise UsageError(f"{self.source}: option {name} = {value:g} must be from 0 to {MOST:g}: correct it")
+        assert isinstance(value, type(default)), name
         return value
 
 

@@ -64,7 +64,12 @@ class WordAddressReader:
             self.control.set_tip_mode(True)
         self.variables = Variables(
             options.setup.variables,
-            System(self.control, self.state, named=by("named_system_variables", False)),
+            System(
+                self.control,
+                self.state,
+                named=by("named_system_variables", False),
+                offset_group=int(by("offset_group", 14.0)),
+            ),
             locals_to=int(by("local_variables", 33.0)),
             empty_locals=by("empty_variables", True),
             system_from=int(by("system_variables_from", 1000.0)),

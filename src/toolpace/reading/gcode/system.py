@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.reading.control.joint_moves import machine_coordinates
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.variables import Key
 from toolpace.units import DEGREE, INCH, MINUTE
 
+_FEEDS = {INVERSE: 93.0, PER_MINUTE: 94.0, PER_REVOLUTION: 95.0}
 _MOTIONS = {"rapid": 0.0, "feed": 1.0, "arc clockwise": 2.0, "arc counter-clockwise": 3.0}
 _AXES = "XYZABCUVW"
 _OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
@@ -16,9 +18,9 @@ _OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 class System:
     """Reads system variables by number (Fanuc, LinuxCNC) or name (LinuxCNC)."""
 
-    def __init__(self, control: Control, state: Modal, *, named: bool) -> None:
-        """named: whether they are those of LinuxCNC; else of Fanuc."""
-        self.control, self.state, self.named = control, state, named
+    def __init__(self, control: Control, state: Modal, *, named: bool, offset_group: int) -> None:
+        """named: whether they are those of LinuxCNC; else of Fanuc. offset_group: of G54 among its groups of codes."""
+        self.control, self.state, self.named, self.offset_group = control, state, named, offset_group
 
     def __call__(self, key: Key) -> float | None:
         """The value; None where it is not known."""
@@ -28,12 +30,7 @@ class System:
             if 5420 <= key <= 5428:
                 return self._coordinate(_AXES[key - 5420])
             return self._of_linuxcnc(key)
-        for first in (5000, 5040):
-            if first < key <= first + 9:
-                slots = sorted(self.control.slots.items(), key=lambda item: item[1])
-                place = key - first - 1
-                return self._coordinate(slots[place][0]) if place < len(slots) else None
-        return self._modal(key)
+        return self._of_fanuc(key)
 
     def _coordinate(self, letter: str) -> float | None:
         slot = self.control.slots.get(letter)
@@ -49,16 +46,37 @@ class System:
             return float(self.control.tool) if self.control.tool.isdigit() else 0.0
         return None
 
+    def _of_fanuc(self, key: int) -> float | None:
+        """Positions: of the end of the last block, in the machine, and on the part; else what is in force."""
+        group, place = divmod(key - 1, 20)
+        if group not in (250, 251, 252):
+            return self._modal(key)
+        letters = sorted(self.control.slots, key=self.control.slots.__getitem__)
+        if place >= len(letters):
+            return None
+        letter = letters[place]
+        if group != 251:
+            return self._coordinate(letter)
+        found = machine_coordinates(self.control).get(letter)
+        return None if found is None else found / (self.state.unit if letter in "XYZ" else DEGREE)
+
     def _modal(self, key: int) -> float | None:
-        state = self.state
+        """Codes in force by their groups (#4001), and other words (#4101): those whose numbers sources agree on."""
+        state, control = self.state, self.control
         inch = state.unit == INCH
+        offset = control.coordinates.offset
         known: dict[int, float | None] = {
             4001: _MOTIONS.get(state.motion or ""),
             4002: (17.0, 18.0, 19.0)[state.plane],
             4003: 90.0 if state.absolute else 91.0,
+            4005: _FEEDS[control.feed.mode],
             4006: 20.0 if inch else 21.0,
+            4009: 80.0 if state.cycle is None else None,
             4010: 98.0 if state.to_initial else 99.0,
+            4000 + self.offset_group: float(offset[1:3]) if offset[:3] in _OFFSETS[:6] else None,
+            4109: self._feed(),
             4111: float(state.length_word) if state.length_word else 0.0,
+            4119: round(60.0 * control.feed.spindle, 9),
             4120: float(state.next_tool) if state.next_tool else 0.0,
         }
         return known.get(key)

@@ -125,7 +125,7 @@ class Cycles:
         key, value = OLD_PECKING.get(line), self.figure(text, "PECKING", "DEPTH -20")
         if key is None:
             raise BlockError(f"CYCL DEF 1 has no line 1.{line}: correct it")
-        return lambda: self.holes.items.update({key: evaluate(value)})
+        return lambda: self.holes.amend({key: evaluate(value)})
 
     # Cycles in lines
 

@@ -37,7 +37,7 @@ class Commands:
             "HOLES2": lambda values: self._pattern("HOLES2", values),
             "CYCLE801": lambda values: self._pattern("CYCLE801", values),
         }
-        for name in self.holes.cycles:
+        for name in (*self.holes.cycles, *self.holes.drillings):
             self.known[name] = self._cycle(name)
         self._exact_stop_before: bool | None = None
 

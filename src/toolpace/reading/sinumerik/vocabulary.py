@@ -18,10 +18,7 @@ class Vocabulary:
         self._meanings = dict(controller.meanings) | dict.fromkeys(controller.ignored, IGNORED)
         self._refused = dict(controller.refused)
         self._beginnings = tuple(name[:-1] for name in self._refused if name.endswith("*"))
-        unit = controller.option("base_unit", "program")
-        if unit not in UNITS:
-            raise UsageError(f"{controller.source}: base_unit = '{unit}': use one of {', '.join(UNITS)}")
-        self.base_unit = UNITS[unit]
+        self.base_unit = UNITS[controller.option("base_unit", "program")]
 
     def check(self, known: tuple[str, ...]) -> None:
         """UsageError where the file gives a word a meaning that does not exist."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from toolpace.commanded import EXACT_PATH
 from toolpace.reading.control.control import Control
@@ -135,7 +135,7 @@ class Holes:
         if self.level < cycle.top:
             control.straight([*control.words[:axis], cycle.top, *control.words[axis + 1 :]], 7, rapid=True)
         begins = self.level if self.state.to_initial else cycle.top
-        return replace(cycle, over=max(begins, cycle.top, control.words[axis]))
+        return cycle._replace(over=max(begins, cycle.top, control.words[axis]))
 
     def _aside(self, hole: list[float], bottom: float) -> tuple[list[float], float]:
         """Place (3 + rotary) beside the hole, and the upper level, of boring backwards: I, J and K, in XY."""
@@ -214,8 +214,7 @@ class Holes:
         if peck < 0.0:
             raise WordError("Q is the depth of a peck and has no sign: write it above zero")
         first, less, least = (words.get(name, 0.0) * unit for name in "IJK")
-        return replace(
-            made,
+        return made._replace(
             peck=peck or first,
             first_peck=first,
             peck_less=less,

@@ -90,6 +90,9 @@ class Compiler:
             text = text[match.end() :] if match else text
             if text.startswith("/"):
                 block.deleted, text = True, text.lstrip("/0123456789 \t")
+        if block.deleted and self.deletes:
+            block.text, block.empty = text, not text
+            return block  # whatever it says: notes of people stand there too
         if "/" in text and not _COMPUTES.search(text):
             text = self._late(block, text)
         block.text, block.empty = text, not text

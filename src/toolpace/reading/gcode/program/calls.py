@@ -9,7 +9,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program.expressions import Node, value_of, whole
 from toolpace.reading.gcode.program.flow import Flow
 from toolpace.reading.gcode.program.variables import Key
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import Numbers, RefusedError, WordError
 
 ARGUMENTS = {
     **dict(zip("ABC", (1, 2, 3))), **dict(zip("DEF", (7, 8, 9))), "H": 11, "M": 13,
@@ -40,6 +40,10 @@ class Missing(NamedTuple):
     """Arguments by variable."""
 
 
+VALUES = frozenset("EQUVW")
+"""Letters beside M98 that are meant as values: no motion has them, and M98 hands nothing over."""
+
+
 class Calls:
     """Carries out the words that call and return."""
 
@@ -51,6 +55,9 @@ class Calls:
     def program(self, numbers: Numbers, word: str) -> None:
         """M98 P L: another program, L times."""
         number = whole(self._number(numbers, word), "the number of a program")
+        values = sorted(numbers.keys() & VALUES)
+        if values:
+            raise RefusedError(f"{word} with {', '.join(values)}", "it hands no values over: write G65 in its place")
         times = numbers.pop("L", None)
         flow = self.flow
         if times is None and self.repeats_in_number and number > 9999 and str(number) not in flow.main.layout.programs:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
@@ -15,6 +14,8 @@ Items = dict[int, float | str]
 """Q parameters of a cycle by number; feeds may be FMAX or FAUTO."""
 BREAK = 0.2
 """How far a chip is broken back where a cycle does not say [mm]."""
+OLD = 1
+"""The cycle that counts from where the tool is."""
 
 
 class Refusal(Exception):
@@ -29,8 +30,10 @@ class Holes:
         self.number = 0
         """Of the cycle in force; 0: none, -1: one that was refused."""
         self.items: Items = {}
+        self._made: tuple[tuple[object, ...], Drilling] | None = None
+        """Its strokes where it was called last, and what changes them from call to call."""
         self.makers: dict[int, Callable[[], Drilling]] = {
-            1: self.old_pecking,
+            OLD: self.old_pecking,
             200: self.drilling,
             201: self.reaming,
             202: self.boring,
@@ -45,8 +48,12 @@ class Holes:
 
     def define(self, number: int, items: Items) -> None:
         """Keep a cycle until the next one; it runs where it is called."""
-        self.number, self.items = number, items
+        self.number, self.items, self._made = number, items, None
         self.state.calls_everywhere = False
+
+    def amend(self, items: Items) -> None:
+        """Change some of its parameters."""
+        self.items, self._made = {**self.items, **items}, None
 
     def call(self, at: list[float] | None = None, *, lift: float = 0.0, low: bool = False) -> None:
         """Drill here, or at words `at` (3 + rotary). Raises BlockError.
@@ -58,13 +65,12 @@ class Holes:
         if not self.number:
             raise BlockError("no cycle is defined here: write CYCL DEF before its call")
         try:
-            made = self.makers[self.number]()
+            made = self._drilling()
         except Refusal as refusal:
             word, cure = refusal.args
             self.control.findings.refused(word, self.control.line, cure)
             return
-        made = replace(
-            made,
+        made = made._replace(
             axis=self.state.tool_axis,
             top=made.top + lift,
             bottom=made.bottom + lift,
@@ -76,6 +82,13 @@ class Holes:
             speed = self.speed(206)
             with self.control.feed.held(speed, speed / self.state.feed_unit * DEGREE):
                 drill(self.control, made, list(self.control.words if at is None else at))
+
+    def _drilling(self) -> Drilling:
+        state, control = self.state, self.control
+        of = (control.feed.spindle, state.tool_feed, control.words[state.tool_axis] if self.number == OLD else None)
+        if self._made is None or self._made[0] != of:
+            self._made = of, self.makers[self.number]()
+        return self._made[1]
 
     # Figures
 
@@ -128,22 +141,21 @@ class Holes:
         """Out at Q208; at Q206 where that is zero, at rapid where it is FMAX or missing."""
         out = self.items.get(208, "FMAX")
         if out == "FMAX":
-            return replace(hole, out=RAPID_OUT)
-        return replace(hole, out=FEED_OUT, out_speed=self.speed(208) if out else 0.0)
+            return hole._replace(out=RAPID_OUT)
+        return hole._replace(out=FEED_OUT, out_speed=self.speed(208) if out else 0.0)
 
     def pecked(self) -> Drilling:
         """A hole of pecks of Q202, which counts from the surface: the first stroke is longer by the clearance."""
         peck = max(self.length(202), 0.0)
         if 0.0 < peck < abs(self.length(201)):
             self.control.findings.assumed("Q202 of drilling cycles counts from the surface, also for the first peck")
-        return replace(self.hole(), peck=peck, first_peck=peck + self.length(200) if peck else 0.0)
+        return self.hole()._replace(peck=peck, first_peck=peck + self.length(200) if peck else 0.0)
 
     # Cycles
 
     def drilling(self) -> Drilling:
         """200: pecks, out of the hole between them."""
-        return replace(
-            self.pecked(),
+        return self.pecked()._replace(
             top_dwell=self.seconds(210),
             clearance=max(self.length(200), 0.0),
         )
@@ -151,20 +163,19 @@ class Holes:
     def reaming(self) -> Drilling:
         """201: in and out at feed."""
         hole = self.hole()
-        return self.way_out(hole) if self.items.get(208, 0.0) != 0.0 else replace(hole, out=FEED_OUT)
+        return self.way_out(hole) if self.items.get(208, 0.0) != 0.0 else hole._replace(out=FEED_OUT)
 
     def boring(self) -> Drilling:
         """202: as reaming, with the spindle stopped below."""
         if self.value(214, 0.0):
             raise Refusal("CYCL DEF 202 with Q214 of 1 to 4", "write Q214=0: the way aside by 0.2 mm is not read")
-        return replace(self.reaming(), stops=True)
+        return self.reaming()._replace(stops=True)
 
     def universal(self) -> Drilling:
         """203: pecks that become shorter, with chips broken between ways out."""
         breaks = int(max(self.value(213, 0.0), 0.0))
         return self.way_out(
-            replace(
-                self.pecked(),
+            self.pecked()._replace(
                 peck_less=max(self.length(212, 0.0), 0.0),
                 least_peck=max(self.length(205, 0.0), 0.0),
                 chip_break=max(self.length(256, BREAK), 0.0) if breaks else 0.0,
@@ -180,8 +191,7 @@ class Holes:
             raise Refusal("CYCL DEF 205 with Q379", "write the starting depth into Q203, with Q379=0")
         if self.value(259, 0.0) != self.value(258, 0.0) and 259 in self.items:
             self.control.findings.assumed("CYCL DEF 205: the distance of Q258 stays the same down to the bottom")
-        hole = replace(
-            self.pecked(),
+        hole = self.pecked()._replace(
             peck_less=max(self.length(212, 0.0), 0.0),
             least_peck=max(self.length(205, 0.0), 0.0),
             clearance=max(self.length(258, BREAK), 0.0),
@@ -200,18 +210,18 @@ class Holes:
             )
         back = max(self.length(256, BREAK), 0.0)
         first = step + self.length(200)
-        return replace(hole, peck=step, first_peck=first, least_peck=0.0, chip_break=back, full_after=strokes - 1)
+        return hole._replace(peck=step, first_peck=first, least_peck=0.0, chip_break=back, full_after=strokes - 1)
 
     def tapping(self) -> Drilling:
         """206, 207, 209: to the depth, reverse, out; 209 breaks chips every Q257, back by Q256 pitches or out."""
-        hole = replace(self.hole(), out=FEED_OUT, stops=True)
+        hole = self.hole()._replace(out=FEED_OUT, stops=True)
         step = max(self.length(257, 0.0), 0.0) if self.number == 209 else 0.0
         if not step:
             return hole
         back = self.value(256, 0.0) * abs(self.length(239))
         # back to the top is a chip broken by the whole depth: at feed, as the thread asks
-        return replace(
-            hole, peck=step, first_peck=step + self.length(200), chip_break=back or abs(hole.top - hole.bottom)
+        return hole._replace(
+            peck=step, first_peck=step + self.length(200), chip_break=back or abs(hole.top - hole.bottom)
         )
 
     def centring(self) -> Drilling:
@@ -241,7 +251,7 @@ class Holes:
             self.control.findings.assumed("cycle 241 comes to 0.2 * Q379 above the starting point, at most to Q200")
         level = self.length(203) - start + min(clearance, 0.2 * start)
         fast = self.items.get(253, "FMAX") == "FMAX"
-        return replace(hole, start=max(level, hole.bottom), start_speed=0.0 if fast else self.speed(253))
+        return hole._replace(start=max(level, hole.bottom), start_speed=0.0 if fast else self.speed(253))
 
     def old_pecking(self) -> Drilling:
         """1: set-up clearance, depth and peck with their signs, from where the tool is."""

@@ -49,7 +49,7 @@ class Patterns:
         """Run the last cycle at each, with the levels that the pattern gives."""
         if not self.holes.number:
             raise BlockError("no cycle is defined before this pattern: write CYCL DEF 200 .. before it")
-        self.holes.items = {**self.holes.items, **{q: items[q] for q in (200, 203, 204) if q in items}}
+        self.holes.amend({q: items[q] for q in (200, 203, 204) if q in items})
         self.run(places, rapid=True, low=items.get(301, 1.0) == 0.0)
 
     def figures(self, items: Items, wanted: Iterable[int]) -> list[float]:

@@ -41,6 +41,8 @@ def blocks_of(source: Source, findings: Findings, block_delete: bool) -> list[Bl
         text, comment = without_comment(text.upper())
         if text.startswith("/"):
             text = text[1:].lstrip()
+            hidden = _NUMBER.match(text)
+            text = text[hidden.end() :].lstrip() if hidden else text
             if block_delete:
                 findings.ignored("/")
                 text = ""

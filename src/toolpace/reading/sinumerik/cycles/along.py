@@ -52,29 +52,3 @@ class Along:
         words = list(self.control.words)
         words[self.axis] = level
         return words
-
-    def strokes(
-        self, depths: list[float], *, chip_break: float, clearance: float, dwell: float, top_dwell: float,
-        last_dwell: float,
-    ) -> None:  # fmt: skip
-        """Drill in strokes that end at depths below the top [m], and go back.
-
-        chip_break: how far a stroke goes back at feed [m]; 0: back to the top at rapid, where it waits `top_dwell`,
-        then at rapid to `clearance` above the last depth. dwell, last_dwell: behind each stroke, and the last [s].
-        """
-        top = self.levels.top
-        down = -1.0 if self.levels.bottom <= top else 1.0
-        self.over()
-        for k, depth in enumerate(depths):
-            self.feed(top + down * depth)
-            last = k + 1 == len(depths)
-            self.pause(last_dwell if last else dwell)
-            if last:
-                break
-            if chip_break:
-                self.feed(top + down * max(depth - chip_break, 0.0))
-            else:
-                self.rapid(top)
-                self.pause(top_dwell)
-                self.rapid(top + down * max(depth - clearance, 0.0))
-        self.rapid(self.levels.back)

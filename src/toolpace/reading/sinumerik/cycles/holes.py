@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
@@ -26,19 +25,24 @@ class Holes:
     def __init__(self, control: Control, state: State, *, strict: bool) -> None:
         self.control, self.state, self.strict = control, state, strict
         self.cycles: dict[str, Callable[[Arguments, Levels], None]] = {
-            "CYCLE81": self._plain,
-            "CYCLE82": self._plain,
-            "CYCLE83": self._deep,
             "CYCLE84": self._rigid_tap,
             "CYCLE840": self._floating_tap,
             "CYCLE85": self._ream,
             "CYCLE86": self._bore,
+            "CYCLE76": self._builders_bore,
+        }
+        self.drillings: dict[str, Callable[[Arguments, Levels], Drilling]] = {
+            "CYCLE81": self._plain,
+            "CYCLE82": self._plain,
+            "CYCLE83": self._deep,
             "CYCLE87": self._bore_with_stop,
             "CYCLE88": self._bore_with_stop,
             "CYCLE89": self._plain,
-            "CYCLE76": self._builders_bore,
         }
+        """Cycles whose strokes are the same in every hole."""
         self.name = ""
+        self._made: tuple[tuple[object, ...], Drilling] | None = None
+        """The last of these, and what it was made of."""
 
     @property
     def axis(self) -> int:
@@ -49,9 +53,20 @@ class Holes:
         """One cycle where the tool stands. Raises ValueFault, Unread."""
         if not len(self.control.moves):
             self.control.begin_here()
-        arguments = Arguments(name, values, MOST)
         self.name = name
-        self.cycles[name](arguments, self._levels(arguments))
+        if name in self.drillings:
+            number = self.state.inverse if self.control.feed.mode == INVERSE else None
+            drill(self.control, self._drilling(values), list(self.control.words), number)
+        else:
+            arguments = Arguments(name, values, MOST)
+            self.cycles[name](arguments, self._levels(arguments))
+
+    def _drilling(self, values: list[Value | None]) -> Drilling:
+        of = (self.name, tuple(values), self.state.unit, self.state.plane, self.control.feed.spindle)
+        if self._made is None or self._made[0] != of:
+            arguments = Arguments(self.name, values, MOST)
+            self._made = of, self.drillings[self.name](arguments, self._levels(arguments))
+        return self._made[1]
 
     def _levels(self, arguments: Arguments) -> Levels:
         unit = self.state.unit
@@ -98,16 +113,12 @@ class Holes:
     def _hole(self, levels: Levels) -> Drilling:
         return Drilling(levels.top, levels.bottom, levels.back, axis=self.axis)
 
-    def _drill(self, cycle: Drilling) -> None:
-        number = self.state.inverse if self.control.feed.mode == INVERSE else None
-        drill(self.control, cycle, list(self.control.words), number)
-
-    def _plain(self, arguments: Arguments, levels: Levels) -> None:
+    def _plain(self, arguments: Arguments, levels: Levels) -> Drilling:
         dwell = 0.0 if self.name == "CYCLE81" else self._dwell(arguments.number(5))
         out = FEED_OUT if self.name == "CYCLE89" else RAPID_OUT
-        self._drill(replace(self._hole(levels), dwell=dwell, out=out))
+        return self._hole(levels)._replace(dwell=dwell, out=out)
 
-    def _deep(self, arguments: Arguments, levels: Levels) -> None:
+    def _deep(self, arguments: Arguments, levels: Levels) -> Drilling:
         unit = self.state.unit
         whole = abs(levels.reference - levels.bottom)
         first = abs(arguments.number(6)) * unit
@@ -128,13 +139,15 @@ class Holes:
         clear = arguments.code(11) != 0
         back = abs(arguments.number(14)) * unit or MILLIMETRE
         ahead = abs(arguments.number(16)) * unit or stop_distance(whole)
-        self._along(levels).strokes(
-            [safety + depth for depth in strokes],
+        dwell = self._dwell(arguments.number(8))
+        return self._hole(levels)._replace(
+            ends=tuple(safety + depth for depth in strokes),
             chip_break=0.0 if clear else back,
+            breaks_at_feed=True,
             clearance=ahead,
-            dwell=self._dwell(arguments.number(8)),
+            peck_dwell=dwell,
             top_dwell=self._dwell(arguments.number(9)) if clear else 0.0,
-            last_dwell=self._dwell(arguments.number(15)) if arguments.given(15) else self._dwell(arguments.number(8)),
+            dwell=self._dwell(arguments.number(15)) if arguments.given(15) else dwell,
         )
 
     def _ream(self, arguments: Arguments, levels: Levels) -> None:
@@ -176,9 +189,9 @@ class Holes:
         )
         self._bore(arguments, levels)
 
-    def _bore_with_stop(self, arguments: Arguments, levels: Levels) -> None:
+    def _bore_with_stop(self, arguments: Arguments, levels: Levels) -> Drilling:
         dwell = self._dwell(arguments.number(5)) if self.name == "CYCLE88" else 0.0
-        self._drill(replace(self._hole(levels), dwell=dwell, stops=True))
+        return self._hole(levels)._replace(dwell=dwell, stops=True)
 
     def _rigid_tap(self, arguments: Arguments, levels: Levels) -> None:
         if not arguments.number(7) and not arguments.number(8):

@@ -18,7 +18,7 @@ LARGEST = 16 << 20
 """Most bytes of a subprogram's file."""
 MOST_FILES = 200
 LONGEST_NAME = 64
-_OPENING = re.compile(r"[ \t]*+%_N_([A-Z0-9_]+?)(?:_(MPF|SPF))?[ \t]*+(?:;.*)?", re.IGNORECASE)
+_OPENING = re.compile(r"[ \t]*+%_N_([A-Z0-9_.-]+?)(?:_(MPF|SPF))?[ \t]*+(?:;.*)?", re.IGNORECASE)
 _PROCEDURE = re.compile(r"[ \t]*+(?:N[0-9]++[ \t]*+)?PROC[ \t]++([A-Z_][A-Z0-9_]*+)", re.IGNORECASE)
 _WORDS = "IF|ELSE|ENDIF|FOR|ENDFOR|WHILE|ENDWHILE|LOOP|ENDLOOP|REPEAT|UNTIL"
 # Blanks are never given back: several runs of them that could share one take its length to the fourth power.

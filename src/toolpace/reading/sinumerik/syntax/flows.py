@@ -58,12 +58,12 @@ def _for(parser: Parser, kind: str) -> Flow:
     token = parser.take()
     name = token.text
     index: tuple[Compiled, ...] = ()
-    if token.kind in (NAME, LETTER):
+    if token.kind in (NAME, LETTER) and name != "R":
         pass
     elif token.kind == WORD and token.text[0] == "R" and token.text[1:].isdigit():
         name, index = "R", (constant(token.value),)
     else:
-        raise SyntaxFault("FOR needs a variable: write it like FOR I=1 TO 5")
+        raise SyntaxFault("FOR needs a variable: write it like FOR I=1 TO 5, or FOR R1=1 TO 5")
     parser.need("=")
     first = parser.expression()
     if parser.take().text != "TO":

@@ -67,10 +67,12 @@ def number(text: str) -> float:
     """The value of a figure such as 1.5EX-3; of a mark, zero."""
     if text[-1] == MARK:
         return 0.0
+    if "E" not in text and "e" not in text:
+        return float(text)
     mantissa, _, exponent = text.upper().partition("EX")
-    if exponent and not -300 <= int(exponent[:6]) <= 300:
+    if not -300 <= int(exponent[:6]) <= 300:
         raise SyntaxFault(f"number {text[:20]} is out of range: correct its exponent")
-    return float(f"{mantissa}e{exponent}") if exponent else float(mantissa)
+    return float(f"{mantissa}e{exponent}")
 
 
 def tokens(block: str) -> list[Token]:

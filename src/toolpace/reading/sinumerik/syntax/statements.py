@@ -15,6 +15,8 @@ from toolpace.reading.sinumerik.syntax.lexer import (
     LETTER,
     MARK,
     NAME,
+    NUMBER,
+    SIGN,
     SYSTEM,
     TEXT,
     WORD,
@@ -37,6 +39,10 @@ _CONSTANT = re.compile(
     re.VERBOSE,
 )
 """Constants in capitals: of words that are no code, name or parameter, and within expressions."""
+_PLAIN = re.compile(rf"(?:[ \t]*+(?:[GM][0-9]++|[A-FI-KQS-Z](?:[0-9]=)?[-+]?{FIGURE}))++[ \t]*+")
+"""A line of codes and words with constants alone, as most lines of long programs are."""
+_OF_PLAIN = re.compile(rf"(?<=[A-FI-KQS-Z=])[-+]?{FIGURE}(?!=)")
+"""The constants of such a line."""
 _CODES = ("G", "M")
 KEPT = 1 << 14
 """Compiled blocks that are kept, for loops and subprograms: those of a whole long program would fill memory."""
@@ -69,6 +75,23 @@ def head(line: str) -> Head:
 
 def line(text: str) -> Line:
     """What the rest of a line says: the block of its shape, with its constants. A fault is part of the block."""
+    upper = text.upper()
+    # texts keep their letters: only blocks without them have a shape
+    if '"' not in text and MARK not in text and len(upper) == len(text):
+        try:
+            shape, literals = _shape(upper)
+            found = _shaped(shape)
+        except SyntaxFault as error:
+            return Line(Block(fault=str(error)))
+        if found is not None:
+            return Line(found, literals)
+    return Line(_exact(text))
+
+
+def _shape(text: str) -> tuple[str, tuple[float, ...]]:
+    """A line with marks for its constants, and these. Raises SyntaxFault."""
+    if _PLAIN.fullmatch(text):
+        return _OF_PLAIN.sub(MARK, text), tuple(map(number, _OF_PLAIN.findall(text)))
     literals: list[float] = []
 
     def mark(match: re.Match[str]) -> str:
@@ -81,15 +104,7 @@ def line(text: str) -> Line:
             return MARK
         return match[0]
 
-    upper = text.upper()
-    found = None
-    # texts keep their letters: only blocks without them have a shape
-    if '"' not in text and MARK not in text and len(upper) == len(text):
-        try:
-            found = _shaped(_CONSTANT.sub(mark, upper))
-        except SyntaxFault as error:
-            return Line(Block(fault=str(error)))
-    return Line(_exact(text)) if found is None else Line(found, tuple(literals))
+    return _CONSTANT.sub(mark, text), tuple(literals)
 
 
 @lru_cache(maxsize=KEPT)
@@ -181,7 +196,7 @@ class _Reader(Parser):
             elif letter in _CODES and figure.isdigit():
                 self._ignored_value(f"{letter}{figure}=")
             elif figure.isdigit():
-                self._value(token.text)
+                self._numbered(token.text)
             else:
                 raise SyntaxFault(f"'{token.text[:30]}=' names no address: write X=... or X1=...")
         elif letter in _CODES:
@@ -230,9 +245,20 @@ class _Reader(Parser):
             else:
                 self.assignments.append(Assignment(name, index, self.expression()))
         elif self.sign("("):
-            self.calls.append(Call(name, tuple(self.arguments()), True))
+            try:
+                self.calls.append(Call(name, tuple(self.arguments()), True))
+            except SyntaxFault as fault:
+                raise SyntaxFault(f"{fault}; brackets hold what {name[:20]} is given, comments begin with ;") from None
         else:
             self.codes.append(name)
+
+    def _numbered(self, address: str) -> None:
+        """A3=..., which no variable is called: a constant alone stays one."""
+        value, behind = self.tokens[self.at : self.at + 2] if self.token.kind != END else (self.token, self.token)
+        if value.kind == NUMBER and value.marked and behind.kind != SIGN:
+            self.words.append(Word(address, int(self.take().value)))
+        else:
+            self._value(address)
 
     def _value(self, address: str, index: tuple[Compiled, ...] = ()) -> None:
         form = ""
