@@ -46,7 +46,7 @@ HEAD = """# How long programs take on LinuxCNC, and by our model of it
 cycle): LinuxCNC holds the limits of the words, not of the joints, while it holds the tip. "Tuned" programs were
 looked at while the model was written; "mended" ones were written after it and each showed a mistake; all others were
 not used. Ours are run twice, and the quicker run counts: where the computer is busy, LinuxCNC waits longer, never less;
-LinuxCNC's own examples once.
+LinuxCNC's own examples once. Measured on {day}; LinuxCNC 2.9 of Debian 12, eight times real time (dense programs two).
 
 | program | whose | blocks | LinuxCNC [s] | ours [s] | off by [%] | model [ms] | velocity | acceleration |
 |---|---|---|---|---|---|---|---|---|
@@ -71,6 +71,11 @@ class Case:
     def speed(self) -> int:
         """Times real time."""
         return SLOW if self.name in NEEDS_TIME else FAST
+
+
+def head() -> str:
+    """What stands above the rows."""
+    return HEAD.replace("{day}", time.strftime("%d %B %Y"))
 
 
 def cases() -> list[Case]:
@@ -136,7 +141,7 @@ def main(arguments: Iterable[str]) -> int:
         rows.append(row(case))
         print(rows[-1], flush=True)
         if not given.only:
-            given.out.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
+            given.out.write_text(head() + "\n".join(rows) + "\n", encoding="utf-8")
     return 0
 
 
