@@ -80,6 +80,7 @@ def test_a_controller_like_another_says_only_what_differs():
         (OWN + "meaning = 3\n", "meaning"),
         (OWN + '[[signs]]\npattern = "a{99999999999}"\nreason = "x"\n', "own.toml"),
         (OWN + '[[signs]]\npattern = "("\nreason = "x"\n', "own.toml"),
+        (OWN + '[[signs]]\npattern = "[[A]"\nreason = "x"\n', "nested set"),
     ],
 )
 def test_wrong_files_are_one_line(text, words):

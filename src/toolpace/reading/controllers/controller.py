@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 from typing import TypeVar
 
@@ -87,9 +88,10 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """A controller from the text of a file. Raises UsageError."""
         try:
             found = msgspec.toml.decode(text, type=cls)
-            for sign in found.signs:
-                re.compile(sign.pattern)
-        except (msgspec.DecodeError, re.error, ValueError, OverflowError, RecursionError) as error:
+            with warnings.catch_warnings(action="error", category=FutureWarning):
+                for sign in found.signs:
+                    re.compile(sign.pattern)
+        except (FutureWarning, msgspec.DecodeError, re.error, ValueError, OverflowError, RecursionError) as error:
             cure = "see `toolpace controllers fanuc --toml` for an example"
             unknown = re.search(r"unknown field `(\w{1,40})`", str(error))
             near = f", {did_you_mean(unknown[1], (*cls.__struct_fields__, *Sign.__struct_fields__))}" if unknown else ""

@@ -20,6 +20,7 @@ OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
 """Addresses that only arcs take."""
 OF_CORNERS = {"RND": ROUND, "CHR": SIDES, "CHF": EDGE}
 """Corners at the end of a block: radius, side of a chamfer, its edge (NC Programming, "Chamfer, rounding")."""
+CORNER_WORDS = frozenset((*OF_CORNERS, "RNDM"))
 LETTERS = "XYZABCUVW"
 AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
 """Addresses that ask for motion."""
@@ -93,6 +94,8 @@ class Motion:
     def _corner(self, words: Words) -> tuple[str, str, float] | None:
         """Name, kind and size [m] of the corner at the end of a block."""
         state = self.state
+        if not state.rounding and CORNER_WORDS.isdisjoint(words):
+            return None
         modal = number(words, "RNDM")
         if modal is not None:
             state.rounding = modal * state.unit

@@ -14,6 +14,7 @@ from toolpace.reading.sinumerik.syntax.values import ValueFault
 from toolpace.units import DEGREE
 
 VECTOR, ANGLES = ("A3", "B3", "C3"), ("A2", "B2", "C2")
+OF_VECTOR, ASKED = frozenset(VECTOR), frozenset((*VECTOR, *ANGLES))
 MOST_HALVINGS = 10
 """Of the way between two tool vectors."""
 
@@ -29,7 +30,7 @@ class Vectors:
     @staticmethod
     def asked(words: Words) -> bool:
         """Whether words have a tool vector."""
-        return any(address in words for address in (*VECTOR, *ANGLES))
+        return not ASKED.isdisjoint(words)
 
     def taken(self, words: Words) -> list[float] | None:
         """The tool axis (3,) on the part that the words ask for; None where they ask for none."""
@@ -37,7 +38,7 @@ class Vectors:
             return None
         if not self.control.coordinates.tip_mode:
             raise ValueFault("tool vectors (A3=, A2=) need TRAORI: switch it on before them")
-        if any(address in words for address in VECTOR):
+        if not OF_VECTOR.isdisjoint(words):
             vector = [self._one(words, address) for address in VECTOR]
         else:
             a, b, c = (self._one(words, address) * DEGREE for address in ANGLES)
