@@ -70,7 +70,12 @@ class Optimal(Options):
             return PlannedRun(law, points)
         bound = bound_long_run(run, limits, law, start, end, workers, progress.part(GUARDED, BOUNDED))
         first = Plan(law, bound)
-        best, notes = another_try(run, limits, first, start, end, self.mesh is not None, self.guard, workers)
+
+        def with_cells(cells: int) -> SplineLaw:
+            return fastest_law(run, limits, cells, start, end, self.guard, workers)[0]
+
+        fixed = self.mesh is not None
+        best, notes = another_try(run, limits, first, start, end, fixed, self.guard, workers, with_cells)
         progress(1.0)
         return PlannedRun(
             best.law, mesh_points(best.law), best.bound.seconds, places_in_time(run, best.law, best.bound), notes
