@@ -33,6 +33,6 @@ def test_what_is_shared_comes_from_support_or_testbed(file):
     assert all(among(name, SUPPORT) for name in own)
 
 
-@pytest.mark.parametrize("file", sorted((ROOT / "testbed").glob("*.py")), ids=lambda file: file.name)
+@pytest.mark.parametrize("file", sorted((ROOT / "testbed").rglob("*.py")), ids=lambda file: str(file.relative_to(ROOT)))
 def test_testbed_knows_neither_tests_nor_benchmarks(file):
     assert not {name for name in imports(file) if among(name, ("tests", "benchmarks"))}

@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from testbed.linuxcnc.configuration import Configuration
+from testbed.linuxcnc.machines import xyzbc_trt
 from testbed.linuxcnc.run import Log, run_program
 from testbed.linuxcnc.timed import TUNED
 from testbed.linuxcnc.written_after import AFTER
-from tests.linuxcnc.machines import xyzbc_trt
 from toolpace.commanded import Commanded
 from toolpace.machine.machine import Machine
 from toolpace.reading import Source, read_commanded

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.timing.test_identify import log_of, program
+from tests.support.trapezoids import log_of, program
 from toolpace.cli import main
 
 PROGRAM = (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from testbed.linuxcnc.configuration import Configuration
+from testbed.linuxcnc.machines import xyzbc_trt
 from testbed.linuxcnc.run import Log, run_program
-from tests.linuxcnc.machines import xyzbc_trt
 from toolpace.machine.machine import Machine
 from toolpace.units import DEGREE, MILLIMETRE
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.timing.test_lookahead import machine, timed
+from tests.support.timed_programs import machine, timed
 from toolpace.timing.figures import figures_of
 
 RAMP, SMOOTHING = 0.06, 0.02
