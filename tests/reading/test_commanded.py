@@ -9,7 +9,7 @@ import pytest
 
 from toolpace import Machine
 from toolpace.commanded import BLENDED, EXACT_PATH, EXACT_STOP, Commanded
-from toolpace.errors import UsageError
+from toolpace.errors import ProgramError, UsageError
 from toolpace.reading import Source, read_commanded, read_source
 
 MACHINE = Machine.load("xyzac-trunnion")
@@ -78,6 +78,11 @@ def test_outside_tip_mode_words_are_joints_and_a_change_of_mode_waits() -> None:
     moves = commanded("G1 X10 F600\nG1 A10\nM429\nG1 X20\n")
     assert moves.tip_mode.tolist() == [True, True, True, False]
     assert moves.stop[2]
+
+
+def test_a_program_without_motion_is_refused() -> None:
+    with pytest.raises(ProgramError, match="there is no motion in the program"):
+        commanded("")
 
 
 def test_cutter_location_data_are_for_no_control() -> None:

@@ -10,12 +10,15 @@ from toolpace.reading.control.moves import JUMP, RAPID, MoveTable
 from toolpace.reading.coordinates.kinematics import Poses
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.curves.beziers import BezierTable
-from toolpace.reading.points import SAME, ProgramFacts
+from toolpace.reading.points import SAME, ProgramFacts, refuse_still
 from toolpace.reading.source import Source
 
 
 def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramFacts) -> Commanded:
-    """The moves of a table; a row that moves nothing hands its stop and its dwell on to the one before."""
+    """The moves of a table; a row that moves nothing hands its stop and its dwell on to the one before.
+
+    Raises ProgramError where nothing moves.
+    """
     table = _with_chords(table)
     speed, turn, time, line, kind, tip_mode, _, operation, _ = table.columns.T
     way = np.diff(table.position, axis=0, prepend=table.position[:1])
@@ -23,6 +26,8 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
     moved = np.abs(way).max(axis=1) > SAME
     moved[[0, *table.arcs]] = True
     kept = np.flatnonzero(moved)
+    if len(kept) < 2:
+        refuse_still(source, len(moved))
     # where the words change their meaning the control waits, too
     stop = np.logical_or.reduceat(table.switched | (kind == JUMP), kept)
     joining = table.joining[kept]
