@@ -81,7 +81,7 @@ def test_thinning_keeps_every_peak():
     values = np.zeros(1_000_000)
     values[123_457], values[876_543] = 1.0, -2.0
     small = extremes(values)
-    assert len(small) <= 120_000
+    assert len(small) <= 40_000
     assert (small.max(), small.min()) == (1.0, -2.0)
     ramp = extremes(np.arange(500_000.0))
     assert (np.diff(ramp) > 0.0).all()
@@ -89,7 +89,7 @@ def test_thinning_keeps_every_peak():
 
 def test_a_million_set_points_stay_light():
     values = np.random.default_rng(1).normal(size=1_000_000)
-    assert len(packed(Channel("X", "jerk", 0, values))["data"]) < 400_000
+    assert len(packed(Channel("X", "jerk", 0, values))["data"]) < 140_000
 
 
 def test_feed_cap_knows_least_times():

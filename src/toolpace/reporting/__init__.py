@@ -27,7 +27,7 @@ def report(
     """Write the report of a trajectory, sampled every `dt` [s], as one HTML file, whole or not at all.
 
     With the tool path its feeds are shown beside the tip's speed; with a verification, its verdict. The file
-    holds all it needs (5 MB of it are plotly.js) and at most 120 000 points of each curve: of a longer
+    holds all it needs (5 MB of it are plotly.js) and at most 40 000 points of each curve: of a longer
     motion, the least and the largest value of each stretch, so that no peak is lost.
     """
     write_report(path, trajectory, trajectory.sample(dt), toolpath, verification)

@@ -13,7 +13,7 @@ from toolpace.machine.limits import KINDS, Limits
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
 
-MOST = 120_000
+MOST = 40_000
 """Points of each channel in the file; a browser thins them again to what its screen can show."""
 _FULL = 32_000
 """The largest value of a curve as a 16-bit integer, of 32 767: the step between two is below what a screen shows."""
