@@ -15,7 +15,7 @@ from toolpace.errors import UsageError
 from toolpace.reading import Source, read_commanded
 from toolpace.timing.figures import figures_of
 from toolpace.timing.identify import identify, sustained_accelerations
-from toolpace.timing.log import MotionLog, load_log
+from toolpace.timing.log import load_log, trimmed
 from toolpace.timing.program_time import time_of_moves
 
 ON = Machine.load("xyzac-trunnion")
@@ -105,7 +105,7 @@ def test_a_log_of_linuxcnc_tells_its_acceleration_and_tolerance():
     unsaid = [
         read_commanded(Source.from_text(text.replace("G64 P0.03", "G64"), "part.ngc"), told) for text in (logged, asked)
     ]
-    found = identify(unsaid[0], told, MotionLog(1e-3, runs[0].joints), figures_of({}, "", "linuxcnc"))
+    found = identify(unsaid[0], told, trimmed(1e-3, runs[0].joints), figures_of({}, "", "linuxcnc"))
     assert found.figures.tolerance == pytest.approx(0.03, rel=0.02)
     assert isinstance(found.figures.acceleration, dict)
     assert [found.figures.acceleration[axis] for axis in "XYZ"] == pytest.approx([700.0, 500.0, 400.0], rel=0.02)

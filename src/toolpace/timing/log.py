@@ -64,7 +64,7 @@ def load_log(path: str | Path, machine: Machine) -> MotionLog:
     for column, name in enumerate(columns, start=1):
         joint = machine.joints.index(name)
         q[:, joint] = table[:, column] * (DEGREE if machine.is_rotary[joint] else MILLIMETRE)
-    return _trimmed(_step(table[:, 0], str(path)), q, str(path))
+    return trimmed(_step(table[:, 0], str(path)), q, str(path))
 
 
 def _columns(header: Sequence[str], machine: Machine, source: str) -> tuple[dict[str, int], int]:
@@ -99,7 +99,8 @@ def _step(t: Floats, source: str) -> float:
     return float(t[-1] - t[0]) / (len(t) - 1)
 
 
-def _trimmed(dt: float, q: Floats, source: str) -> MotionLog:
+def trimmed(dt: float, q: Floats, source: str = "log") -> MotionLog:
+    """The rows from the last at rest to the first at rest again. Raises UsageError where no axis moves."""
     moving = np.flatnonzero(np.nanmax(np.abs(np.diff(q, axis=0)), axis=1) > STILL)
     if not len(moving):
         raise UsageError(f"log {source}: no axis moves in it")
