@@ -108,12 +108,17 @@ def compare(name: str, case: Case, folder: Path) -> Row:
     from toolpace.cli import main
 
     machine, text = case.machine(), case.text()
+    sheet = folder / f"{name}-setup.toml"
+    zeros = "\n".join(f"{joint} = 0" for joint in machine.joints)
+    # LinuxCNC begins at its zero, and so does the path
+    sheet.write_text(f"[machine_zero]\n{zeros}\n\n[start]\n{zeros}\n", encoding="utf-8")
     program, file, plan = folder / f"{name}.ngc", folder / f"{name}.toml", folder / f"{name}-plan"
     program.write_text(text, encoding="utf-8")
     file.write_text(machine.to_toml(), encoding="utf-8")
     own = run_program(text, Configuration.tip(machine, path_velocity=FREE), seconds=1200.0, speed=SPEED)
-    modelled = tp.program_time(program, machine, controller="linuxcnc").total
-    if main(["plan", str(program), "-m", str(file), "--controller", "linuxcnc", "--no-report", "-o", str(plan)]):
+    modelled = tp.program_time(program, machine, controller="linuxcnc", setup=sheet).total
+    options = ["-m", str(file), "--controller", "linuxcnc", "--setup", str(sheet), "--no-report", "-o", str(plan)]
+    if main(["plan", str(program), *options]):
         raise SystemExit(f"{name}: the plan was not verified")
     with np.load(plan / "setpoints.npz") as saved:
         q, t = saved["q"], saved["t"]

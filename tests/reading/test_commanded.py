@@ -10,7 +10,7 @@ import pytest
 from toolpace import Machine
 from toolpace.commanded import BLENDED, EXACT_PATH, EXACT_STOP, Commanded
 from toolpace.errors import ProgramError, UsageError
-from toolpace.reading import Source, read_commanded, read_source
+from toolpace.reading import ReadOptions, SetUp, Source, read_commanded, read_source
 
 MACHINE = Machine.load("xyzac-trunnion")
 HEAD = "G21 G90 G17 G94 M428\nG0 X0 Y0 Z10 A0 C0\n"
@@ -88,3 +88,11 @@ def test_a_program_without_motion_is_refused() -> None:
 def test_cutter_location_data_are_for_no_control() -> None:
     with pytest.raises(UsageError, match="for no control"):
         read_commanded(Source.from_text("FEDRAT/100\nGOTO/0,0,0\nGOTO/1,0,0\nFINI\n", "part.cls"), MACHINE)
+
+
+def test_where_the_machine_stands_is_on_the_sheet_and_the_first_percent_opens_the_program() -> None:
+    """The place where it stands is a row before the first block: it is not what the program moved."""
+    options = ReadOptions(setup=SetUp(start=dict.fromkeys("XYZAC", 0.0), machine_zero=dict.fromkeys("XYZAC", 0.0)))
+    source = Source.from_text("%\nG21 G90 G94\nG1 X10 F600\nG1 X20\nM30\n%\nG1 X99\n", "part.ngc")
+    moves = read_commanded(source, MACHINE, None, options)
+    assert moves.words[:, 0] == pytest.approx([0.0, 0.01, 0.02])

@@ -127,7 +127,7 @@ class WordAddressReader:
         """% opens the program, and closes it; in a file that is called it is passed over."""
         if frame.text is not self.flow.main:
             return
-        if self.tape_line or len(self.control.moves):
+        if self.tape_line or self.control.blocks:
             self.tape_closed = True
         else:
             self.tape_line = frame.next
