@@ -60,6 +60,7 @@ def execute(command: list[str], place: Path, seconds: float, speed: int = SPEED)
         # memory named for its number, which keeps a later process of that number from starting
         command = ["faketime", "-f", f"+0 x{speed}", *command]
     with _alone():
+        _clear_clocks()
         output = place / "output.txt"
         with output.open("wb") as printed:
             process = subprocess.Popen(
@@ -73,6 +74,15 @@ def execute(command: list[str], place: Path, seconds: float, speed: int = SPEED)
             finally:
                 _end(process)
     return output.read_text(errors="replace")
+
+
+def _clear_clocks() -> None:
+    """Remove the shared memory of clocks whose process is gone: one of the same number could not start."""
+    for each in Path("/dev/shm").glob("*faketime_*"):
+        number = each.name.rpartition("_")[2]
+        if number.isdigit() and not Path("/proc", number).exists():
+            with contextlib.suppress(OSError):
+                each.unlink()
 
 
 def _environment(place: Path) -> dict[str, str]:
