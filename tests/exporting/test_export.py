@@ -12,8 +12,9 @@ import pytest
 import toolpace as tp
 from toolpace.cli import main
 from toolpace.errors import UsageError, VerificationError
-from toolpace.exporting import EXPORT, TARGETS, export, target_of
+from toolpace.exporting import EXPORT, TARGETS, export, target_of, write_export
 from toolpace.exporting.target import ReadBack
+from toolpace.files import whole_folder
 from toolpace.files.seal import foreign
 
 
@@ -176,3 +177,19 @@ def test_a_plan_without_set_points_says_what_it_cannot_do(tmp_path, capsys):
         assert "setpoints.npz was not written (--npz none)" in capsys.readouterr().err
     assert main(["plan", str(program), *arguments, "--npz", "some"]) == 2
     assert "--npz some: give all or none" in capsys.readouterr().err
+
+
+def test_an_export_never_replaces_a_plan(motion, tmp_path):
+    """Nor any result of another kind, though toolpace wrote all of it."""
+    plan = tmp_path / "plan"
+    with whole_folder(plan, seal="plan.json") as folder:
+        (folder / "plan.json").write_text('{"a": 1}')
+    before = (plan / "plan.json").read_bytes()
+    with pytest.raises(UsageError, match=r"holds another result of toolpace, plan\.json"):
+        write_export(motion, target_of("table", {}), plan)
+    assert (plan / "plan.json").read_bytes() == before
+
+
+def test_pieces_too_short_for_any_control_are_refused():
+    with pytest.raises(UsageError, match="less than 1 ms"):
+        target_of("program", {"split": 1e-6})

@@ -15,7 +15,7 @@ from toolpace.errors import UsageError
 from toolpace.reading import Source, read_commanded
 from toolpace.timing.figures import figures_of
 from toolpace.timing.identify import identify, sustained_accelerations
-from toolpace.timing.log import load_log, trimmed
+from toolpace.timing.log import MotionLog, load_log, trimmed
 from toolpace.timing.program_time import time_of_moves
 
 ON = Machine.load("xyzac-trunnion")
@@ -110,3 +110,11 @@ def test_a_log_of_linuxcnc_tells_its_acceleration_and_tolerance():
     assert isinstance(found.figures.acceleration, dict)
     assert [found.figures.acceleration[axis] for axis in "XYZ"] == pytest.approx([700.0, 500.0, 400.0], rel=0.02)
     assert time_of_moves(unsaid[1], told, found.figures).total == pytest.approx(runs[1].duration, rel=0.02)
+
+
+def test_the_log_of_another_program_is_refused():
+    q = np.zeros((400, 5))
+    q[:, 2] = np.linspace(0.0, 40.0, 400)
+    moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
+    with pytest.raises(UsageError, match="not the log of this program"):
+        identify(moves, MACHINE, MotionLog(1e-3, q), figures_of({}, "", "lookahead"))

@@ -143,3 +143,9 @@ def test_a_block_that_never_ends_is_named():
     without_feed = dataclasses.replace(moves, speed=np.where(moves.line == 4, 0.0, moves.speed))
     with pytest.raises(UsageError, match=r"part\.ngc, line 4: LinuxCNC would not get to the end of this block"):
         linuxcnc_times(without_feed, MACHINE)
+
+
+def test_a_dwell_before_the_first_motion_takes_nothing_off_it():
+    text = HEAD.format(mode="G64") + "G4 P1\nG1 X10 F600\nM2\n"
+    times = linuxcnc_times(read_commanded(Source.from_text(text, "part.ngc"), MACHINE), MACHINE)
+    assert 1.0 < times.sum() < 1.2

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from toolpace.errors import printable
 from toolpace.units import format_time
 
 Tell = Callable[[float], None]
@@ -59,7 +60,7 @@ class Steps:
         """
         step, began = Step(), time.perf_counter()
         if note:
-            self.console.print(f"{name:<{WIDTH}} {note}", style="dim", soft_wrap=True)
+            self.console.print(printable(f"{name:<{WIDTH}} {note}"), style="dim", soft_wrap=True)
         bar = Progress(
             SpinnerColumn(),
             TextColumn(f"{name:<{WIDTH}}"),

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from toolpace.description import counted
-from toolpace.errors import VerificationError
+from toolpace.errors import UsageError, VerificationError
 from toolpace.exporting.feeds.comparison import largest_change_of_kept, strays
 from toolpace.exporting.feeds.cutting import cut
 from toolpace.exporting.feeds.expected import expected
@@ -27,6 +27,8 @@ from toolpace.units import format_time
 HOW_TO = "how_to_use.txt"
 SAME = 1e-9
 """Relative rounding of times that are worked out twice."""
+SHORTEST_SPLIT = 1e-3
+"""Of the pieces of blocks [s]."""
 NAMED = 8
 """Lines that are named in a note."""
 
@@ -50,6 +52,10 @@ class Program:
     """Whether F is the inverse of a block's time (G93)."""
     split: float | None = None
     """Straight blocks that take longer are cut into pieces of about this time [s]; None: none is."""
+
+    def __post_init__(self) -> None:
+        if self.split is not None and not self.split >= SHORTEST_SPLIT:
+            raise UsageError(f"--split {self.split:g}s: pieces of less than 1 ms are none that a control reads in time")
 
     def write(self, motion: PlannedMotion, folder: Path) -> NewFeeds:
         """Write the program and how_to_use.txt. Raises UsageError where its dialect has no such feeds."""

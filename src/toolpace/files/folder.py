@@ -11,7 +11,7 @@ from pathlib import Path
 
 from toolpace.errors import UsageError
 from toolpace.files.exchange import exchange
-from toolpace.files.seal import foreign, write_seal
+from toolpace.files.seal import foreign, read_seal, write_seal
 from toolpace.files.signals import uninterrupted
 from toolpace.files.temporary import Temporary, sweep, temporary_name
 from toolpace.files.whole import reason
@@ -55,6 +55,7 @@ def whole_folder(folder: str | os.PathLike[str], seal: str = "") -> Iterator[Pat
     every moment the one or the other is there, whole. `seal` names the JSON file in it by which it will be known.
     """
     target = folder_to_write(folder)
+    _refuse_other_kind(target, os.fspath(folder), seal)
     made: list[Path] = []
     temporary: Temporary | None = None
     try:
@@ -111,6 +112,13 @@ def _put(new: Path, target: Path, given: str) -> None:
             new.rename(target)
             aside.rename(new)
         raise UsageError(f"{given}: is not replaced, since {changed}; move that away, or give another folder")
+
+
+def _refuse_other_kind(target: Path, given: str, seal: str) -> None:
+    """Raise UsageError where a result of another kind is in the place: an export never replaces a plan."""
+    found = read_seal(target)
+    if seal and found is not None and found[0] != seal:
+        raise UsageError(f"{given}: holds another result of toolpace, {found[0]}; give another folder")
 
 
 def _refuse_taken(target: Path, given: str) -> None:

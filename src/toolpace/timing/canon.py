@@ -61,7 +61,7 @@ class Canon:
         end = np.zeros(len(self.moves))
         end[rows.of] = at  # the last row of a move counts
         spent = np.diff(end, prepend=0.0)
-        spent[1:] -= self.moves.dwell[:-1]
+        spent[2:] -= self.moves.dwell[1:-1]  # no block leads to the first entry
         return np.asarray(np.maximum(spent, 0.0))
 
     def _blocks(self) -> Blocks:

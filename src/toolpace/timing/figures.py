@@ -13,7 +13,7 @@ from toolpace.units import DEGREE, MILLIMETRE
 MODELS = ("linuxcnc", "lookahead", "fir", "ideal")
 USUAL_TOLERANCE = 0.01
 """[mm]"""
-Positive = Annotated[float, msgspec.Meta(gt=0.0, le=1e9)]
+Positive = Annotated[float, msgspec.Meta(ge=1e-4, le=1e9)]
 Time = Annotated[float, msgspec.Meta(ge=0.0, le=3600.0)]
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.commanded import Commanded
+from toolpace.errors import UsageError
 from toolpace.timing.axis_ways import axis_ways
 from toolpace.timing.figures import ControlFigures
 from toolpace.timing.log import MotionLog
@@ -45,6 +46,10 @@ NOISE = 0.02
 
 USUAL = {"ramp_time": 0.05, "smoothing_time": 0.02}
 """Where a search begins that has no figure to begin at."""
+
+
+WORST = 0.5
+"""Misfit over the duration from which a log is no log of the program."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,13 @@ def identify(moves: Commanded, machine: Machine, log: MotionLog, given: ControlF
     )  # fmt: skip
     figures = _scaled(start, names, np.exp(np.clip(found.x, -FARTHEST, FARTHEST)))
     off = differences(figures)
-    return Identified(figures, log.duration, log.duration + float(off[-1]), float(np.sqrt(np.mean(off[:-1] ** 2))))
+    misfit_on_the_way = float(np.sqrt(np.mean(off[:-1] ** 2)))
+    if not misfit_on_the_way <= WORST * log.duration:
+        raise UsageError(
+            f"the log takes {log.duration:.4g} s, and the model is {misfit_on_the_way:.4g} s off on the way: it is not "
+            "the log of this program on this machine, or columns are exchanged"
+        )
+    return Identified(figures, log.duration, log.duration + float(off[-1]), misfit_on_the_way)
 
 
 def sustained_accelerations(log: MotionLog) -> Floats:

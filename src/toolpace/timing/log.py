@@ -104,4 +104,6 @@ def trimmed(dt: float, q: Floats, source: str = "log") -> MotionLog:
     moving = np.flatnonzero(np.nanmax(np.abs(np.diff(q, axis=0)), axis=1) > STILL)
     if not len(moving):
         raise UsageError(f"log {source}: no axis moves in it")
+    if moving[-1] + 2 - moving[0] < LEAST_ROWS:
+        raise UsageError(f"log {source}: the axes move in fewer than {LEAST_ROWS} rows of it; log the whole program")
     return MotionLog(dt, q[moving[0] : moving[-1] + 2])
