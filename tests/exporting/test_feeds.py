@@ -162,3 +162,11 @@ def test_a_text_is_written_as_it_was(data):
 )
 def test_feeds_have_six_figures(value, decimals, right):
     assert figure(value, decimals) == right
+
+
+def test_blanks_within_a_number_belong_to_it():
+    from toolpace.exporting.feeds.word_address import _VALUE
+
+    for text, value in (("8 0 0 Y2", "8 0 0"), ("800Y2", "800"), ("-1 2 . 5 (F7)", "-1 2 . 5"), (".5 ;", ".5")):
+        found = _VALUE.match(text)
+        assert found is not None and found.group() == value

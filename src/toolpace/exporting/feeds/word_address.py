@@ -10,7 +10,8 @@ from typing import ClassVar
 MODES = re.compile(r"(?<![A-Z_0-9])G[ \t]*0*9([345])(?![0-9.])", re.IGNORECASE)
 """G93, G94, G95."""
 NUMBER = r"[-+]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)"
-_VALUE = re.compile(NUMBER)
+_VALUE = re.compile(r"[-+]?+[ \t]*+[0-9.](?:[ \t]*+[0-9.])*+")
+"""Blanks may stand within a number."""
 _COMPUTED = re.compile(r"[-+]?(?:#+(?:[0-9]+|<[^<>]*>)?|E[0-9]+|)(\[)?")
 
 
