@@ -25,7 +25,15 @@ def test_a_line_from_rest_to_rest():
 
 def test_a_line_too_short_for_its_feed():
     time = timed("G1 X1 F6000\n")
-    assert time.total == pytest.approx(2.0 * math.sqrt(1e-3 / A) + A / J)
+    # acceleration is not reached: a ramp to v takes 2 sqrt(v / j) in place of v / a
+    v = math.sqrt(1e-3 * A)
+    assert v < A**2 / J
+    assert time.total == pytest.approx(2.0 * math.sqrt(1e-3 / A) + 2.0 * math.sqrt(v / J) - v / A)
+
+
+def test_more_acceleration_is_never_slower():
+    totals = [timed("G1 X10 F600\nG4 P1\nG1 X0\n", on=machine(a)).total for a in (0.1, 1.0, 10.0, 1e4, 1e8)]
+    assert all(b <= a * (1.0 + 1e-9) for a, b in pairwise(totals))
 
 
 def test_a_right_corner_is_passed_at_the_speed_that_its_tolerance_allows():

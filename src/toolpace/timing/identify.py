@@ -2,7 +2,7 @@
 
 acceleration of each axis <- what it keeps up for some rows of the log
 repeat                                                            Nelder and Mead's simplex, in logarithms
-  times of the moves <- the model, with accelerations times a factor, and its other figures
+  times of the moves <- the model, with these accelerations, and its other figures
   misfit <- differences from when the log has gone as far, and of the whole durations
 """
 
@@ -43,11 +43,8 @@ KEPT_UP = 3
 """Rows over which an acceleration is kept up that counts."""
 NOISE = 0.02
 """Most of an acceleration that may be noise."""
-
 USUAL = {"ramp_time": 0.05, "smoothing_time": 0.02}
 """Where a search begins that has no figure to begin at."""
-
-
 WORST = 0.5
 """Misfit over the duration from which a log is no log of the program."""
 
@@ -92,13 +89,13 @@ def identify(moves: Commanded, machine: Machine, log: MotionLog, given: ControlF
     )  # fmt: skip
     figures = _scaled(start, names, np.exp(np.clip(found.x, -FARTHEST, FARTHEST)))
     off = differences(figures)
-    misfit_on_the_way = float(np.sqrt(np.mean(off[:-1] ** 2)))
-    if not misfit_on_the_way <= WORST * log.duration:
+    on_the_way = float(np.sqrt(np.mean(off[:-1] ** 2)))
+    if not on_the_way <= WORST * log.duration:
         raise UsageError(
-            f"the log takes {log.duration:.4g} s, and the model is {misfit_on_the_way:.4g} s off on the way: it is not "
+            f"the log takes {log.duration:.4g} s, and the model is {on_the_way:.4g} s off on the way: it is not "
             "the log of this program on this machine, or columns are exchanged"
         )
-    return Identified(figures, log.duration, log.duration + float(off[-1]), misfit_on_the_way)
+    return Identified(figures, log.duration, log.duration + float(off[-1]), on_the_way)
 
 
 def sustained_accelerations(log: MotionLog) -> Floats:

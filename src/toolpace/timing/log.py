@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 TIMES = ("t", "time")
-LEAST_ROWS, MOST_ROWS = 20, 20_000_000
+LEAST_ROWS = 20
 STEADY = 0.2
 """Most share by which times between rows may differ from their median."""
 STILL = 1e-9

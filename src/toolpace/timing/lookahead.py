@@ -20,7 +20,7 @@ def lookahead_times(moves: Commanded, machine: Machine, figures: ControlFigures)
     """Time of each move (n,) [s], dwells left out.
 
     Corners as `kernels.controls.lookahead.corner_speeds` says; constant acceleration between them, which no jerk
-    limits but at stops: each takes the time longer in which jerk builds the acceleration up.
+    limits but at stops: each takes longer by what jerk adds to its ramps.
     """
     from toolpace.kernels.controls import lookahead
 
@@ -34,13 +34,23 @@ def lookahead_times(moves: Commanded, machine: Machine, figures: ControlFigures)
     )  # fmt: skip
     lookahead.ramps(cruise, ways.length, along, begin, end, figures.look_ahead)
     times = lookahead.times_of(cruise, ways.length, along, begin, end)
-    build_up = np.minimum(along / ways.along(limits.jerk), 1.0)
-    at_rest = np.flatnonzero(stop)[1:]
+    top = np.minimum(cruise, np.sqrt(0.5 * (begin**2 + end**2) + along * ways.length))
+    at_rest = np.flatnonzero(stop)
+    starts, ends = at_rest[:-1] + 1, at_rest[1:]
+    # what is reached between two rests, by however many moves it is
+    top = np.maximum.reduceat(top, starts)
+    jerk = ways.along(limits.jerk)
     # half where the motion begins, half where it ends
-    times[at_rest] += 0.5 * build_up[at_rest]
-    times[at_rest[:-1] + 1] += 0.5 * build_up[at_rest[:-1] + 1]
-    times[1] += 0.5 * build_up[1]
+    times[starts] += 0.5 * built_up(top, along[starts], jerk[starts])
+    times[ends] += 0.5 * built_up(top, along[ends], jerk[ends])
     return times
+
+
+def built_up(speed: Floats, acceleration: Floats, jerk: Floats) -> Floats:
+    """Time (n,) by which jerk lengthens a ramp between rest and a speed [s]: a / j, or less where a is not reached."""
+    with np.errstate(invalid="ignore"):
+        short = 2.0 * np.sqrt(speed / jerk) - speed / acceleration
+        return np.asarray(np.where(speed * jerk >= acceleration**2, acceleration / jerk, short))
 
 
 def cruise_speeds(
