@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from toolpace.axispath.run import AxisRun
     from toolpace.errors import ToolpaceError
     from toolpace.exporting import Exported, ReadBack, export
+    from toolpace.follow import Follower, Measurement
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.laws.law import Probe, TimeLaw
     from toolpace.machine.file import ChainFile, JointFile, MachineFile
@@ -60,6 +61,7 @@ __all__ = [
     "Controller",
     "EndState",
     "Exported",
+    "Follower",
     "Genetic",
     "Geometry",
     "JointFile",
@@ -67,6 +69,7 @@ __all__ = [
     "Limits",
     "Machine",
     "MachineFile",
+    "Measurement",
     "Motion",
     "OpenPlace",
     "Operation",
@@ -115,6 +118,7 @@ _HOME = {
     "Controller": "reading.controllers.controller",
     "EndState": "planning.endstate",
     "Exported": "exporting",
+    "Follower": "follow",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
@@ -122,6 +126,7 @@ _HOME = {
     "Limits": "machine.limits",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
+    "Measurement": "follow",
     "Motion": "motion",
     "OpenPlace": "trajectory",
     "Operation": "toolpath",

@@ -158,6 +158,12 @@ class Machine(ByValue):
         }
         return replace(self, file=msgspec.structs.replace(self.file, joints=joints))
 
+    def reserved(self, share: float) -> Machine:
+        """The machine with a share of each limit kept back, for what is added to the motion later: see Follower."""
+        if not 0.0 <= share < 1.0:
+            raise UsageError(f"machine {self.name}: a reserve of {share:g}; give a share from 0 to below 1")
+        return self.with_limits(self.limits.scaled(*(1.0 - share for _ in range(3))))
+
     def _with_chain(self, **changes: object) -> Machine:
         import msgspec
 

@@ -1,0 +1,87 @@
+"""The figures of a follower, checked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.errors import UsageError, did_you_mean
+
+CAUSES = ("bending", "displaced")
+FINEST, COARSEST = 1e-5, 0.1
+"""Shortest and longest period that a follower is for [s]."""
+MOST_RESERVE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """What a follower is told beside trajectory and machine."""
+
+    reserve: float = 0.1
+    """Share of every limit, and of the feed, that is kept for correction and changes of pace."""
+    cause: str = "bending"
+    """"bending": tool or part bends, the joints are where they were commanded, and the command must aim off;
+    "displaced": the joints are not where they were commanded, and go back."""
+    period: float = 1e-3
+    """Time between two set-points [s]."""
+    delay: float = 0.0
+    """Time from a set-point to when a measurement shows it: lag of the drives and dead time of the sensor [s]."""
+    gain: float = 0.05
+    """Share by which the aim moves towards what a measurement asks for, each period."""
+    rho: float = 0.0
+    """Expected change of the bending for a change of the command: the nearer to what it is, the sooner all is well."""
+    max_correction: float = 0.3e-3
+    """Most correction of the linear joints together [m]."""
+    max_turn: float = 0.0
+    """Most correction of a rotary joint [rad]; 0: measured axes are not corrected."""
+    axis_tolerance: float = 1e-4
+    """Difference between axes that is none [rad]."""
+    deadband: float = 0.0
+    """Difference between correction and measurement that is none [m]."""
+    filter: float = 0.0
+    """Time constant of a filter on what is measured [s]."""
+    hold: float = 0.05
+    """Time without measurements for which the correction is held [s]."""
+    fade: float = 0.5
+    """Time constant with which it is taken back then [s]."""
+    patience: float = 0.5
+    """Time at the limit of the correction after which the tool is stopped [s]."""
+    believable: float = math.inf
+    """Deflection beyond which a measurement is not believed [m]; ten times the most correction, if not given."""
+    wait: float = math.inf
+    """Lag of the correction behind its aim from which the pace is lowered [m]; at three times as much it stands."""
+    compliance: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+    """(3, 3) bending of the tip for a force, in the frame of the tool at joints zero [m/N]."""
+
+    def __post_init__(self) -> None:
+        if self.cause not in CAUSES:
+            raise UsageError(f"follower: unknown cause '{self.cause}'; {did_you_mean(self.cause, CAUSES)}")
+        for each in fields(self):
+            if each.name not in ("cause", "compliance"):
+                self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
+        compliance = np.asarray(self.compliance, dtype=float)
+        if compliance.shape != (3, 3) or not np.isfinite(compliance).all():
+            raise UsageError(f"follower: compliance has shape {compliance.shape}; give (3, 3) finite figures [m/N]")
+        object.__setattr__(self, "compliance", compliance)
+        if math.isinf(self.believable):
+            object.__setattr__(self, "believable", 10.0 * self.max_correction)
+
+    def _check(self, name: str, least: float, most: float, words: str) -> None:
+        value = getattr(self, name)
+        if not isinstance(value, (int, float)) or not least <= value <= most:
+            raise UsageError(f"follower: {name} is {value!r}; give {words}")
+
+
+RANGES = {
+    "reserve": (1e-3, MOST_RESERVE, f"a share from 0.001 to {MOST_RESERVE:g}"),
+    "period": (FINEST, COARSEST, f"a time from {FINEST:g} to {COARSEST:g} s"),
+    "delay": (0.0, 0.2, "a time from 0 to 0.2 s"),
+    "gain": (1e-6, 2.0, "a share above 0, at most 2"),
+    "rho": (0.0, 0.9, "a share from 0 to 0.9"),
+    "max_correction": (1e-9, 0.1, "a length above 0, at most 0.1 m"),
+    "max_turn": (0.0, 0.5, "an angle from 0 to 0.5 rad"),
+    "fade": (1e-6, math.inf, "a time above 0"),
+}

@@ -1,0 +1,144 @@
+"""A plan followed live."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.description import one_line
+from toolpace.errors import UsageError, did_you_mean
+from toolpace.follow.figures import Figures
+from toolpace.follow.law import law_of
+from toolpace.follow.law_file import read_law, write_law
+from toolpace.follow.measurement import Measurement
+from toolpace.follow.samples import samples_of
+from toolpace.follow.setpoint import SetPoint, Status
+from toolpace.kernels.follow import layout
+from toolpace.machine.machine import Machine, check_machine
+from toolpace.trajectory import Trajectory
+
+SAMPLES_A_PERIOD = 4
+"""Samples of the path a period."""
+ROUNDING = 2e-4
+"""Share of a limit by which a plan may be said to pass it."""
+NOTHING = Measurement(math.nan)
+
+
+class Follower:
+    """Gives set-points one by one, along a trajectory at any pace, corrected by what is measured.
+
+    Joints, path and correction together, keep the machine's limits of velocity, acceleration and jerk at all times,
+    whatever is measured and whatever pace is asked for; the tip keeps its feed but for `feed_excess`.
+
+    The path may use 1 - `reserve` of each limit: plan on `machine.reserved(reserve)`, or the plan is slowed down to
+    it as a whole (`pace`). The correction has most of the reserve; what is left lets the pace change.
+    """
+
+    def __init__(self, trajectory: Trajectory, machine: Machine, **figures: Any) -> None:
+        """Keyword arguments are the fields of follow.figures.Figures. Raises UsageError."""
+        check_machine(machine, "follower")
+        known = Figures.__dataclass_fields__
+        for name in figures:
+            if name not in known:
+                raise UsageError(f"follower: unknown argument '{name}'; {did_you_mean(name, known)}")
+        if machine.joints != trajectory.joints:
+            raise UsageError(
+                f"follower: the trajectory moves {', '.join(trajectory.joints)}, machine {machine.name} has"
+                f" {', '.join(machine.joints)}; give the machine that it was planned on"
+            )
+        checked = Figures(**figures)
+        pace = pace_within(trajectory, machine, 1.0 - checked.reserve)
+        samples = samples_of(trajectory, machine, checked.period / SAMPLES_A_PERIOD, pace)
+        self._take(law_of(samples, machine, checked, pace))
+        self.off_the_plan = float(np.abs(np.diff(samples.q, 2, axis=0)).max(initial=0.0)) / 6.0
+        """Most that the path followed leaves the plan by [m or rad]."""
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Follower:
+        """The follower that `save` wrote. Raises UsageError for what is no such file."""
+        follower = cls.__new__(cls)
+        follower._take(read_law(path))
+        follower.off_the_plan = math.nan
+        return follower
+
+    def _take(self, piece: Floats) -> None:
+        self.piece = piece
+        """Path, machine and figures as the kernel takes them: see kernels/follow/layout.py."""
+        self.state = np.zeros(layout.STATE)
+        """What the kernel remembers."""
+        self.pace = float(piece[layout.NOMINAL])
+        """Share of the plan's own pace that leaves the reserve; 1 where it was planned with it."""
+        self.duration = float(piece[layout.DURATION])
+        """Of the path without override [s]."""
+        self.period = float(piece[layout.PERIOD])
+        """Time between two set-points [s]."""
+        self._given, self._out = np.full(layout.INPUTS, np.nan), np.empty(layout.OUTPUTS)
+        self.reset()
+
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.duration:.6g} s", f"a set-point every {self.period:g} s")
+
+    @property
+    def feed_excess(self) -> float:
+        """Share of the feed by which a correction may make the tip faster, for a moment."""
+        return math.sqrt(3.0) * float(self.piece[layout.FEED_SHARE])
+
+    def reset(self) -> None:
+        """Go back to the start of the path, without correction."""
+        self.state[:] = 0.0
+        self.state[layout.PACE] = self.state[layout.GOAL] = self.state[layout.FINAL] = 1.0
+
+    def step(self, measurement: Measurement | None = None, feed: float = 1.0) -> SetPoint:
+        """The next set-point; `feed` is the operator's override, 0 (hold) to 1.2.
+
+        Raises UsageError for a measurement of a wrong shape, and for nothing else.
+        """
+        from toolpace.kernels.follow.step import step
+
+        (measurement or NOTHING).write(self._given)
+        self._given[layout.OVERRIDE] = feed
+        step(self.piece, self.state, self._given, self._out)
+        out = self._out
+        q, qd, qdd, qddd = out[layout.Q : layout.OUT_CORRECTION].reshape(4, -1).copy()
+        return SetPoint(
+            float(out[layout.AT]),
+            q,
+            qd,
+            qdd,
+            qddd,
+            float(out[layout.PARAMETER]),
+            float(out[layout.PATH_TIME]),
+            float(out[layout.OUT_PACE]),
+            out[layout.OUT_CORRECTION :].reshape(4, -1).copy(),
+            Status(int(out[layout.STATUS])),
+        )
+
+    def resume(self) -> None:
+        """Go on after a stop for a correction at its limit."""
+        self.state[layout.STOPPED] = self.state[layout.FULL_FOR] = 0.0
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write path, machine and figures as one flat file of float64, for control code: kernels/follow/layout.py."""
+        write_law(path, self.piece)
+
+
+def pace_within(trajectory: Trajectory, machine: Machine, share: float) -> float:
+    """The steady pace at which a trajectory uses no more than a share of each limit of a machine."""
+    used = trajectory.usage()
+    worst = []
+    for kind, of_plan, own in (
+        (used.velocity, trajectory.limits.velocity, machine.limits.velocity),
+        (used.acceleration, trajectory.limits.acceleration, machine.limits.acceleration),
+        (used.jerk, trajectory.limits.jerk, machine.limits.jerk),
+    ):
+        with np.errstate(invalid="ignore"):
+            ratio = np.array(list(kind.values())) * of_plan / (own * share)
+        worst.append(float(np.nanmax(ratio)))
+    if not np.isfinite(worst).all():
+        raise UsageError("follower: accelerations jump in this plan, so that no jerk limit holds; plan with optimal")
+    # what looks and rounding leave a plan on machine.reserved above its limits is no reason to slow it down
+    return min(ratio ** (-1.0 / power) if ratio > 1.0 + ROUNDING else 1.0 for power, ratio in enumerate(worst, 1))

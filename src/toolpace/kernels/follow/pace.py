@@ -1,0 +1,188 @@
+"""The pace: how fast the time of the path goes by, changed only where path and change together keep the limits.
+
+With the pace p = d tau / dt a joint has, of its path's derivatives by tau,
+
+    velocity       q' p
+    acceleration   q'' p^2 + q' dp/dt
+    jerk           q''' p^3 + 3 q'' p dp/dt + q' d2p/dt2
+
+so that a steady pace of at most 1 keeps what the path keeps. A change of pace is looked through over all of the path
+that it passes before it is begun, and it ends at a steady pace of at most 1: what is committed to can always be gone
+through with, whatever comes.
+"""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.kernels.arrays import Floats
+from toolpace.kernels.follow.layout import (
+    BEND,
+    CANDIDATE,
+    CELL,
+    CELL_COLUMNS,
+    CELLS,
+    CHANGE,
+    COLUMNS,
+    COMMITTED,
+    DURATION,
+    FINAL,
+    GOAL,
+    JOINTS,
+    PACE,
+    PATH,
+    PERIOD,
+    ROOM,
+    SAMPLES,
+    SEGMENTS,
+    TAU,
+    WANTED,
+    WAY,
+)
+from toolpace.kernels.jit import jit
+
+WAYS = 13
+"""Ways of changing the pace, from quick to slow; for a pace above 1, each with three goals."""
+QUICKEST, SLOWER = 400.0, 0.44
+"""Second derivative of the pace of the first way [1/s^2], and what each next one has of it."""
+TRIES = 2
+"""Ways that are looked through in a step."""
+LOOK, LOOKS = 4e-3, 50.0
+"""Least time between two looks at what a change of pace passes [s], and most looks a segment: in between, all that is
+largest counts."""
+DIP = 0.01
+"""How far the pace may fall below where it comes from and goes to."""
+SAME = 1e-9
+"""Paces that count as one."""
+
+
+@jit()
+def change_of_pace(begin: float, change: float, end: float, bend: float, out: Floats, at: int) -> None:
+    """Write three segments (duration, second derivative) from a pace and its change to another pace and none.
+
+    bend: most second derivative; the change is at most the root of a quarter of it, so that it counts as little.
+    """
+    steep = max(0.5 * math.sqrt(bend), abs(change))
+    left = end - (begin + 0.5 * change * abs(change) / bend)
+    sign = 1.0 if left > 0.0 or (left == 0.0 and change < 0.0) else -1.0
+    peak = math.sqrt(max(sign * bend * (end - begin) + 0.5 * change * change, 0.0))
+    even = 0.0
+    if peak > steep:
+        peak = steep
+        even = max((sign * (end - begin) - (peak * peak - 0.5 * change * change) / bend) / peak, 0.0)
+    out[at], out[at + 1] = max((peak - sign * change) / bend, 0.0), sign * bend
+    out[at + 2], out[at + 3] = even, 0.0
+    out[at + 4], out[at + 5] = peak / bend, -sign * bend
+
+
+@jit()
+def fits(piece: Floats, state: Floats, least: float) -> bool:
+    """Whether all limits hold along the candidate from here on, with all that lies between two looks at its largest,
+    and the pace nowhere falls below the least."""
+    cells, length, end = int(piece[CELLS]), piece[CELL], piece[DURATION]
+    table = PATH + (int(piece[SAMPLES]) + 3) * COLUMNS
+    tau, pace, change = state[TAU], state[PACE], state[CHANGE]
+    for k in range(SEGMENTS):
+        left, bend = state[CANDIDATE + 2 * k], state[CANDIDATE + 2 * k + 1]
+        look = max(LOOK, left / LOOKS)
+        while left > 0.0:
+            t = min(left, look)
+            left -= t
+            after = change + t * bend
+            later = pace + t * (change + 0.5 * t * bend)
+            most, lowest, steep = max(pace, later), min(pace, later), max(abs(change), abs(after))
+            if change > 0.0 and after < 0.0:
+                most = pace - 0.5 * change * change / bend
+            elif change < 0.0 and after > 0.0:
+                lowest = pace - 0.5 * change * change / bend
+            if lowest < least:
+                return False
+            to = tau + t * (pace + t * (0.5 * change + t * bend / 6.0))
+            if tau < end:
+                first, last = int(max(tau, 0.0) / length), min(int(to / length), cells - 1)
+                for cell in range(min(first, cells - 1), last + 1):
+                    if not cell_allows(piece, table + cell * CELL_COLUMNS, most, steep, abs(bend)):
+                        return False
+            tau, pace, change = to, later, after
+    return True
+
+
+@jit(inline=True)
+def cell_allows(piece: Floats, at: int, pace: float, steep: float, bend: float) -> bool:
+    """Whether a cell of the path allows a pace with such derivatives, all at their largest at once."""
+    for j in range(JOINTS):
+        v, a, jerk = piece[at + j], piece[at + JOINTS + j], piece[at + 2 * JOINTS + j]
+        if v * pace > piece[ROOM + j]:
+            return False
+        if a * pace * pace + v * steep > piece[ROOM + JOINTS + j]:
+            return False
+        if (jerk * pace * pace + 3.0 * a * steep) * pace + v * bend > piece[ROOM + 2 * JOINTS + j]:
+            return False
+    return True
+
+
+@jit()
+def lay_out(state: Floats, goal: float, way: int, period: float) -> float:
+    """Write the candidate that goes to a goal by one of the ways; returns the time until it is there [s].
+
+    A goal above 1 is kept for two periods, and then left for 1: the next step lays that end further ahead.
+    """
+    bend = QUICKEST * SLOWER**way
+    change_of_pace(state[PACE], state[CHANGE], goal, bend, state, CANDIDATE)
+    for k in range(6, 2 * SEGMENTS):
+        state[CANDIDATE + k] = 0.0
+    if goal > 1.0:
+        state[CANDIDATE + 6] = 2.0 * period
+        change_of_pace(goal, 0.0, 1.0, bend, state, CANDIDATE + 8)
+    time: float = state[CANDIDATE] + state[CANDIDATE + 2] + state[CANDIDATE + 4]
+    return time
+
+
+@jit()
+def commit(piece: Floats, state: Floats, wanted: float) -> None:
+    """Commit to a change towards the pace that is wanted, if one of the ways tried fits."""
+    done = abs(state[PACE] - wanted) <= SAME and abs(state[CHANGE]) <= SAME
+    if done and state[GOAL] == wanted and wanted <= 1.0:
+        return
+    period = piece[PERIOD]
+    if state[WANTED] != wanted:
+        state[WANTED], state[WAY] = wanted, 0.0
+    for _ in range(TRIES):
+        index = int(state[WAY])
+        goal = wanted
+        if wanted > 1.0:
+            goal = 1.0 + (wanted - 1.0) * 0.5 ** (index // WAYS)
+        time = lay_out(state, goal, index % WAYS, period)
+        left = state[COMMITTED] + state[COMMITTED + 2] + state[COMMITTED + 4]
+        sooner = wanted > 1.0 or state[GOAL] != wanted or time < left - 0.5 * period
+        # a change that has to be turned round first is not to dip
+        if sooner and fits(piece, state, max(min(goal, state[PACE]) - DIP, 0.0) - SAME):
+            for k in range(2 * SEGMENTS):
+                state[COMMITTED + k] = state[CANDIDATE + k]
+            state[GOAL], state[FINAL] = wanted, min(goal, 1.0)
+            return
+        state[WAY] = float((index + 1) % (3 * WAYS if wanted > 1.0 else WAYS))
+
+
+@jit()
+def keep_pace(piece: Floats, state: Floats) -> None:
+    """Go on for one period as committed: time of the path, pace and its derivatives."""
+    left = piece[PERIOD]
+    state[BEND] = 0.0
+    for k in range(SEGMENTS):
+        at = COMMITTED + 2 * k
+        t = min(state[at], left)
+        if t <= 0.0:
+            continue
+        bend = state[at + 1]
+        state[TAU] += t * (state[PACE] + t * (0.5 * state[CHANGE] + t * bend / 6.0))
+        state[PACE] += t * (state[CHANGE] + 0.5 * t * bend)
+        state[CHANGE] += t * bend
+        state[at] -= t
+        left -= t
+        state[BEND] = bend
+        if left <= 0.0:
+            return
+    # all is gone through: a steady pace, without what rounding has left
+    state[PACE], state[CHANGE], state[BEND] = state[FINAL], 0.0, 0.0
+    state[TAU] += left * state[PACE]

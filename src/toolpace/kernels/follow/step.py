@@ -1,0 +1,172 @@
+"""One set-point of a follower: what was measured goes in, the motion of the joints comes out.
+
+step: a piece, its state, a measurement
+  the measurement is taken in, or why it is not is said
+  the pace that is wanted: what the operator asks, less for what the correction adds to the feed or lags behind
+  a change of pace is committed to, if one fits
+  path and pace go on for one period, and so does the correction
+  joints: path and correction together
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from toolpace.kernels.arrays import Floats
+from toolpace.kernels.follow.aim import take
+from toolpace.kernels.follow.correction import correct, speed_of_correction
+from toolpace.kernels.follow.layout import (
+    AIM,
+    AT,
+    AT_LIMIT,
+    BEND,
+    CHANGE,
+    CORRECTION,
+    DELAY,
+    DURATION,
+    ENDED,
+    FADE,
+    FADED,
+    FEED,
+    FULL,
+    FULL_FOR,
+    HELD,
+    HISTORY,
+    HOLD,
+    JOINTS,
+    LAST_MEASURED,
+    LOOK_BACK,
+    MEASURED,
+    MEMORY,
+    NOMINAL,
+    NOW,
+    OUT_CORRECTION,
+    OUT_PACE,
+    OVERRIDE,
+    PACE,
+    PARAMETER,
+    PATH_TIME,
+    PATIENCE,
+    PERIOD,
+    PLACE,
+    SCRATCH,
+    SLOWED,
+    STALE,
+    STATUS,
+    STEPS,
+    STOPPED,
+    STOPPING,
+    TAU,
+    WAIT,
+    Q,
+)
+from toolpace.kernels.follow.pace import commit, keep_pace
+from toolpace.kernels.follow.path import cell_at, place_on_path
+from toolpace.kernels.jit import jit
+
+NOTCHES = 16.0
+"""Parts in which the pace is lowered for a correction: it is not changed for every little."""
+LEAST = 0.02
+"""Share of the feed up to which nothing is taken off the pace."""
+MOST_OVERRIDE = 1.2
+
+
+@jit()
+def step(piece: Floats, state: Floats, given: Floats, out: Floats) -> None:
+    """Write the next set-point (layout.OUTPUTS,); `given` (layout.INPUTS,) has nan for what was not measured."""
+    status = 0
+    if measured_something(given):
+        status |= take(piece, state, given)
+    status |= grow_old(piece, state)
+    status |= supervise(piece, state)
+    wanted, slowed = wanted_pace(piece, state, given[OVERRIDE])
+    status |= slowed
+    commit(piece, state, wanted)
+    keep_pace(piece, state)
+    correct(piece, state)
+    state[STEPS] += 1.0
+    state[NOW] = state[STEPS] * piece[PERIOD]
+    status |= write(piece, state, out)
+    out[STATUS] = float(status)
+
+
+@jit()
+def measured_something(given: Floats) -> bool:
+    """Whether anything but the override is given."""
+    something = False
+    for k in range(OVERRIDE):
+        something |= not math.isnan(given[k])
+    return something
+
+
+@jit()
+def grow_old(piece: Floats, state: Floats) -> int:
+    """Hold the aim for a while without measurements, then let it fade; returns what is to be said."""
+    late = state[NOW] + piece[PERIOD] - state[LAST_MEASURED] - piece[DELAY] - 1.5 * piece[PERIOD]
+    if state[MEASURED] == 0.0 or late <= 0.0:
+        return 0
+    if late <= piece[HOLD]:
+        return STALE
+    state[FULL] = 0.0
+    for j in range(JOINTS):
+        state[AIM + j] *= math.exp(-piece[PERIOD] / piece[FADE])
+    return STALE | FADED
+
+
+@jit()
+def supervise(piece: Floats, state: Floats) -> int:
+    """Count how long the correction has been at its limit; beyond patience the tool is brought to a stop."""
+    state[FULL_FOR] = state[FULL_FOR] + piece[PERIOD] if state[FULL] > 0.0 else 0.0
+    if state[FULL_FOR] > piece[PATIENCE]:
+        state[STOPPED] = 1.0
+    said = AT_LIMIT if state[FULL] > 0.0 else 0
+    return said | STOPPING if state[STOPPED] > 0.0 else said
+
+
+@jit()
+def wanted_pace(piece: Floats, state: Floats, override: float) -> tuple[float, int]:
+    """The pace that is wanted, and whether it is less than what was asked."""
+    asked = min(max(override, 0.0), MOST_OVERRIDE) if not math.isnan(override) else 0.0
+    if state[STOPPED] > 0.0:
+        return 0.0, 0
+    lowered = 1.0
+    added = speed_of_correction(piece, state) / piece[cell_at(piece, state[TAU]) + FEED]
+    if added > LEAST:
+        lowered = 1.0 - added
+    lag = 0.0
+    place = piece[PLACE : PLACE + 5].view(np.int64)
+    for k in range(2, JOINTS):
+        j = place[k]
+        lag += (state[AIM + j] - state[CORRECTION + 4 * j]) ** 2
+    lag = math.sqrt(lag) / piece[WAIT]
+    if lag > 1.0:
+        lowered = min(lowered, 0.5 * (3.0 - lag))
+    if lowered >= 1.0:
+        return asked, 0
+    return asked * max(math.floor(lowered * NOTCHES) / NOTCHES, 0.0), SLOWED
+
+
+@jit()
+def write(piece: Floats, state: Floats, out: Floats) -> int:
+    """Write path and correction together, and remember them; returns what is to be said."""
+    tau, pace, change, bend = state[TAU], state[PACE], state[CHANGE], state[BEND]
+    memory = HISTORY + (int(state[STEPS]) % LOOK_BACK) * MEMORY
+    state[memory] = tau
+    on_path = state[SCRATCH : SCRATCH + 4]
+    for j in range(JOINTS):
+        place_on_path(piece, tau, j, on_path)
+        own = CORRECTION + 4 * j
+        q1, q2, q3 = on_path[1], on_path[2], on_path[3]
+        out[Q + j] = on_path[0] + state[own]
+        out[Q + JOINTS + j] = q1 * pace + state[own + 1]
+        out[Q + 2 * JOINTS + j] = q2 * pace * pace + q1 * change + state[own + 2]
+        out[Q + 3 * JOINTS + j] = (q3 * pace * pace + 3.0 * q2 * change) * pace + q1 * bend + state[own + 3]
+        state[memory + 1 + j] = state[own]
+        for k in range(4):
+            out[OUT_CORRECTION + k * JOINTS + j] = state[own + k]
+    place_on_path(piece, tau, JOINTS, on_path)
+    out[AT], out[PATH_TIME], out[PARAMETER], out[OUT_PACE] = state[NOW], tau * piece[NOMINAL], on_path[0], pace
+    said = ENDED if tau >= piece[DURATION] else 0
+    return said | HELD if pace == 0.0 else said
