@@ -11,8 +11,8 @@ import pytest
 
 from toolpace.errors import UsageError, VerificationError
 from toolpace.exporting.fifo import Fifo
-from toolpace.exporting.inverse_time import SWING, InverseTime
-from toolpace.exporting.streamer import Streamer
+from toolpace.exporting.linuxcnc.inverse_time import SWING, InverseTime
+from toolpace.exporting.linuxcnc.streamer import Streamer
 from toolpace.machine.machine import Machine
 
 SHOP = np.array([1e3, 1e3, 1e3, np.degrees(1.0), np.degrees(1.0)])

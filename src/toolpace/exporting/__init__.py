@@ -28,8 +28,8 @@ __all__ = [
 
 TARGETS = {
     "table": ("table", "Table"),
-    "linuxcnc-hal": ("streamer", "Streamer"),
-    "linuxcnc-g93": ("inverse_time", "InverseTime"),
+    "linuxcnc-hal": ("linuxcnc.streamer", "Streamer"),
+    "linuxcnc-g93": ("linuxcnc.inverse_time", "InverseTime"),
     "beckhoff-fifo": ("fifo", "Fifo"),
     "program": ("program", "Program"),
 }

@@ -20,6 +20,7 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError
 from toolpace.exporting.motion import PlannedMotion
+from toolpace.exporting.periods import refuse_no_cycle
 from toolpace.exporting.provenance import provenance, start_in_words
 from toolpace.exporting.rows import Rows, rows_every
 from toolpace.exporting.scale import Scale, scale_of
@@ -53,6 +54,11 @@ class Fifo:
     """Cycle time of the SAF task [s]; None: that of the rows."""
     plc_cycle: float = 10e-3
     """Cycle time of the PLC that fills the FIFO [s]."""
+
+    def __post_init__(self) -> None:
+        refuse_no_cycle("--period", self.period)
+        refuse_no_cycle("--nc-cycle", self.nc_cycle)
+        refuse_no_cycle("--plc-cycle", self.plc_cycle)
 
     def write(self, motion: PlannedMotion, folder: Path) -> Written:
         """Write rows.lreal and how_to_use.txt. Raises UsageError where the FIFO cannot hold the plan."""

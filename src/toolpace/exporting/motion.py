@@ -17,7 +17,11 @@ from toolpace.machine.machine import Machine
 from toolpace.reading import ReadOptions, Source
 from toolpace.setpoints import SetPoints
 from toolpace.trajectory import Trajectory
+from toolpace.units import DEGREE, MILLIMETRE
 from toolpace.write import MACHINE, PLAN, SET_POINTS, PlanRecord, read_again, read_plan, refuse_without_set_points
+
+USUAL = (0.01 * MILLIMETRE, 0.05 * DEGREE)
+"""Tolerances of tip [m] and tool axis [rad] that plans have where no others are given."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,13 @@ class PlannedMotion:
     def rotary(self) -> tuple[bool, ...]:
         """Whether each joint turns."""
         return tuple(bool(each) for each in self.machine.is_rotary)
+
+    @property
+    def tolerances(self) -> tuple[float, float]:
+        """How far the plan may stray, by tip [m] and tool axis [rad]; the usual where it was not told."""
+        tip = None if self.record is None else self.record.tip_tolerance_mm
+        axis = None if self.record is None else self.record.axis_tolerance_deg
+        return tip * MILLIMETRE if tip else USUAL[0], axis * DEGREE if axis else USUAL[1]
 
     @property
     def shop_units(self) -> tuple[list[str], Floats]:

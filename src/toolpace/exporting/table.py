@@ -12,7 +12,9 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.exporting.comma_separated import read_comma_separated, write_comma_separated
+from toolpace.exporting.increments import refuse_coarse
 from toolpace.exporting.motion import PlannedMotion
+from toolpace.exporting.periods import refuse_no_cycle
 from toolpace.exporting.provenance import provenance, start_in_words
 from toolpace.exporting.rows import Rows, rows_every
 from toolpace.exporting.scale import Scale, scale_of
@@ -65,6 +67,7 @@ class Table:
     format: str = "csv"
 
     def __post_init__(self) -> None:
+        refuse_no_cycle("--period", self.period)
         for column in self.columns:
             if column not in COLUMNS:
                 raise UsageError(f"--columns {column[:40]}: there is no such column; {did_you_mean(column, COLUMNS)}")
@@ -85,6 +88,7 @@ class Table:
     def write(self, motion: PlannedMotion, folder: Path) -> Written:
         """Write the table with its header."""
         rows, scale = self._rows(motion)
+        refuse_coarse(motion, rows.points, scale)
         columns = self._columns(rows, scale)
         notes = self._notes(motion, rows, scale)
         head = provenance(motion, "Table of set-points") + self._how_to_use(motion, rows) + notes

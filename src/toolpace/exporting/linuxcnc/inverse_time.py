@@ -20,6 +20,7 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError, VerificationError
 from toolpace.exporting.motion import PlannedMotion
+from toolpace.exporting.periods import refuse_no_cycle
 from toolpace.exporting.provenance import provenance, start_in_words
 from toolpace.exporting.rows import Rows, rows_every
 from toolpace.exporting.target import ReadBack, Written
@@ -56,6 +57,7 @@ class InverseTime:
     """Time at rest before the motion [s], for the queue to fill."""
 
     def __post_init__(self) -> None:
+        refuse_no_cycle("--period", self.period)
         if not DIGITS[0] <= self.digits <= DIGITS[1]:
             raise UsageError(f"--digits {self.digits}: give {DIGITS[0]} to {DIGITS[1]} decimals; 9 are the usual")
         if not 0.0 <= self.pad <= 60.0:

@@ -16,8 +16,9 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError, VerificationError
-from toolpace.exporting.approach import approach
+from toolpace.exporting.linuxcnc.approach import approach
 from toolpace.exporting.motion import PlannedMotion
+from toolpace.exporting.periods import refuse_no_cycle
 from toolpace.exporting.provenance import provenance, start_in_words
 from toolpace.exporting.rows import rows_every
 from toolpace.exporting.target import ReadBack, Written
@@ -47,6 +48,9 @@ class Streamer:
     """Servo period [s]; None: the plan's time step."""
     resample: bool = False
     """Whether rows may lie between set-points."""
+
+    def __post_init__(self) -> None:
+        refuse_no_cycle("--period", self.period)
 
     def write(self, motion: PlannedMotion, folder: Path) -> Written:
         """Write rows.txt and play.hal."""

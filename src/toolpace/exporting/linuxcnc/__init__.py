@@ -1,0 +1,1 @@
+"""What LinuxCNC plays: rows for its HAL, programs for its interpreter."""
