@@ -224,7 +224,7 @@ def test_a_sheet_to_fill_in_is_written_once(five, tmp_path, capsys):
     load_setup(sheet)
     before = sheet.read_text()
     assert main(["inspect", five, "-m", "xyzac-trunnion", "--write-setup", str(sheet)]) == 2
-    assert "may have been filled in" in capsys.readouterr().err and sheet.read_text() == before
+    assert "is there already; give another name" in capsys.readouterr().err and sheet.read_text() == before
 
 
 def test_wrong_options_are_one_line(five, tmp_path, capsys):

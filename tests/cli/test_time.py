@@ -108,3 +108,29 @@ def test_figures_from_a_log_make_a_controllers_file(tmp_path, capsys):
     # what is there already is never replaced
     assert main(["time", *fit, "--write-controller", str(target)]) == 2
     assert "is there already" in capsys.readouterr().err
+
+
+PLACES = {
+    "a folder that is missing": ("none/mine.toml", "there is no folder none; make it"),
+    "a folder": (".", "is a folder"),
+    "a file that is there": ("part.ngc", "is there already; give another name"),
+    "a file for a folder": ("part.ngc/mine.toml", "there is no folder part.ngc"),
+    "a name that is too long": ("m" * 300, "cannot be written: file name too long"),
+    "no name": ("", "the name of the file is empty"),
+    "a folder that takes no files": ("/proc/mine.toml", "cannot be written"),
+}
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [(["time", "--fit", "log.csv", "--model", "fir"], "--write-controller"), (["inspect"], "--write-setup")],
+)
+@pytest.mark.parametrize(("place", "told"), PLACES.values(), ids=PLACES)
+def test_a_place_for_a_file_is_tried_before_the_work(part, tmp_path, capsys, monkeypatch, command, option, place, told):
+    """Neither the program nor the log is read before it: both are missing here."""
+    monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    assert main([*command, "missing.ngc", *MACHINE, option, place]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: {option} ") and told in error and error.count("\n") == 1
+    assert sorted(tmp_path.rglob("*")) == before

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from toolpace import units
 from toolpace.errors import UsageError
-from toolpace.files import folder_to_write
+from toolpace.files import file_to_write, folder_to_write
 from toolpace.planning.planner import PLANNERS
 from toolpace.reading.source import STANDARD_INPUT
 
@@ -136,6 +136,14 @@ def folder_for_results(out: str) -> Path:
     except UsageError as error:
         raise UsageError(f"--out {error}") from None
     return Path(out)
+
+
+def file_for_result(option: str, path: str | None) -> Path | None:
+    """The new file for a result, found fit for it before work that may take minutes; None where none is asked for."""
+    try:
+        return None if path is None else file_to_write(path)
+    except UsageError as error:
+        raise UsageError(f"{option} {error}") from None
 
 
 def default_folder(program: str) -> str:

@@ -15,7 +15,7 @@ from toolpace.cli.following import follow_as_planned
 from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
 from toolpace.description import counted
-from toolpace.errors import ToolpaceError, UsageError, printable
+from toolpace.errors import ToolpaceError, printable
 from toolpace.reading.inspection import Inspection, inspect_source, unreadable
 from toolpace.reading.source import Source
 from toolpace.units import format_time
@@ -50,6 +50,7 @@ def run_inspect(
     from toolpace.cli import arguments
 
     arguments.feed_asked(feed)
+    sheet = arguments.file_for_result("--write-setup", write_setup)
     machines = _machines(machine, reading)
     options = reading.options(machines[0] if machine is not None else None)
     found = []
@@ -66,10 +67,10 @@ def run_inspect(
         print(msgspec.json.format(msgspec.json.encode([record(each) for each in found]), indent=2).decode())
     else:
         show(new_console(), found)
-    if write_setup is not None:
-        _write_setup(Path(write_setup), found, machines, reading)
+    if sheet is not None:
+        _write_setup(sheet, found, machines, reading)
         if not as_json:
-            print(f"set-up sheet to fill in: {printable(write_setup)}")
+            print(f"set-up sheet to fill in: {printable(str(sheet))}")
     return 2 if any(each.refused for each in found) else 0
 
 
@@ -97,8 +98,6 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     names = [name for each in found for name in (each.read_on, *each.machines) if name]
     machine = next((each for name in names for each in machines if each.name == name), None)
     given = reading.options(machine).setup
-    if path.exists() and path.read_bytes().strip():
-        raise UsageError(f"--write-setup {path}: is there already, and may have been filled in; give another name")
     write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, given))
 
 

@@ -39,6 +39,28 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             temporary.remove()
 
 
+def file_to_write(path: str | os.PathLike[str]) -> Path:
+    """The place for a new file, found fit for it before any work is done: its folder is there and can be written to,
+    and nothing is in the place but perhaps an empty file. Raises UsageError with the reason and the cure."""
+    given, target = os.fspath(path), Path(path)
+    try:
+        if not given:
+            raise UsageError("the name of the file is empty; give one")
+        if target.is_dir():
+            raise UsageError(f"{given}: is a folder; give the name of a file in it")
+        if not target.parent.is_dir():
+            raise UsageError(f"{given}: there is no folder {target.parent}; make it, or give another place")
+        if os.path.lexists(target) and not (target.is_file() and target.stat().st_size == 0):
+            raise UsageError(f"{given}: is there already; give another name")
+        target.exists()
+        # Only by making one is it known: rights, disks that take no writing.
+        with uninterrupted():
+            Temporary(target, folder=False).remove()
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{given}: cannot be written: {reason(error)}; give another place") from None
+    return target
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a text file, whole or not at all."""
     with whole_file(path) as temporary:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.text import Text
@@ -23,6 +22,7 @@ POOR = 0.05
 
 def run_fit(programs: list[str], log: str, asked: Asked, write: str | None) -> int:
     """Find the figures from a log of one program, and print them. Raises ToolpaceError."""
+    from toolpace.cli import arguments
     from toolpace.files import write_text
     from toolpace.reading import Source
     from toolpace.reading.languages import with_controller
@@ -32,8 +32,7 @@ def run_fit(programs: list[str], log: str, asked: Asked, write: str | None) -> i
 
     if len(programs) != 1:
         raise UsageError(f"--fit {log}: is the log of one program; give that program alone")
-    if write is not None:
-        _refuse_to_replace(write)
+    target = arguments.file_for_result("--write-controller", write)
     source = Source.load(programs[0])
     options, found = with_controller(source, asked.dialect, asked.options)
     figures = figures_for(options, asked.model)
@@ -48,18 +47,13 @@ def run_fit(programs: list[str], log: str, asked: Asked, write: str | None) -> i
     with steps.step("fitting"):
         identified = identify(moves, asked.machine, logged, figures)
     _say(steps, identified)
-    text = controller_text(found.controller, identified.figures, Path(write).stem if write is not None else "")
-    if write is None:
+    text = controller_text(found.controller, identified.figures, target.stem if target is not None else "")
+    if target is None:
         console.print(Text(text), soft_wrap=True)
     else:
-        write_text(Path(write), text)
-        console.print(Text(printable(f"controller's file: {write}; give it with --controller")), soft_wrap=True)
+        write_text(target, text)
+        console.print(Text(printable(f"controller's file: {target}; give it with --controller")), soft_wrap=True)
     return 0
-
-
-def _refuse_to_replace(path: str) -> None:
-    if Path(path).exists():
-        raise UsageError(f"--write-controller {path}: is there already; give another name")
 
 
 def _say(steps: Steps, found: Identified) -> None:
