@@ -110,6 +110,28 @@ def test_figures_from_a_log_make_a_controllers_file(tmp_path, capsys):
     assert "is there already" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("model", ["linuxcnc", "lookahead", "fir", "ideal"])
+@pytest.mark.parametrize("before", ["", "G0 X1 Y2 Z3 A0 C0\n"], ids=["no place", "a place"])
+def test_a_program_that_only_waits_takes_what_it_waits(tmp_path, capsys, model, before):
+    file = tmp_path / "warm_up.ngc"
+    file.write_text(f"G21 G90 G94\n{before}G4 P2\nM3 S500\nG4 P1.5\nM2\n")
+    (found,) = json.loads(printed(capsys, str(file), *MACHINE, "--model", model, "--json"))
+    assert found["total_s"] == found["dwell_s"] == found["optimum_s"] == 3.5
+    assert "3.50 s" in printed(capsys, str(file), *MACHINE, "--model", model)
+    (found,) = json.loads(printed(capsys, str(file), *MACHINE, "--model", "fir", "--no-optimum", "--json"))
+    assert found["total_s"] == 3.5 and found["optimum_s"] is None
+
+
+def test_what_neither_moves_nor_waits_is_no_program(tmp_path, capsys):
+    (tmp_path / "part.ngc").write_text("G21 G90\nM3 S500\nM2\n")
+    assert main(["time", str(tmp_path / "part.ngc"), *MACHINE]) == 2
+    assert "there is no motion in the program" in capsys.readouterr().err
+    (tmp_path / "part.ngc").write_text("G4 P2\nM2\n")
+    (tmp_path / "log.csv").write_text("t,X,Y,Z\n" + "".join(f"{k / 100},{k},0,0\n" for k in range(50)))
+    assert main(["time", str(tmp_path / "part.ngc"), *MACHINE, "--fit", str(tmp_path / "log.csv")]) == 2
+    assert "nothing moves in the program: no figure" in capsys.readouterr().err
+
+
 PLACES = {
     "a folder that is missing": ("none/mine.toml", "there is no folder none; make it"),
     "a folder": (".", "is a folder"),

@@ -63,7 +63,9 @@ class Identified:
 
 
 def identify(moves: Commanded, machine: Machine, log: MotionLog, given: ControlFigures) -> Identified:
-    """The figures of the model of `given` that come closest to a log of the program."""
+    """The figures of the model of `given` that come closest to a log of the program. Raises UsageError."""
+    if len(moves) < 2:
+        raise UsageError(f"{moves.source}: nothing moves in the program: no figure of a control follows from it")
     from scipy.optimize import minimize
 
     start = _with_accelerations(given, machine, sustained_accelerations(log))

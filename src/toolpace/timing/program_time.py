@@ -89,8 +89,11 @@ class ProgramTime:
 
 
 def time_of_moves(moves: Commanded, machine: Machine, figures: ControlFigures, tool_change: float = 0.0) -> ProgramTime:
-    """The time of moves on a control that changes a tool in `tool_change` [s]; figures of a model that is not ideal."""
-    times = MODELS[figures.model](moves, machine, figures)
+    """The time of moves on a control that changes a tool in `tool_change` [s]; figures of a model that is not ideal.
+
+    A program that only waits takes what it waits.
+    """
+    times = MODELS[figures.model](moves, machine, figures) if len(moves) > 1 else np.zeros(len(moves))
     return ProgramTime(tuple(parts_of(moves, times, tool_change)), times + moves.dwell)
 
 

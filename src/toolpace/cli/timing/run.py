@@ -54,13 +54,16 @@ def timed(program: str, asked: Asked, steps: Steps) -> Timed:
         moves = moves_of(source, asked.machine, options, asked.feed, asked.dialect, findings)
         step.note = f"{moves.blocks} blocks, {len(moves)} moves"
     best: tuple[OperationTime, ...] = ()
-    if asked.optimum or figures.model == "ideal":
+    planned = asked.optimum or figures.model == "ideal"
+    waits_only = len(moves) < 2
+    if planned and not waits_only:
         best = optimum_of(source, replace(asked, options=options), steps)
     change = options.setup.tool_change
-    if figures.model == "ideal":
+    if figures.model == "ideal" and not waits_only:
         time = of_operations(best, moves, change)
     else:
         time = time_of_moves(moves, asked.machine, figures, change)
+    least = sum(each.time for each in best) + time.sum("tool_change") if best else None
     return Timed(
         program,
         control=found.controller.name if found.controller is not None else "",
@@ -68,7 +71,7 @@ def timed(program: str, asked: Asked, steps: Steps) -> Timed:
         blocks=moves.blocks,
         time=time,
         best=best,
-        optimum=sum(each.time for each in best) + time.sum("tool_change") if best else None,
+        optimum=time.total if planned and waits_only else least,
         assumed=findings.assumptions,
     )
 

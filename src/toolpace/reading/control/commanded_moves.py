@@ -17,7 +17,7 @@ from toolpace.reading.source import Source
 def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramFacts) -> Commanded:
     """The moves of a table; a row that moves nothing hands its stop and its dwell on to the one before.
 
-    Raises ProgramError where nothing moves.
+    Raises ProgramError where nothing moves or waits.
     """
     table = _with_chords(table)
     speed, turn, time, line, kind, tip_mode, _, operation, _ = table.columns.T
@@ -26,7 +26,7 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
     moved = np.abs(way).max(axis=1) > SAME
     moved[[0, *table.arcs]] = True
     kept = np.flatnonzero(moved)
-    if len(kept) < 2:
+    if len(kept) < 2 and not table.dwell.any():
         refuse_still(source, len(moved))
     # where the words change their meaning the control waits, too
     stop = np.logical_or.reduceat(table.switched | (kind == JUMP), kept)

@@ -319,7 +319,12 @@ class Control:
         return Unroll(self.source, self.poses, self._table()).toolpath(self._facts())
 
     def commanded(self) -> Commanded:
-        """The moves themselves, without points between. Raises ProgramError."""
+        """The moves themselves, without points between; the place where it waits of a program that only does.
+
+        Raises ProgramError.
+        """
+        if not len(self.moves) and self.moves.waited > 0.0:
+            self.moves.stand()
         return commanded_of(self._table(), self.poses, self.source, self._facts())
 
     def _facts(self) -> ProgramFacts:

@@ -57,6 +57,8 @@ class Moves:
         self.switched: set[int] = set()
         """Rows behind which the control switches something that the path does not need rest for."""
         self.dwells: dict[int, float] = {}
+        self.waited = 0.0
+        """Dwells before the first position [s]."""
         self.joinings: list[tuple[int, Joining]] = [(0, Joining())]
         """How rows meet, from which on."""
 
@@ -110,6 +112,13 @@ class Moves:
         if self.rows:
             last = len(self.rows) - 1
             self.dwells[last] = self.dwells.get(last, 0.0) + seconds
+        else:
+            self.waited += seconds
+
+    def stand(self) -> None:
+        """Take some place for that where a program waits that moves nothing."""
+        self.add([0.0] * (3 + self.rotary), Rate(), 1, FEED, True, 0)
+        self.dwells[0] = self.waited
 
     def table(self) -> MoveTable:
         """The motions as arrays, from the start of the path on."""
