@@ -19,7 +19,7 @@ from toolpace.exporting.feeds.sinumerik import Sinumerik
 from toolpace.exporting.feeds.text import ProgramText
 from toolpace.exporting.feeds.word_address import WordAddress
 from toolpace.machine.machine import Machine
-from toolpace.reading import ReadOptions, Source, read_source
+from toolpace.reading import Controller, ReadOptions, Source, read_source
 from toolpace.reading.languages import with_controller
 
 DIALECTS = [name for name in WRITERS if name != "cldata"]
@@ -128,6 +128,32 @@ def test_inverse_times_bring_their_mode():
     assert WordAddress().with_feed("G94 G1 X1 F200", "5", True) == ["G93 G1 X1 F5"]
     assert WordAddress().with_feed("X1 (c)", "5", True) == ["X1 F5 G93 (c)"]
     assert WordAddress().alone("F200", "", True) == "G94 F200" and WordAddress().alone("F2", "G95", True) == "G95 F2"
+
+
+ENDS = {
+    "sinumerik": ("G90 G94\nTRAORI\nG1 X0 Y0 Z0 A0 C0 F600\nX10\nX10 Y5 F=R5\nG0 Z50\nM30\n", "G94 F=R5"),
+    "fanuc": ("%\nO1\nG21 G90 G94\nG43.4 H1\nG1 X0 Y0 Z0 A0 C0 F600\nX10\nY5\nG0 Z50\nM30\n%\n", "G94 F600"),
+    "linuxcnc": ("G21 G90\nG1 X0 Y0 Z0 A0 C0 F600\nX10\nY5 F80\nM5\nM2\n", "G94 F80"),
+    "iso": ("G90 G95 S1000\nG1 X0 Y0 Z0 A0 C0 F0.5\nX10\nY5\nM30\n", "G95 F0.5"),
+}
+
+
+@pytest.mark.parametrize("dialect", ENDS)
+def test_inverse_times_end_behind_the_last_block_and_the_feed_is_as_it_was(dialect):
+    """What a program leaves in force its caller, or the next program, moves with."""
+    text, back = ENDS[dialect]
+    text = "R5=90\n" + text if dialect == "sinumerik" else text
+    source = Source.from_bytes(text.encode(), "part.nc")
+    on = Machine.load("xyzac-trunnion")
+    options = ReadOptions(controller=Controller.load(dialect), skip_unknown=True)
+    toolpath = read_source(source, on, None, options)
+    passes = Passes.of(toolpath)
+    job = Job.beside(source, on, None, options, toolpath, np.ones(len(passes.block)), inverse=True)
+    lines = job.rewriting.write(job.feeds({}), {}).data.decode().splitlines()
+    at = max(k for k, line in enumerate(lines) if "G93" in line)
+    assert lines[at + 1] == back and lines.count(back) == 1
+    assert lines[at + 2 :] == text.splitlines()[-len(lines[at + 2 :]) :]
+    assert rewritten(source, on, options, inverse=True) >= 2
 
 
 @pytest.mark.parametrize(

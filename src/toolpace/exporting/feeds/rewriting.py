@@ -43,7 +43,10 @@ class Rewriting:
         return ~self.chosen & ~self.passes.rapid
 
     def restores(self) -> dict[int, str]:
-        """Line to what must be written behind it, so that blocks that keep their text keep their feed too."""
+        """Line to what must be written behind it, so that blocks that keep their text keep their feed too.
+
+        Inverse times end behind the last block that has one: what the program leaves in force is as it was.
+        """
         last = -1
         behind: list[int] = []
         for k in range(len(self.passes.block)):
@@ -52,13 +55,15 @@ class Rewriting:
             elif last >= 0 and not self.passes.rapid[k]:
                 behind.append(int(self.passes.block[last]))
                 last = -1
+        if self.inverse and last >= 0:
+            behind.append(int(self.passes.block[last]))
         if not behind:
             return {}
         found, feed, mode = {}, "", ""
         wanted = set(behind)
         for number, line in enumerate(self.text.lines, start=1):
             feed, mode = self.words.feed_in(line) or feed, self.words.mode_in(line) or mode
-            if number in wanted and feed:
+            if number in wanted and (feed or self.inverse):
                 found[number] = self.words.alone(feed, mode, self.inverse)
         return found
 

@@ -89,7 +89,7 @@ class WordAddress:
 
     def alone(self, feed: str, mode: str, inverse: bool) -> str:
         """F alone, behind its mode where blocks before it had G93."""
-        return f"{mode or 'G94'} {feed}" if inverse else feed
+        return f"{mode or 'G94'} {feed}".rstrip() if inverse else feed
 
     def _code(self, line: str) -> str:
         """The line without comments, each letter in its place."""
