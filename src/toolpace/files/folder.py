@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from toolpace.errors import UsageError
 from toolpace.files.exchange import exchange
 from toolpace.files.seal import foreign, read_seal, write_seal
 from toolpace.files.signals import uninterrupted
-from toolpace.files.temporary import Temporary, sweep, temporary_name
+from toolpace.files.temporary import TRIES, Temporary, held, sweep, temporary_name
 from toolpace.files.whole import reason
 
 finished: list[Path] = []
@@ -32,14 +32,12 @@ def folder_to_write(folder: str | os.PathLike[str]) -> Path:
         if not given:
             raise UsageError("the name of the folder is empty; give one like part-plan")
         target = Path(given).resolve()
-        _refuse_taken(target, given)
-        above = target.parent
-        while not os.path.lexists(above) and above != above.parent:
-            above = above.parent
+        with held(target):
+            _refuse_taken(target, given)
         # Only by making one is it known: rights, disks that take no writing, names that are too long.
         with uninterrupted():
             sweep(target)
-            Temporary(above / target.name, folder=True).remove()
+            _made_beside(lambda: _nearest(target.parent) / target.name).remove()
         (target / ".toolpace-new-01234567-01234567.html").exists()
     except (OSError, ValueError, RuntimeError) as error:
         why = reason(error) if not isinstance(error, RuntimeError) else "its links go round in a circle"
@@ -60,8 +58,7 @@ def whole_folder(folder: str | os.PathLike[str], seal: str = "") -> Iterator[Pat
     temporary: Temporary | None = None
     try:
         with uninterrupted():
-            _make_parents(target.parent, made)
-            temporary = Temporary(target, folder=True)
+            temporary = _made_beside(lambda: _with_parents(target, made))
         yield temporary.path
         if seal:
             write_seal(temporary.path, seal)
@@ -91,6 +88,12 @@ def _put(new: Path, target: Path, given: str) -> None:
     except OSError as error:
         if error.errno not in _FILLED:
             raise
+    with held(target):
+        _exchange_whole(new, target, given)
+
+
+def _exchange_whole(new: Path, target: Path, given: str) -> None:
+    """Let a folder take the place of one that toolpace wrote, which is held meanwhile."""
     _refuse_taken(target, given)
     new.chmod(stat.S_IMODE(target.stat().st_mode))
     old = new
@@ -146,6 +149,29 @@ def _refuse_taken(target: Path, given: str) -> None:
             f"{given}: is not replaced, since {changed}; give another folder, or move what you want to keep out of it "
             "and remove it"
         )
+
+
+def _made_beside(place: Callable[[], Path]) -> Temporary:
+    """A temporary folder beside a place; another run that ends may remove the folder above it until it holds one."""
+    for _ in range(TRIES):
+        try:
+            return Temporary(place(), folder=True)
+        except FileNotFoundError:
+            continue
+    return Temporary(place(), folder=True)
+
+
+def _nearest(folder: Path) -> Path:
+    """The folder, or the nearest one above it that is there."""
+    while not os.path.lexists(folder) and folder != folder.parent:
+        folder = folder.parent
+    return folder
+
+
+def _with_parents(target: Path, made: list[Path]) -> Path:
+    """The target, the folders above it made."""
+    _make_parents(target.parent, made)
+    return target
 
 
 def _make_parents(folder: Path, made: list[Path]) -> None:

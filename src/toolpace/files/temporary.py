@@ -14,6 +14,9 @@ import secrets
 import shutil
 import stat
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 if sys.platform != "win32":
@@ -24,6 +27,8 @@ from toolpace.files.seal import foreign, read_seal
 _OURS = re.compile(r"\.toolpace-(?P<kind>new|old)-(?P<target>[0-9a-f]{8})-[0-9a-f]{8}(?:\.[A-Za-z0-9]{1,8})?")
 TRIES = 100
 """Names that are tried before something else must be wrong."""
+PATIENCE = 10.0
+"""How long the lock on a folder of results is waited for [s]: a run holds it while it puts its own in the place."""
 
 
 def temporary_name(target: Path, kind: str = "new", suffix: str = "") -> Path:
@@ -45,8 +50,8 @@ class Temporary:
                 os.close(os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
             try:
                 self._handle = _locked(self.path)
-            except BlockingIOError:
-                # Somebody who cleans up has it, and removes it.
+            except (BlockingIOError, FileNotFoundError):
+                # Somebody who cleans up came between the name and the lock, and removes it.
                 continue
             if self._handle is None or _is_at(self._handle, self.path):
                 return
@@ -59,6 +64,33 @@ class Temporary:
         if self._handle is not None:
             os.close(self._handle)
             self._handle = None
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Hold what is in a place while it is looked at and replaced: no other run replaces or sweeps it meanwhile.
+
+    Nothing is held where nothing is there, where the system has no locks, or where somebody keeps it for too long.
+    """
+    handle, until = None, time.monotonic() + PATIENCE
+    while handle is None and time.monotonic() < until:
+        try:
+            handle = _locked(folder)
+        except BlockingIOError:
+            time.sleep(0.005)
+            continue
+        except OSError:
+            break
+        if handle is None:
+            break
+        if not _is_at(handle, folder):
+            os.close(handle)
+            handle = None
+    try:
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
 
 
 def sweep(target: Path) -> None:
