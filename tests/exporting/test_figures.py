@@ -81,3 +81,21 @@ def test_the_plans_own_tolerance_counts(motion, tmp_path):
     strict = msgspec.structs.replace(motion.record, tip_tolerance_mm=0.001)
     with pytest.raises(UsageError, match=r"may stray \(0\.001 mm|may stray \(1 µm"):
         Table(counts=counts).write(dataclasses.replace(motion, record=strict), tmp_path)
+
+
+NEGATIVE_ZERO = re.compile(r"(?<![0-9.eE])-0(?:\.0*)?(?![0-9.eE])")
+
+
+@pytest.mark.parametrize(
+    ("to", "file"), [("table", "table.csv"), ("linuxcnc-hal", "rows.txt"), ("linuxcnc-g93", "stream.ngc")]
+)
+def test_zero_has_no_sign(brief, tmp_path, to, file):
+    points = brief.setpoints
+    q = np.where(np.abs(points.q) < 1e-9, -0.0, -points.q)
+    turned = dataclasses.replace(points, q=q, qd=-points.qd, qdd=-points.qdd, qddd=-points.qddd)
+    motion = dataclasses.replace(brief, setpoints=turned)
+    target = target_of(to, {})
+    target.check(motion, tmp_path, target.write(motion, tmp_path))
+    text = (tmp_path / file).read_text()
+    assert not NEGATIVE_ZERO.findall(text)
+    assert NEGATIVE_ZERO.search("1,-0,2") and NEGATIVE_ZERO.search("X-0.000 Y1") and not NEGATIVE_ZERO.search("-0.01")

@@ -46,9 +46,9 @@ class Column:
     """Whether it holds whole numbers."""
 
     def part(self, rows: slice) -> Floats:
-        """The values of some rows, in the column's unit."""
+        """The values of some rows, in the column's unit; zero has no sign."""
         scaled: Floats = self.values[rows] * self.factor
-        return np.rint(scaled) if self.whole else scaled
+        return (np.rint(scaled) if self.whole else scaled) + 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -51,7 +51,8 @@ def write_csv(path: str | os.PathLike[str], setpoints: SetPoints, machine: Machi
         stream.write(",".join([*names, "block"]) + "\n")
         for start in range(0, len(setpoints), CHUNK):
             rows = slice(start, start + CHUNK)
-            values = np.hstack([part[rows] for part in parts]) * scale
+            # Zero has no sign.
+            values = np.hstack([part[rows] for part in parts]) * scale + 0.0
             # Block numbers are exact in double precision, so that one format serves the whole row.
             table = np.column_stack((values, setpoints.block[rows]))
             stream.write((form * len(table)) % tuple(table.ravel().tolist()))

@@ -77,7 +77,7 @@ class InverseTime:
             form = "G1" + "".join(f"{axis}%.{self.digits}f" for axis in motion.joints)
             form += f"F{2.0 * 60.0 / rows.period:.9g}\n"
             for start in range(0, len(written), CHUNK):
-                part = written[start : start + CHUNK]
+                part = written[start : start + CHUNK] + 0.0  # zero has no sign
                 stream.write((form * len(part)) % tuple(part.ravel().tolist()))
             stream.write(("M429\n" if self.tip else "") + "G94\nM2\n")
         what = "tip and rotary joints" if self.tip else "joints"
@@ -205,7 +205,8 @@ class InverseTime:
         return q
 
     def _head(self, motion: PlannedMotion, first: Floats, period: float) -> str:
-        words = " ".join(f"{axis}{value:.{self.digits}f}" for axis, value in zip(motion.joints, first))
+        rounded = np.round(first, self.digits) + 0.0
+        words = " ".join(f"{axis}{value:.{self.digits}f}" for axis, value in zip(motion.joints, rounded))
         what = "the tip in the workpiece frame and the rotary joints" if self.tip else "joint positions"
         kins = (
             "under the tool-centre-point kinematics of the machine: M428 and M429 must be remapped to switch "

@@ -112,7 +112,7 @@ class Streamer:
         way = approach(start, points.q[0], motion.machine.limits, period)
         before = np.concatenate([np.tile(start, (rest, 1)), way, np.tile(points.q[0], (rest, 1))])
         rows: Floats = np.concatenate([before, points.q, np.tile(points.q[-1], (rest, 1))]) * motion.shop_units[1]
-        return rows, len(before)
+        return rows + 0.0, len(before)  # zero has no sign
 
     def _hal(self, motion: PlannedMotion, rows: Floats, lead: int) -> str:
         period, joints = self.period or motion.dt, motion.joints
