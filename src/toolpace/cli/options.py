@@ -99,7 +99,11 @@ class Reading:
         Parameter(help="program: what G41 and G42 follow is the programmed contour. Refused otherwise."),
     ] = None
     max_blocks: Annotated[
-        int | None, Parameter(help="Most blocks that may be executed; more is taken for a loop without end.")
+        int | None,
+        Parameter(
+            help="Most blocks that may be executed; more is taken for a loop without end. By default as many as its"
+            " length explains."
+        ),
     ] = None
 
     def options(self, machine: Machine | None) -> ReadOptions:

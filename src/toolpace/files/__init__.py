@@ -9,6 +9,6 @@ from toolpace.files.seal import changed, sealed_files
 from toolpace.files.whole import file_to_write, reason, whole_file, write_text
 
 __all__ = [
-    "SEAL", "changed", "file_to_write", "finished", "folder_to_write", "free_disk", "free_memory", "reason", "sealed_files",
-    "whole_file", "whole_folder", "write_text",
+    "SEAL", "changed", "file_to_write", "finished", "folder_to_write", "free_disk", "free_memory", "reason",
+    "sealed_files", "whole_file", "whole_folder", "write_text",
 ]  # fmt: skip

@@ -14,6 +14,7 @@ from toolpace.errors import ProgramError, ToolpaceError
 from toolpace.reading import read_source
 from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.dialect import CONTROLS
+from toolpace.reading.effort import EndlessError
 from toolpace.reading.findings import Findings, Refusal, Used
 from toolpace.reading.languages import Recognised, recognised
 from toolpace.reading.options import ReadOptions
@@ -157,14 +158,19 @@ def inspect_source(
 def _readings(
     source: Source, options: ReadOptions, machines: Sequence[Candidate], found: Recognised, asked: _Asked
 ) -> list[_Reading]:
-    """The program on each machine; what is for no controller is read but once."""
+    """The program on each machine; what is for no controller, or ends on none, is read but once."""
     lenient = dataclasses.replace(options, skip_unknown=True)
     if found.dialect != CONTROLS or not machines:
         once = _read(source, None, asked, lenient)
         if once.toolpath is None or not machines:
             return [once]
         return [_followed(dataclasses.replace(once, machine=machine), asked.follow) for machine in machines]
-    return [_followed(_read(source, machine, asked, lenient), asked.follow) for machine in machines]
+    readings: list[_Reading] = []
+    for machine in machines:
+        endless = next((each for each in readings if isinstance(each.fault, EndlessError)), None)
+        reading = dataclasses.replace(endless, machine=machine) if endless else _read(source, machine, asked, lenient)
+        readings.append(_followed(reading, asked.follow))
+    return readings
 
 
 def _counts_as_the_part(machine: Candidate | None) -> bool:
@@ -181,7 +187,8 @@ def _read(source: Source, machine: Candidate | None, asked: _Asked, options: Rea
     try:
         toolpath = read_source(source, machine, asked.dialect, options, feed=asked.feed, findings=findings)
     except ToolpaceError as error:
-        return _Reading(machine, findings, None, error)
+        # without what was going on when it was raised, which holds all that was read
+        return _Reading(machine, findings, None, error.with_traceback(None))
     if not findings.skipped:
         findings.skipped.update(toolpath.skipped)
     for sentence in toolpath.assumed:

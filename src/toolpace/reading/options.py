@@ -13,8 +13,6 @@ from toolpace.reading.setup_file import check_setup, load_setup, setup_in
 
 PROGRAM = "program"
 """What `compensation` may be."""
-MOST_BLOCKS = 2_000_000
-"""Blocks that are executed: more is taken for a loop without end."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,8 @@ class ReadOptions:
     """Whether blocks that begin with `/` are passed over."""
     compensation: str = ""
     """"program": what G41 and G42 follow is the programmed contour; "": they are refused, but with D of zero."""
-    most_blocks: int = MOST_BLOCKS
+    most_blocks: int | None = None
+    """Blocks that are executed: more is taken for a loop without end; None: as the length of the program explains."""
     default_feed: float | None = None
     """Speed of motions for which the program gives no F [m/s]; None makes that an error."""
 
@@ -55,10 +54,9 @@ class ReadOptions:
             raise UsageError(
                 f"--compensation '{compensation[:40]}' is not known; {did_you_mean(compensation, [PROGRAM])}"
             )
-        most = MOST_BLOCKS if max_blocks is None else max_blocks
-        if most < 1:
-            raise UsageError(f"--max-blocks {most}: give the most blocks that may be executed, 1 or more")
-        return ReadOptions(controller, setup, skip_unknown, block_delete, compensation, most)
+        if max_blocks is not None and max_blocks < 1:
+            raise UsageError(f"--max-blocks {max_blocks}: give the most blocks that may be executed, 1 or more")
+        return ReadOptions(controller, setup, skip_unknown, block_delete, compensation, max_blocks)
 
     def check(self, machine: Kinematics | None) -> None:
         """Raise UsageError where the set-up sheet does not fit the machine."""

@@ -88,7 +88,7 @@ class Source:
                 len(self.lines),
             )
 
-    def fail(self, message: str, line: int) -> NoReturn:
+    def fail(self, message: str, line: int, kind: type[ProgramError] = ProgramError) -> NoReturn:
         """Raise a ProgramError that shows the line (from 1; 0 speaks of the whole file)."""
         if line == len(self.lines) and not self.last_line_ended and "cut off" not in message:
             message += "; the file ends here without a line end: is it cut off?"
@@ -96,7 +96,7 @@ class Source:
             message = f"{message[: LONGEST_MESSAGE // 3]} ... {message[-LONGEST_MESSAGE // 3 :]}"
         text = self.lines[line - 1] if 0 < line <= len(self.lines) else ""
         shown = "".join(c if c.isprintable() else " " for c in text)
-        raise ProgramError(message, source=self.name, line=line, text=shown)
+        raise kind(message, source=self.name, line=line, text=shown)
 
 
 def _bytes(path: Path, name: str) -> bytes:

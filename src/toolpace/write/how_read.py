@@ -7,7 +7,7 @@ from pathlib import Path
 from toolpace.errors import UsageError
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.setup import SetUp
-from toolpace.reading.options import MOST_BLOCKS, ReadOptions
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.setup_file import load_setup, setup_text
 from toolpace.write.plan_json import PLAN, ReadingRecord
 
@@ -23,7 +23,7 @@ def reading_record(options: ReadOptions) -> ReadingRecord:
         setup_file=SETUP if has_setup(options.setup) else "",
         skip_unknown=options.skip_unknown,
         compensation=options.compensation,
-        max_blocks=None if options.most_blocks == MOST_BLOCKS else options.most_blocks,
+        max_blocks=options.most_blocks,
     )
 
 

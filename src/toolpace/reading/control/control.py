@@ -25,6 +25,7 @@ from toolpace.reading.coordinates.placement import Datum
 from toolpace.reading.coordinates.setup import Position
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.curves.beziers import Bezier
+from toolpace.reading.effort import Effort
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.points import ProgramFacts, refuse_still
@@ -75,8 +76,7 @@ class Control:
         """Bits of X, Y, Z named so far."""
         self.line = 0
         """Of the block at hand."""
-        self.blocks = 0
-        """Blocks that were executed, those of loops and calls each time."""
+        self.effort = Effort(source, options.most_blocks)
         self.tool = ""
         self.coordinates = Coordinates(self.datum, (0.0,) * rotary)
         self.placement = self.coordinates.placement(self.tool)
@@ -94,18 +94,13 @@ class Control:
     def begin_block(self, line: int) -> None:
         """Execute a block of this line next; ProgramError where there have been too many."""
         self.line = line
-        self.blocks += 1
-        if self.blocks > self.options.most_blocks:
-            self.source.fail(
-                f"more than {self.options.most_blocks} blocks have been executed: is there a loop without end? "
-                "--max-blocks N allows more",
-                line,
-            )
+        self.effort.block(line, len(self.moves))
 
     # Where the program's coordinates are
 
     def _replaced(self) -> None:
         """Read the place of the machine in new coordinates: it stays where it is."""
+        self.effort.changes += 1
         old, new = self.placement, self.coordinates.placement(self.tool)
         if new == old:
             return
@@ -240,6 +235,7 @@ class Control:
         self.named |= named
         for curve, length in zip(curves, lengths):
             self.words = [*curve.points[-1], *turned]
+            self.effort.changes += 1
             self.moves.curves[len(self.moves)] = affine.carried_curve(placement.matrix, curve)
             part = rate._replace(time=rate.time * (length / total))
             place = placement.place(self.words)
@@ -328,7 +324,9 @@ class Control:
         return commanded_of(self._table(), self.poses, self.source, self._facts())
 
     def _facts(self) -> ProgramFacts:
-        return ProgramFacts.of(self.findings, self.blocks, tuple(self.operations.all), controller=self.controller.name)
+        return ProgramFacts.of(
+            self.findings, self.effort.blocks, tuple(self.operations.all), controller=self.controller.name
+        )
 
     def _table(self) -> MoveTable:
         if not len(self.moves):

@@ -78,6 +78,7 @@ class WordAddressReader:
         if by("local_variables_begin_at_zero", False):
             self.variables.local = dict.fromkeys(range(1, self.variables.locals_to + 1), 0.0)
         self.flow = Flow(source, self.variables)
+        self.control.effort.lines_beside = self.flow.files.lines_beside
         self.compiler = Compiler(controller, deletes=options.block_delete)
         self.executor = Executor(self.control, self.state, self.flow, controller, options)
         self.assignments_last = by("assignments_last", False)
@@ -127,7 +128,7 @@ class WordAddressReader:
         """% opens the program, and closes it; in a file that is called it is passed over."""
         if frame.text is not self.flow.main:
             return
-        if self.tape_line or self.control.blocks:
+        if self.tape_line or self.control.effort.blocks:
             self.tape_closed = True
         else:
             self.tape_line = frame.next

@@ -88,6 +88,10 @@ class Flow:
         self._push(Call(self.program, self.at, self.line(line), True, {}, self.parameters.local, units))
         self.program, self.at, self.parameters.local = found, 0, {}
 
+    def lines_beside(self) -> int:
+        """Lines of the programs that were called."""
+        return sum(len(each.source.lines) for each in self.programs.values() if each is not self.main)
+
     def _push(self, call: Call) -> None:
         if len(self.calls) >= MOST_CALLS:
             raise BlockError(f"more than {MOST_CALLS} calls within each other: does a subprogram call itself?")

@@ -40,6 +40,7 @@ class HeidenhainReader:
         parameters = Parameters(options.setup.variables)
         program = Program(source, findings, options.block_delete)
         self.flow = Flow(program, findings, self.state, parameters, options.block_delete)
+        self.control.effort.lines_beside = self.flow.lines_beside
         follow = options.compensation == PROGRAM
         self.statements = Statements(self.control, self.state, parameters, self.flow, controller, follow)
 

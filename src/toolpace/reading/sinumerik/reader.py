@@ -42,9 +42,9 @@ class SinumerikReader:
         executor = Executor(run)
         if not any(_CHANGES.search(line.split(";", 1)[0]) for line in self.source.lines):
             run.tooling.at_once = True
-        executor.interpreter = Interpreter(
-            self.source, Library(self.source), executor, run.memory, self.options.block_delete
-        )
+        library = Library(self.source)
+        self.control.effort.lines_beside = library.lines_beside
+        executor.interpreter = Interpreter(self.source, library, executor, run.memory, self.options.block_delete)
         executor.interpreter.run()
         run.motion.splines.close()
         run.motion.corners.refuse()

@@ -40,6 +40,10 @@ class Files:
             return None
         return self._in(beside, name, sub) or (beside, 0)
 
+    def lines_beside(self) -> int:
+        """Lines of the files that were called."""
+        return sum(len(text.source.lines) for text in self.beside.values() if text is not None)
+
     @staticmethod
     def _in(text: Text, name: str, sub: bool) -> tuple[Text, int] | None:
         line = (text.layout.subs if sub else text.layout.programs).get(name)

@@ -150,6 +150,10 @@ class Library:
             self._look_beside(name)
         return self.routines.get(name)
 
+    def lines_beside(self) -> int:
+        """Lines of the routines that stand in other files."""
+        return sum(len(routine.lines) for routine in self.routines.values() if routine.file)
+
     def _look_beside(self, name: str) -> None:
         folder = Path(self.source.name).parent
         if len(name) > LONGEST_NAME or not name.replace("_", "").isalnum() or not _is_file(Path(self.source.name)):
