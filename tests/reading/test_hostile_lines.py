@@ -7,7 +7,8 @@ import time
 import pytest
 
 from toolpace.errors import ProgramError
-from toolpace.reading import read_text
+from toolpace.reading import Source, read_text
+from toolpace.reading.dialect import dialect_of
 
 HEIDENHAIN = "L X+0 Y+0 Z+0 FMAX\n{}\nL X+1 F100\n"
 SINUMERIK = "G90 G0 X0 Y0 Z0\n{}\nG1 X1 F100\n"
@@ -77,3 +78,9 @@ def test_a_word_without_end_is_left_out_of_its_message():
     with pytest.raises(ProgramError, match=r"^program:1: word A9999.* \.\.\. .*9999") as caught:
         read_text(f"G7 A{'9' * 4400}=1\nM30\n", None, "gcode", controller="millplus")
     assert len(str(caught.value)) < 1200
+
+
+def test_the_line_by_which_a_program_is_told_is_shown_as_one_line():
+    """Found by fuzzing: a separator of lines within what a pattern takes for a heading."""
+    found = dialect_of(Source.from_text("x\u2028(n)\n1\n"))
+    assert found.dialect == "csv" and found.reason == r"it has lines like 'x\u2028(n)'"

@@ -6,7 +6,7 @@ import re
 from pathlib import PurePath
 from typing import NamedTuple
 
-from toolpace.errors import UsageError
+from toolpace.errors import UsageError, printable
 from toolpace.reading.source import Source
 
 DIALECTS = {
@@ -79,7 +79,7 @@ def dialect_of(source: Source, wanted: str | None = None) -> Told:
     for dialect, pattern in (("cldata", _CLDATA), ("csv", _TABLE), (CONTROLS, _GCODE)):
         if found := pattern.search(head):
             line = head[: found.end()].rpartition("\n")[2].strip()
-            return Told(dialect, f"it has lines like '{line[:30]}'")
+            return Told(dialect, f"it has lines like '{printable(line[:30])}'")
     source.fail(
         "neither a program for a controller nor APT, CLSF or CSV can be recognised here: name it with --dialect gcode, "
         "apt or csv",
