@@ -25,6 +25,9 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How far corners are rounded where the program does not say [mm]; 0.01, or as LinuxCNC does without G64 P."""
     axis_tolerance: Positive = 0.05
     """The same of turns [deg]."""
+    compress: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)] | None = None
+    """Within which `lookahead` takes short blocks as one line, where the program does not say [mm]; 0: it takes none,
+    not given: the tolerance of corners."""
     limits: Literal["joints", "words"] = "joints"
     """Whose limits are kept in tool-centre-point mode: the joints', or those of X, Y, Z of the tip."""
     acceleration: Positive | dict[str, Positive] = 1.0

@@ -10,29 +10,52 @@ from toolpace.arrays import Bools, Floats
 from toolpace.commanded import BLENDED, Commanded
 from toolpace.timing.axis_limits import limits_of, off_the_path
 from toolpace.timing.axis_ways import AxisWays, axis_ways
+from toolpace.timing.compressed import Chains
 from toolpace.timing.figures import ControlFigures
+from toolpace.units import MILLIMETRE
 
 if TYPE_CHECKING:
+    from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
 
 
 def lookahead_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
     """Time of each move (n,) [s], dwells left out.
 
+    Short blocks that stay near one line go along it where that is faster, as `compressed` says.
+    """
+    limits, stop = limits_of(machine, figures), rests(moves)
+    ways = axis_ways(moves, machine, joints=figures.limits == "joints")
+    room, off = room_of(moves, figures), off_the_path(machine, figures)
+
+    def driven(ways: AxisWays, line: Floats) -> Floats:
+        cruise = cruise_speeds(moves, ways, limits.velocity, limits.acceleration, figures.block_time)
+        return _driven(cruise, ways, line, stop, room, limits, off, figures.look_ahead)
+
+    apart = driven(ways, ways.length)
+    chains = Chains.of_moves(ways, moves, stop, merging_of(moves, figures), off)
+    if not chains.joined.any():
+        return apart
+    chains = chains.faster(apart, driven(*chains.straight()))
+    return driven(*chains.straight())
+
+
+def _driven(
+    cruise: Floats, ways: AxisWays, line: Floats, stop: Bools, room: Floats, limits: Limits, off: Floats, depth: int
+) -> Floats:
+    """Time of each move (n,) [s].
+
     Corners as `kernels.controls.lookahead.corner_speeds` says; constant acceleration between them, which no jerk
-    limits but at stops: each takes longer by what jerk adds to its ramps.
+    limits but at stops: each takes longer by what jerk adds to its ramps. line: (n,) length of the straight way that a
+    move is part of.
     """
     from toolpace.kernels.controls import lookahead
 
-    limits = limits_of(machine, figures)
-    ways = axis_ways(moves, machine, joints=figures.limits == "joints")
-    cruise = cruise_speeds(moves, ways, limits.velocity, limits.acceleration, figures.block_time)
-    stop, along = rests(moves), np.minimum(ways.along(limits.acceleration), 1e12)
     begin, end = lookahead.corner_speeds(
-        cruise, ways.length, ways.first, ways.last, stop, room_of(moves, figures), limits.acceleration, limits.jerk,
-        off_the_path(machine, figures),
-    )  # fmt: skip
-    lookahead.ramps(cruise, ways.length, along, begin, end, figures.look_ahead)
+        cruise, line, ways.first, ways.last, stop, room, limits.acceleration, limits.jerk, off
+    )
+    along = np.minimum(ways.along(limits.acceleration), 1e12)
+    lookahead.ramps(cruise, ways.length, along, begin, end, depth)
     times = lookahead.times_of(cruise, ways.length, along, begin, end)
     top = np.minimum(cruise, np.sqrt(0.5 * (begin**2 + end**2) + along * ways.length))
     at_rest = np.flatnonzero(stop)
@@ -72,6 +95,15 @@ def rests(moves: Commanded) -> Bools:
     stop[:-1] |= moves.rapid[:-1] != moves.rapid[1:]
     stop[[0, -1]] = True
     return np.asarray(stop)
+
+
+def merging_of(moves: Commanded, figures: ControlFigures) -> Floats:
+    """(n,) tolerance within which moves are taken as one [m]: the program's, the control's, or that of corners."""
+    if figures.compress is None:
+        merging = room_of(moves, figures)
+    else:
+        merging = np.full(len(moves), figures.compress * MILLIMETRE)
+    return np.where(np.isnan(moves.cam_tolerance), merging, moves.cam_tolerance)
 
 
 def room_of(moves: Commanded, figures: ControlFigures) -> Floats:
