@@ -149,3 +149,34 @@ def test_a_dwell_before_the_first_motion_takes_nothing_off_it():
     text = HEAD.format(mode="G64") + "G4 P1\nG1 X10 F600\nM2\n"
     times = linuxcnc_times(read_commanded(Source.from_text(text, "part.ngc"), MACHINE), MACHINE)
     assert 1.0 < times.sum() < 1.2
+
+
+@pytest.mark.parametrize("mode", ["G64", "G64 P0.1", "G61", "G61.1"])
+def test_tiny_accelerations_take_longer_cycles_and_the_same_time(mode, monkeypatch):
+    """A millionth of the acceleration takes a thousand times as long, and no more work."""
+    rng = np.random.default_rng(0)
+    place = np.cumsum(rng.normal(size=(60, 2)) * 3.0, axis=0)
+    body = "".join(f"G1 X{x:.3f} Y{y:.3f} F90000\n" for x, y in place)
+    moves = read_commanded(Source.from_text(f"G21 G90 G94 {mode}\nG0 X0 Y0 Z0 A0 C0\n{body}M2\n"), MACHINE)
+    own = MACHINE.limits
+
+    def total(share: float) -> float:
+        on = MACHINE.with_limits(Limits(1e3 * own.velocity, share * own.acceleration, own.jerk, own.joints))
+        return float(linuxcnc_times(moves, on).sum())
+
+    exact = [total(share) for share in (1e-6, 1e-8)]
+    monkeypatch.setattr("toolpace.timing.linuxcnc.MOST_CYCLES", 2e5)
+    coarse = [total(share) for share in (1e-6, 1e-8, 1e-14)]
+    assert coarse[0] == pytest.approx(exact[0], rel=1e-3) and coarse[1] == pytest.approx(exact[1], rel=1e-3)
+    assert coarse[2] == pytest.approx(1e3 * exact[1], rel=2e-3)
+
+
+def test_ordinary_accelerations_keep_the_cycle(monkeypatch):
+    from toolpace.timing import linuxcnc
+
+    asked = []
+    real = linuxcnc._ramped
+    monkeypatch.setattr(linuxcnc, "_ramped", lambda blocks: asked.append(real(blocks)) or asked[-1])
+    text = "G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F6000\nY100\nX0\nM2\n"
+    linuxcnc_times(read_commanded(Source.from_text(text), MACHINE), MACHINE)
+    assert len(asked) == 1 and asked[0] / 1e-3 < 1e-3 * linuxcnc.MOST_CYCLES

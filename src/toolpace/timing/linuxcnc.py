@@ -17,7 +17,13 @@ from toolpace.errors import UsageError
 from toolpace.timing.canon import Canon, Waits
 
 if TYPE_CHECKING:
+    from toolpace.kernels.linuxcnc.blocks import Blocks
     from toolpace.machine.machine import Machine
+
+
+MOST_CYCLES = 2e7
+"""In which speeds change: about two seconds of work, for six hours of ramps. Of accelerations so small that there would
+be more the cycles are longer: a block's end is then known to a cycle of these, of which the motion has so many."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +59,9 @@ def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None
     canon = Canon(moves, machine, settings.waits)
     if not len(canon.blocks.figures):
         return np.zeros(len(moves))
+    cycle = settings.cycle * max(1.0, _ramped(canon.blocks) / (MOST_CYCLES * settings.cycle))
     control = Control(
-        settings.cycle, canon.velocity[:3].copy(), canon.acceleration[:3].copy(), settings.path_velocity,
+        cycle, canon.velocity[:3].copy(), canon.acceleration[:3].copy(), settings.path_velocity,
         settings.most_override, settings.kink_ratio, settings.depth, settings.gap_cycles, settings.ramp_frequency,
     )  # fmt: skip
     ended = cycles_of(canon.blocks, control)
@@ -63,4 +70,12 @@ def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None
         raise UsageError(
             f"{moves.source}, line {moves.line[row]}: LinuxCNC would not get to the end of this block; check its F"
         )
-    return canon.times(ended.astype(float) * settings.cycle)
+    return canon.times(ended.astype(float) * cycle)
+
+
+def _ramped(blocks: Blocks) -> float:
+    """How long blocks need at most to speed up and slow down, each from rest to rest [s]."""
+    from toolpace.kernels.linuxcnc.blocks import OF_ACCELERATION, OF_LENGTH, OF_TOP
+
+    length, top, acceleration = (blocks.figures[:, column] for column in (OF_LENGTH, OF_TOP, OF_ACCELERATION))
+    return float(2.0 * np.minimum(np.sqrt(length / acceleration), top / acceleration).sum())
