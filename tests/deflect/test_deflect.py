@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +12,6 @@ from toolpace import deflect
 from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.detour import DetourRun
-from toolpace.deflect.projection import descend
 from toolpace.errors import InfeasibleError, UsageError
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
@@ -54,123 +52,6 @@ CASES = {
     "flank": Case(*published.flank()),
     "fan": Case(*published.fan()),
 }
-
-
-def closest_on_arc(point: np.ndarray, low: float = 0.0, high: float = LENGTH) -> np.ndarray:
-    """Closed form: the angle of the point's projection in the plane of the circle, clipped."""
-    angle = np.arctan2((point[0] + point[1]) / np.sqrt(2.0), point[2])
-    angle = np.clip(angle, low / 0.1, high / 0.1)
-    flat = np.sin(angle) / np.sqrt(2.0)
-    return 0.1 * np.array([flat, flat, np.cos(angle)])
-
-
-def test_eq8_to_10_force_is_the_negative_gradient() -> None:
-    target, point, step = np.array([0.1, 0.2, -0.1]), np.array([0.3, -0.1, 0.2]), 1e-6
-    for alpha, m in ((1.0, 2.0), (0.7, 3.0), (2.0, 1.5)):
-        height = [
-            [deflect.potential(target + sign * d, point, alpha=alpha, m=m) for sign in (1, -1)]
-            for d in step * np.eye(3)
-        ]
-        slope = [(above - below) / (2 * step) for above, below in height]
-        np.testing.assert_allclose(deflect.force(target, point, alpha=alpha, m=m), -np.array(slope), atol=1e-8)
-    assert deflect.potential(target, point) == pytest.approx(float((target - point) @ (target - point)))
-
-
-def test_eq8_with_velocities_and_eq10_where_they_are_the_same() -> None:
-    apart = deflect.potential([1, 0, 0], [0, 0, 0], velocity=([0, 2, 0], [0, 0, 0]), alpha_velocity=3.0, n=2.0)
-    assert apart == pytest.approx(1.0 + 3.0 * 4.0)
-    same = deflect.potential([1, 0, 0], [0, 0, 0], velocity=([0, 2, 0], [0, 2, 0]), alpha_velocity=3.0)
-    assert same == pytest.approx(1.0)
-    assert not deflect.force([1, 0, 0], [1, 0, 0]).any()
-
-
-def test_printed_projection_is_that_on_the_20th_interval() -> None:
-    found = deflect.project(ARC, DEFLECTION, interval=TWENTIETH)
-    np.testing.assert_allclose(found.tip, (0.05804, 0.05804, 0.05713), atol=5e-6)
-    assert [round(v, 3) for v in found.tip[:2]] == [0.058, 0.058] and round(found.tip[2], 4) == 0.0571
-    assert found.s == pytest.approx(TWENTIETH[0], abs=1e-12)
-    assert found.distance == pytest.approx(2.367e-3, abs=5e-7)
-
-
-def test_errata_projection_on_the_whole_arc_is_closer() -> None:
-    found = deflect.project(ARC, DEFLECTION)
-    np.testing.assert_allclose(found.tip, closest_on_arc(np.array(DEFLECTION)), atol=1e-12)
-    np.testing.assert_allclose(found.tip, (0.0574027, 0.0574027, 0.0583941), atol=5e-8)
-    assert found.distance == pytest.approx(1.781e-3, abs=5e-7)
-    assert 18 < 31 * found.s / LENGTH < 19
-
-
-def test_errata_circle_about_the_printed_centre_misses_the_printed_projection() -> None:
-    printed = np.array([0.058, 0.058, 0.0571])
-    assert np.linalg.norm(printed) == pytest.approx(0.09994, abs=1e-5)
-    assert np.linalg.norm(printed - [0.0707, 0.0707, 0.0]) == pytest.approx(0.0599, abs=1e-4)
-
-
-def test_errata_no_other_direction_or_count_gives_the_printed_projection() -> None:
-    for count in (30, 31, 32):
-        for first in (19, count - 20):
-            on = (first * LENGTH / count, (first + 1) * LENGTH / count)
-            tip = deflect.project(ARC, DEFLECTION, interval=on).tip
-            met = [round(v, 3) for v in tip[:2]] == [0.058, 0.058] and round(tip[2], 4) == 0.0571
-            assert met == (count == 31 and first == 19)
-
-
-def test_projection_is_the_closest_point_of_the_arc_wherever_the_deflection_is() -> None:
-    random = np.random.default_rng(3)
-    for _ in range(50):
-        angle, distance = random.uniform(0, np.pi / 2), 10 ** random.uniform(-6, -2)
-        point = closest_on_arc(np.array([np.sin(angle), np.sin(angle), np.sqrt(2) * np.cos(angle)]))
-        point = point + distance * random.normal(size=3)
-        found = deflect.project(ARC, point)
-        np.testing.assert_allclose(found.tip, closest_on_arc(point), atol=1e-12)
-
-
-@pytest.mark.parametrize("name", ["flank", "fan"])
-def test_projection_agrees_with_dense_search_and_newton(name: str) -> None:
-    path = CASES[name].path
-    run = path.runs[0]
-    random = np.random.default_rng(4)
-    grid = np.linspace(run.s0, run.s1, 40001)
-    tips = run.evaluate(grid).tip[0]
-    for _ in range(20):
-        point = tips[random.integers(len(tips))] + 10 ** random.uniform(-5, -2.3) * random.normal(size=3)
-        k = int(np.argmin(np.linalg.norm(tips - point, axis=1)))
-        s = grid[k]
-        for _ in range(20):
-            jet = run.evaluate(np.array([s])).tip[:, 0]
-            slope = (jet[0] - point) @ jet[1]
-            s = np.clip(
-                s - slope / (jet[1] @ jet[1] + (jet[0] - point) @ jet[2]), grid[max(k - 1, 0)], grid[min(k + 1, 40000)]
-            )
-        wanted = float(np.linalg.norm(run.evaluate(np.array([s])).tip[0, 0] - point))
-        assert deflect.project(path, point).distance == pytest.approx(wanted, rel=1e-12, abs=1e-15)
-
-
-def test_projection_error_falls_with_every_step() -> None:
-    """The descent converges linearly: the further off the path, the more slowly."""
-    point, wanted = np.array(DEFLECTION), closest_on_arc(np.array(DEFLECTION))
-    run = ARC.runs[0]
-
-    def curve(s: float) -> tuple[np.ndarray, np.ndarray]:
-        jet = run.evaluate(np.array([s])).tip
-        return jet[0, 0], jet[1, 0]
-
-    errors = []
-    s = 0.09
-    for _ in range(5):
-        errors.append(float(np.linalg.norm(curve(s)[0] - wanted)))
-        tip, along = curve(s)
-        s += float(deflect.force(tip, point) @ along) / (2.0 * float(along @ along))
-    assert all(after < 0.05 * before for before, after in itertools.pairwise(errors) if before > 1e-12)
-    found, steps = descend(curve, point, 0.0, LENGTH, 0.09)
-    assert steps < 20 and np.linalg.norm(curve(found)[0] - wanted) < 1e-12
-
-
-def test_projection_refuses_what_is_no_point_or_no_interval() -> None:
-    with pytest.raises(UsageError, match="is no point"):
-        deflect.project(ARC, (0.0, np.nan, 0.0))
-    with pytest.raises(UsageError, match="no interval"):
-        deflect.project(ARC, DEFLECTION, interval=(1.0, 2.0))
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

@@ -19,6 +19,7 @@ from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import PathError, UsageError
 from toolpace.machine.machine import Machine
+from toolpace.path.control_points import second_derivative_bounds
 from toolpace.path.path import Path
 from toolpace.path.run import PathJet, PathRun
 
@@ -51,6 +52,11 @@ class QuinticRun(PathRun):
 
         jets = evaluate(self.breaks, self.polynomials, np.ascontiguousarray(s, dtype=float))
         return PathJet(jets[:, :, :3], None, jets[:, :, 3:])
+
+    def second_derivative_bounds(self) -> Floats:
+        """(n,) most |P''| of the tip in each interval, by its control points; by s, where the intervals are in u."""
+        most: Floats = second_derivative_bounds(self.polynomials[:, :, :3], np.ones(len(self.polynomials)))
+        return most / np.diff(self.breaks) ** 2
 
 
 def quintic_path(s: npt.ArrayLike, tip: npt.ArrayLike, rotary: npt.ArrayLike, feed: float = np.inf) -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError
 from toolpace.path.run import PathJet, PathRun, unit_jets
 from toolpace.workers import Lock
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Curve = Callable[[Floats, int], tuple[Floats, Floats]]
 """(s (n,), order 0 to 3) to the derivative of tip (n, 3) [m] and of the unit tool axis (n, 3)."""
@@ -22,6 +25,8 @@ class CurveRun(PathRun):
     """A run whose derivatives a function knows."""
 
     curve: Curve
+    most_second: float | None = None
+    """Most |P''| of the tip [1/m], where it is known."""
     lock: Lock = field(default_factory=Lock)
 
     def evaluate(self, s: Floats) -> PathJet:
@@ -33,6 +38,10 @@ class CurveRun(PathRun):
         axis = np.stack([np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts])
         return PathJet(tip, axis, None)
 
+    def second_derivative_bounds(self) -> Floats | None:
+        """(k - 1,) most |P''| of the tip between breaks, where it is known."""
+        return None if self.most_second is None else np.full(len(self.breaks) - 1, self.most_second)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class TwoCurveRun(PathRun):
@@ -40,6 +49,8 @@ class TwoCurveRun(PathRun):
 
     tip_curve: Callable[[Floats, int], Floats]
     point_curve: Callable[[Floats, int], Floats]
+    most_second: Floats
+    """(k - 1,) most |P''| of the tip between each two breaks [1/m]."""
 
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives at s (n,); the axis points from the tip to the second point."""
@@ -48,13 +59,17 @@ class TwoCurveRun(PathRun):
         point = np.stack([self.point_curve(s, order) for order in range(4)])
         return PathJet(tip, unit_jets(point - tip), None)
 
+    def second_derivative_bounds(self) -> Floats:
+        """(k - 1,) most |P''| of the tip between breaks, by its control points."""
+        return self.most_second
 
-def callable_run(curve: Curve, s0: float, s1: float, feed: float, breaks: Floats | None = None) -> CurveRun:
-    """One run of one block over [s0, s1]."""
+
+def callable_run(curve: Curve, s0: float, s1: float, feed: float, most_second: float | None = None) -> CurveRun:
+    """One run of one block over [s0, s1]; `most_second` bounds |P''| of the tip [1/m]."""
     if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
         raise PathError(f"a path from s0 = {s0:g} to s1 = {s1:g} has no length; give s0 < s1")
     ends = np.array([s0, s1], dtype=np.float64)
-    return CurveRun(breaks=ends if breaks is None else breaks, curve=curve, **one_block(ends, feed))
+    return CurveRun(breaks=ends, curve=curve, most_second=most_second, **one_block(ends, feed))
 
 
 class BlockTable(TypedDict):
@@ -106,7 +121,7 @@ def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: f
         tip = radius * turned(s / radius, order)
         return (tip + centre if order == 0 else tip), turned(s / radius + lean, order)
 
-    return callable_run(curve, 0.0, radius * sweep, feed)
+    return callable_run(curve, 0.0, radius * sweep, feed, most_second=1.0 / radius)
 
 
 def bspline_run(knots: Floats, tip: Floats, axis_point: Floats, degree: int, feed: float) -> TwoCurveRun:
@@ -129,5 +144,13 @@ def bspline_run(knots: Floats, tip: Floats, axis_point: Floats, degree: int, fee
         breaks=breaks,
         tip_curve=lambda s, order: np.asarray(curves[0][order](s)),
         point_curve=lambda s, order: np.asarray(curves[1][order](s)),
+        most_second=largest_control_points(curves[0][2], breaks),
         **one_block(breaks[[0, -1]], feed),
     )
+
+
+def largest_control_points(spline: BSpline, breaks: Floats) -> Floats:
+    """(k - 1,) largest control point that has its say between each two breaks (k,): a bound of the spline there."""
+    size = np.linalg.norm(spline.c, axis=1)
+    last = np.searchsorted(spline.t, breaks[:-1], side="right") - 1
+    return np.array([size[j - spline.k : j + 1].max() for j in last])

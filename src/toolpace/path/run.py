@@ -10,6 +10,7 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints, frozen
 from toolpace.description import counted, one_line
+from toolpace.path.control_points import second_derivative_bounds
 
 
 def no_entries() -> Ints:
@@ -100,6 +101,10 @@ class PathRun(ABC):
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives 1 to 3 at s (n,): at a break those of its right side, at s1 those of its left."""
 
+    def second_derivative_bounds(self) -> Floats | None:
+        """(k - 1,) most |P''| of the tip between each two breaks; None where only samples could tell."""
+        return None
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SplineRun(PathRun):
@@ -121,6 +126,10 @@ class SplineRun(PathRun):
         if out.shape[2] == 5:
             return PathJet(out[:, :, :3], None, out[:, :, 3:])
         return PathJet(out[:, :, :3], unit_jets(out[:, :, 3:]), None)
+
+    def second_derivative_bounds(self) -> Floats:
+        """(k - 1,) most |P''| of the tip in each piece, by its control points."""
+        return second_derivative_bounds(self.coefficients[:, :, :3], np.diff(self.breaks))
 
 
 def unit_jets(v: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The projection of a deflection on the path, by the potential field of Eq. (8) to (10).
+"""The paper's way to the projection of a deflection: the potential field of Eq. (8) to (10).
 
 Source: Wu, Li, Liu, Perez, ACC 2009, section II.D. The target slides along the path as its attraction to the
 deflection pulls it, until no force along the path is left.
@@ -11,17 +11,14 @@ deflection pulls it, until no force along the path is left.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.description import one_line
-from toolpace.equality import ByValue
+from toolpace.deflect.projection.point import Projection
+from toolpace.deflect.projection.stretch import Stretch
 from toolpace.errors import UsageError
-from toolpace.path.path import Path
-from toolpace.path.run import PathRun
 
 SAMPLES = 400
 """Points of a run, beside its breaks, from which the nearest ones are taken as starts."""
@@ -33,25 +30,6 @@ ROUNDING = 1.0 + 1e-14
 """Rise of the potential that is rounding: its fall cannot be seen any more where the last digits of s are won."""
 CONVERGED = 1e-14
 """Step at which the descent ends, relative to the length of the run in s."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Projection(ByValue):
-    """The point of a path that attracts a deflection."""
-
-    s: float
-    """Parameter on the path."""
-    run: int
-    """Index of the run."""
-    tip: Floats
-    """(3,) [m]."""
-    distance: float
-    """From the deflection [m]."""
-    steps: int
-    """Steps of the descent."""
-
-    def __repr__(self) -> str:
-        return one_line(self, f"s {self.s:.9g} of run {self.run}", f"{self.distance * 1e3:.6g} mm away")
 
 
 def potential(
@@ -89,7 +67,9 @@ def descend(
 ) -> tuple[float, int]:
     """Follow the force along a curve, s -> (tip (3,), derivative (3,)), within [low, high]: s and steps.
 
-    Each step is the force along the path over the stiffness of the field there, halved until the potential falls.
+    Each step is the force along the path over the stiffness of the field there, halved until the potential falls: the
+    iteration of Gauss and Newton, which shrinks the error by the factor distance times curvature. Raises UsageError
+    where that is so near to one that the most steps do not bring the target to rest.
     """
     s = start
     tip, along = curve(s)
@@ -111,41 +91,36 @@ def descend(
             s, tip, along, height = place, tip_there, along_there, there
         if done:
             return s, step + 1
-    return s, MOST_STEPS
+    raise UsageError(
+        f"deflection: the potential field has not come to rest after {MOST_STEPS} steps, at s = {s:.9g}, for the path"
+        " bends about the deflection; take the method 'bounds'"
+    )
 
 
-def project(path: Path, deflection: npt.ArrayLike, *, interval: tuple[float, float] | None = None) -> Projection:
-    """The point of a path, or of the `interval` (from s, to s) of one of its runs, nearest to a deflection (3,) [m].
+def nearest_by_field(stretches: list[Stretch], point: Floats) -> Projection:
+    """The lowest place to which the field draws targets from the nearest samples of each stretch.
 
-    The paper looks on the interval on which the tool was; with u clipped to [0, 1] its ends count too. The whole path
-    is the default. Raises UsageError for a deflection that is not finite or an interval that is not on the path.
+    A valley narrower than the samples is missed. Raises UsageError where a target is not at rest after the most steps.
     """
-    point = np.asarray(deflection, dtype=float)
-    if point.shape != (3,) or not np.isfinite(point).all():
-        raise UsageError(f"deflection: {deflection!r} is no point; give three finite coordinates in metres")
     best: Projection | None = None
-    for index, run in enumerate(path.runs):
-        low, high = (run.s0, run.s1) if interval is None else interval
-        if interval is not None and not (run.s0 - 1e-12 <= low < high <= run.s1 + 1e-12):
-            continue
-        low, high = max(low, run.s0), min(high, run.s1)
-
-        def curve(s: float, run: PathRun = run) -> tuple[Floats, Floats]:
-            jet = run.evaluate(np.array([s])).tip
-            return jet[0, 0], jet[1, 0]
-
-        grid = np.linspace(low, high, SAMPLES)
-        grid = np.union1d(grid, run.breaks[(run.breaks > low) & (run.breaks < high)])
-        distance = np.linalg.norm(run.evaluate(grid).tip[0] - point, axis=1)
+    for stretch in stretches:
+        grid = np.linspace(stretch.low, stretch.high, SAMPLES)
+        breaks = stretch.run.breaks
+        grid = np.union1d(grid, breaks[(breaks > stretch.low) & (breaks < stretch.high)])
+        distance = np.linalg.norm(stretch.tip(grid)[0] - point, axis=1)
         padded = np.concatenate([[np.inf], distance, [np.inf]])
         valleys = np.flatnonzero((distance <= padded[:-2]) & (distance <= padded[2:]))
+
+        def curve(s: float, stretch: Stretch = stretch) -> tuple[Floats, Floats]:
+            jet = stretch.tip(np.array([s]))
+            return jet[0, 0], jet[1, 0]
+
         for k in valleys[np.argsort(distance[valleys])][:STARTS]:
             left, right = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
             s, steps = descend(curve, point, float(left), float(right), float(grid[k]))
             tip = curve(s)[0]
-            found = Projection(s, index, tip, float(np.linalg.norm(tip - point)), steps)
+            found = Projection(s, stretch.index, tip, float(np.linalg.norm(tip - point)), steps, np.inf, False)
             if best is None or found.distance < best.distance:
                 best = found
-    if best is None:
-        raise UsageError(f"deflection: the path has no interval from s = {interval}; give one inside a run")
+    assert best is not None
     return best
