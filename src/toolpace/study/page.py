@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import TYPE_CHECKING
 
-import numpy as np
-
-from toolpace.arrays import Floats
 from toolpace.reporting.policy import with_policy
-from toolpace.study.errata import CHOICES, all_errata, comparison
-from toolpace.study.figures import FAR, Figure, Panel
-from toolpace.study.simulation import CLOSED_FORM, Study, periods
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
+from toolpace.study.drawings import as_html
+from toolpace.study.errata import CHOICES, all_errata
+from toolpace.study.panels import Figure
+from toolpace.study.simulation import Study
+from toolpace.study.sketches import Sketch
+from toolpace.study.tables import Table, comparison, periods_table, times_table, ways_table
 
 STYLE = """
 :root { --ink: #17202e; --soft: #5b6778; --line: #e4e8ee; --ground: #f4f6f9; }
@@ -35,7 +31,7 @@ td.n, th.n { text-align: right; white-space: nowrap; } tr:last-child td { border
 """Of the page; it has no file of its own, since it is read by nobody else."""
 
 
-def study_page(study: Study, figures: Sequence[Figure]) -> str:
+def study_page(study: Study, sketches: Sequence[Sketch], figures: Sequence[Figure]) -> str:
     """The whole page; about 5 MB of it are plotly.js."""
     from plotly.offline import get_plotlyjs
 
@@ -46,20 +42,50 @@ def study_page(study: Study, figures: Sequence[Figure]) -> str:
         "<h1>Local minimum time, without and with deflection</h1>"
         "<p>The simulation study (section III) of Wu, Li, Liu and Perez, American Control Conference 2009, doi"
         " 10.1109/ACC.2009.5160578, done anew by <code>toolpace study</code>.</p>",
-        section("Times", TIMES_LEAD, times_table(study)),
-        section("Printed and ours", "", table(["", "printed", "ours"], comparison(study))),
-    ]
-    parts += [figure_section(figure) for figure in figures]
-    parts += [
-        section("Time in each interval, T_i", "In seconds, interval by interval.", periods_table(study)),
+        section("Times", TIMES_LEAD, table(times_table(study))),
+        section("Printed and ours", "", table(comparison(study))),
+        *map(sketch_section, sketches),
+        *map(figure_section, figures),
+        section("The way back, to the letter and ours", WAYS_LEAD, table(ways_table(study))),
+        section("What a measured tip means", CAUSES_LEAD, table(CAUSES)),
+        section("Time in each interval, T_i", "In seconds, interval by interval.", table(periods_table(study))),
         section("Errata", "What the paper prints, what holds, and a check that was worked out for this page.",
-                table(["where", "printed", "holds", "check"],
-                      [(e.where, e.printed, e.holds, e.check) for e in all_errata(study)])),
-        section("What the paper does not say, and what was chosen", "", table(["", "chosen"], CHOICES)),
+                table(all_errata(study))),
+        section("What the paper does not say, and what was chosen", "", table(CHOICES)),
         "</main></body></html>",
     ]  # fmt: skip
     return with_policy("\n".join(parts))
 
+
+WAYS_LEAD = (
+    "Step (2) of section II.D sets velocity, acceleration and jerk at the deflection to those at the projection, in the"
+    " workpiece frame. A quintic has six coefficients: with both positions, velocity and acceleration they are used up,"
+    " and the jerks at both ends differ by 12 times the acceleration over T_dp. All three are the same only where that"
+    " acceleration is zero. Either reading asks the linear motors for a jump of velocity, for at another place the same"
+    " velocity of the tip is another one of the motors wherever a rotary axis turns. Ours lets the joints go on as they"
+    " move, and asks for no jump."
+)
+"""What the table of ways shows, above it."""
+CAUSES_LEAD = (
+    "A tip that is measured off its path has one of two causes, and each has its own answer. The paper treats the"
+    " first, though it speaks of a tool that deflects, and so does every figure of this page."
+)
+"""What both causes are about, above their table."""
+CAUSES = Table(
+    ("", "displaced", "bending"),
+    (
+        ("What has happened", "the joints are not where they were commanded: their state has jumped",
+         "the tool or the part bends; the joints are where they were commanded, and their encoders say so"),
+        ("Where the joints are", "at the pose that has the measured tip", "on the path"),
+        ("The answer", "a motion of the joints back to the path, from the state that they are in",
+         "a command that aims off by as much as it bends, for as long as it bends"),
+        ("The other answer instead", "aiming off leaves the joints as far off as they are",
+         "a motion back begins from a pose that the joints are not in: the tip is then off by twice the bending at"
+         " first, and by the bending ever after"),
+        ("Here", "Fig. 8 to 10, with the paper's deflection", "not in the paper, and in no figure here"),
+    ),
+)  # fmt: skip
+"""Both causes, for who measures a tip."""
 
 TIMES_LEAD = (
     "The case is limited by the feed: no motion takes less than the length of the curve over the feed, 5.23599 s, and"
@@ -75,138 +101,20 @@ def section(title: str, lead: str, body: str) -> str:
     return f"<section><h2>{escape(title)}</h2>{f'<p>{escape(lead)}</p>' if lead else ''}{body}</section>"
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], numeric: bool = False) -> str:
-    """An HTML table; with `numeric` all but the first column stand right."""
-    kind = ["", *([" class='n'"] * (len(head) - 1) if numeric else [""] * (len(head) - 1))]
-    top = "".join(f"<th{k}>{escape(cell)}</th>" for k, cell in zip(kind, head))
-    body = "".join(f"<tr>{''.join(f'<td{k}>{escape(cell)}</td>' for k, cell in zip(kind, row))}</tr>" for row in rows)
+def table(content: Table) -> str:
+    """An HTML table; where it is one of numbers all but the first column stand right."""
+    kind = ["", *[" class='n'" if content.numeric else ""] * (len(content.head) - 1)]
+    top = "".join(f"<th{k}>{escape(cell)}</th>" for k, cell in zip(kind, content.head))
+    rows = ("".join(f"<td{k}>{escape(cell)}</td>" for k, cell in zip(kind, row)) for row in content.rows)
+    body = "".join(f"<tr>{row}</tr>" for row in rows)
     return f"<div class='scroll'><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>"
-
-
-def times_table(study: Study) -> str:
-    """Totals and bounds."""
-    best = study.optimal.duration
-    rows = [
-        (f"genetic, {n} generation{'s' if n > 1 else ''}", f"{t.duration:.5f}",
-         f"{100 * (t.duration / best - 1):+.3f} %", f"{t.usage().worst:.5f}", f"{t.solve_seconds:.2f} s")
-        for n, t in study.genetic.items()
-    ]  # fmt: skip
-    rows.append(
-        ("optimal", f"{best:.5f}", "", f"{study.optimal.usage().worst:.5f}", f"{study.optimal.solve_seconds:.2f} s")
-    )
-    rows.append(
-        (
-            "optimum in closed form, to first order",
-            f"{CLOSED_FORM:.4f}",
-            f"{100 * (CLOSED_FORM / best - 1):+.3f} %",
-            "",
-            "",
-        )
-    )
-    if study.optimal.lower_bound > 0.0:
-        bound = study.optimal.lower_bound
-        rows.append(
-            ("lower bound on this mesh, all limits", f"{bound:.5f}", f"{100 * (bound / best - 1):+.3f} %", "", "")
-        )
-    rows.append(
-        ("lower bound, feed alone", f"{study.feed_bound:.5f}", f"{100 * (study.feed_bound / best - 1):+.3f} %", "", "")
-    )
-    for name, (before, after) in study.pairs().items():
-        spent = study.instant[name] + after.duration
-        rows.append(
-            (f"{name}, with deflection at {study.instant[name]:.3f} s", f"{spent:.5f}",
-             f"{1e3 * (spent - before.duration):+.0f} ms by it", f"{after.usage().worst:.5f}",
-             f"{after.solve_seconds:.2f} s")
-        )  # fmt: skip
-    return table(["", "total [s]", "against optimal", "peak use", "computed in"], rows, numeric=True)
-
-
-def periods_table(study: Study) -> str:
-    """T_i by planner."""
-    columns = {f"genetic, {n}": periods(study, t) for n, t in study.genetic.items()}
-    columns["optimal"] = periods(study, study.optimal)
-    count = len(study.points) - 1
-    rows = [[str(k + 1), *(f"{v[k]:.5f}" for v in columns.values())] for k in range(count)]
-    rows.append(["sum", *(f"{v.sum():.5f}" for v in columns.values())])
-    return table(["interval", *columns], rows, numeric=True)
 
 
 def figure_section(figure: Figure) -> str:
     """A figure as an interactive drawing."""
-    import plotly.io
-
-    drawing = plotly.io.to_html(
-        drawn(figure), full_html=False, include_plotlyjs=False, div_id=f"figure-{figure.number}",
-        config={"displaylogo": False, "responsive": True},
-    )  # fmt: skip
-    return section(f"Figure {figure.number}. {figure.title}", figure.caption, drawing)
+    return section(f"Figure {figure.number}. {figure.title}", figure.caption, as_html(figure))
 
 
-def drawn(figure: Figure) -> go.Figure:
-    """The plotly figure."""
-    from plotly.subplots import make_subplots
-
-    rows, columns = len(figure.rows), max(map(len, figure.rows))
-    specs = [[{"type": "scene" if panel.in_space else "xy"} for panel in row] for row in figure.rows]
-    titles = [f"{p.title}<br><sup>{p.note}</sup>" if p.note else p.title for row in figure.rows for p in row]
-    out = make_subplots(
-        rows=rows, cols=columns, specs=specs, subplot_titles=titles, horizontal_spacing=0.08,
-        vertical_spacing=0.4 / rows if rows > 1 else 0.1,
-    )  # fmt: skip
-    shown: set[str] = set()
-    for i, row in enumerate(figure.rows, 1):
-        for j, panel in enumerate(row, 1):
-            add_panel(out, panel, i, j, shown)
-    out.update_layout(
-        height=460 if rows == 1 else 290 * rows + 60, template="plotly_white",
-        margin={"l": 60, "r": 20, "t": 60, "b": 50},
-        legend={"orientation": "h", "y": 1.06 if rows == 1 else 1.04, "yanchor": "bottom", "x": 0}, hovermode="closest",
-        font={"size": 12},
-    )  # fmt: skip
-    return out
-
-
-def add_panel(out: go.Figure, panel: Panel, i: int, j: int, shown: set[str]) -> None:
-    """One panel of a plotly figure; every name stands once in the legend."""
-    import plotly.graph_objects as go
-
-    for curve in panel.curves:
-        marks = curve.style == "marks"
-        common = {
-            "name": curve.name, "legendgroup": curve.name, "mode": "markers" if marks else "lines",
-            "showlegend": bool(curve.name) and curve.name not in shown,
-        }  # fmt: skip
-        shown.add(curve.name)
-        line = {"color": curve.colour, "width": 2 if curve.z is None else 4}
-        marker = {"color": curve.colour, "size": 7 if curve.z is None else 3}
-        style = {"marker": marker} if marks else {"line": line}
-        x, y = rounded(curve.x), rounded(curve.y)
-        if curve.z is not None:
-            out.add_trace(go.Scatter3d(x=x, y=y, z=rounded(curve.z), **common, **style), i, j)
-        else:
-            out.add_trace(go.Scatter(x=x, y=y, **common, **style), i, j)
-    if panel.in_space:
-        out.update_scenes(
-            {
-                "xaxis_title": panel.x_label, "yaxis_title": panel.y_label, "zaxis_title": panel.z_label,
-                "aspectmode": "data",
-                "camera": {"eye": {"x": 1.0, "y": -2.2, "z": 0.8}, "center": {"x": 0, "y": 0, "z": -0.15}},
-            }, row=i, col=j,
-        )  # fmt: skip
-        return
-    out.update_xaxes(title_text=panel.x_label, row=i, col=j)
-    out.update_yaxes(title_text=panel.y_label, row=i, col=j)
-    if panel.equal:
-        name = next(t for t in reversed(out.data) if t.type == "scatter").xaxis or "x"
-        out.update_yaxes(scaleanchor=name, scaleratio=1, row=i, col=j)
-    if panel.limit is not None:
-        low = min(np.nanmin(curve.y) for curve in panel.curves)
-        high = max(np.nanmax(curve.y) for curve in panel.curves)
-        for sign, reach in ((1.0, high), (-1.0, -low)):
-            if FAR * reach >= panel.limit:
-                out.add_hline(sign * panel.limit, line={"color": "#c92a3f", "width": 1, "dash": "dash"}, row=i, col=j)
-
-
-def rounded(values: Floats) -> list[float | None]:
-    """Six digits are enough for a drawing; a gap where there is no number."""
-    return [None if not np.isfinite(v) else float(f"{v:.6g}") for v in values]
+def sketch_section(sketch: Sketch) -> str:
+    """A sketch, drawn where it stands."""
+    return section(f"Figure {sketch.number}. {sketch.title}", sketch.caption, f"<div class='scroll'>{sketch.svg}</div>")

@@ -6,15 +6,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from toolpace.files import whole_file
-from toolpace.study.figures import FAR, Figure, Panel
+from toolpace.study.panels import LIMIT, Figure, Panel
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
     from mpl_toolkits.mplot3d import Axes3D
+
+
+SQUARE, WIDE, HIGH = 4.0, 5.6, 1.6
+"""Side of a panel that stands alone in its row, width and height of the others [inches]."""
+BESIDE, ABOVE, BELOW, GAP, LABEL = 0.85, 0.75, 0.95, 0.5, 0.2
+"""Room left of, above and below the panels, between two rows, and for the label of x [inches]."""
 
 
 def write_pictures(figures: Sequence[Figure], folder: Path) -> list[str]:
@@ -26,25 +31,16 @@ def write_pictures(figures: Sequence[Figure], folder: Path) -> list[str]:
         return []
     names = []
     for figure in figures:
-        rows, columns = len(figure.rows), max(map(len, figure.rows))
-        size = (5.2 * columns, 4.8) if rows == 1 else (6.6 * max(columns, 1.35), 2.7 * rows + 0.6)
-        canvas = Canvas(figsize=size, dpi=130, layout="constrained")
+        canvas = laid_out(figure, Canvas)
         FigureCanvasAgg(canvas)
-        for i, row in enumerate(figure.rows):
-            for j, panel in enumerate(row):
-                place = (rows, len(row), i * len(row) + j + 1)
-                if panel.in_space:
-                    draw_in_space(canvas.add_subplot(*place, projection="3d"), panel)
-                else:
-                    draw_in_plane(canvas.add_subplot(*place), panel)
         named: dict[str, Artist] = {}
         for axes in canvas.axes:
             named |= dict(zip(*reversed(axes.get_legend_handles_labels())))
         canvas.legend(
             named.values(),
             named.keys(),
-            loc="outside lower center",
-            ncols=min(len(named), 6),
+            loc="lower center",
+            ncols=min(len(named), 7),
             frameon=False,
             fontsize=9,
         )
@@ -54,6 +50,27 @@ def write_pictures(figures: Sequence[Figure], folder: Path) -> list[str]:
             canvas.savefig(temporary, format="png")
         names.append(name)
     return names
+
+
+def laid_out(figure: Figure, kind: type[Canvas]) -> Canvas:
+    """The panels of a figure on a canvas; distances are set, since to find them takes as long as to draw."""
+    rows, columns = len(figure.rows), max(map(len, figure.rows))
+    gap = GAP + LABEL * bool(figure.rows[0][0].x_label)
+    wide, high = (SQUARE, SQUARE) if rows == 1 else (max(WIDE, 9.0 / columns), HIGH)
+    size = (columns * (wide + BESIDE), rows * (high + gap) - gap + ABOVE + BELOW)
+    canvas = kind(figsize=size, dpi=110)
+    canvas.subplots_adjust(
+        left=BESIDE / size[0], right=1.0 - 0.2 / size[0], bottom=BELOW / size[1], top=1.0 - ABOVE / size[1],
+        wspace=BESIDE / wide, hspace=gap / high,
+    )  # fmt: skip
+    for i, row in enumerate(figure.rows):
+        for j, panel in enumerate(row):
+            place = (rows, len(row), i * len(row) + j + 1)
+            if panel.in_space:
+                draw_in_space(canvas.add_subplot(*place, projection="3d"), panel)
+            else:
+                draw_in_plane(canvas.add_subplot(*place), panel)
+    return canvas
 
 
 def draw_in_space(axes: Axes3D, panel: Panel) -> None:
@@ -73,7 +90,10 @@ def draw_in_plane(axes: Axes, panel: Panel) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     if panel.equal:
         axes.set_aspect("equal", adjustable="datalim")
-    draw_limit(axes, panel)
+    for value in panel.limits_drawn():
+        axes.axhline(value, color=LIMIT, linewidth=1.0, linestyle="--")
+    if panel.shown is not None:
+        axes.set_xlim(*panel.shown)
 
 
 def draw_curves(axes: Axes, panel: Panel) -> None:
@@ -86,20 +106,9 @@ def draw_curves(axes: Axes, panel: Panel) -> None:
             label=curve.name or None,
             marker="o" if marks else None,
             markersize=4,
-            linestyle="none" if marks else "--" if curve.style == "dash" else "-",
+            linestyle="none" if marks else "-",
             linewidth=1.3,
         )
     axes.set_xlabel(panel.x_label)
     axes.set_ylabel(panel.y_label)
     axes.set_title(panel.title if not panel.note else f"{panel.title}: {panel.note}", fontsize=10)
-
-
-def draw_limit(axes: Axes, panel: Panel) -> None:
-    """The limit as dashed lines, where it is near enough to the curves."""
-    if panel.limit is None:
-        return
-    low = min(np.nanmin(curve.y) for curve in panel.curves)
-    high = max(np.nanmax(curve.y) for curve in panel.curves)
-    for sign, reach in ((1.0, high), (-1.0, -low)):
-        if reach * FAR >= panel.limit:
-            axes.axhline(sign * panel.limit, color="#c92a3f", linewidth=1.0, linestyle="--")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,13 @@ from toolpace.axispath.quintic import quintic_through
 from toolpace.deflect.detour import DetourRun
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
+from toolpace.planning.endstate import AT_REST
+from toolpace.planning.genetic.planner import Genetic, with_bred_periods
+from toolpace.planning.genetic.preset_speeds import preset
+from toolpace.planning.genetic.problem import Intervals, reference_points
 from toolpace.planning.planner import plan
+from toolpace.study.backwards import Backwards, gone_back
+from toolpace.study.literal import LiteralWay, literal_way
 from toolpace.trajectory import Trajectory
 
 FEED = 0.03
@@ -30,6 +36,10 @@ DEFLECTED_INTERVAL = 20
 """These as section III has them."""
 GENERATIONS = (1, 10, 100)
 """The paper's, and ten and a hundred times as many, to see what they find."""
+OPTIONS = Genetic()
+"""The genetic algorithm's: population, seed and the rest as `Genetic` documents them."""
+SEEDS = tuple(range(OPTIONS.seed, OPTIONS.seed + 10))
+"""The first is that of every figure; what the others find shows how much is luck."""
 CLOSED_FORM = 5.3112
 """Optimum rest to rest: L / F + 2 sqrt(F / J), J = 21.2 m/s^3 the tip's jerk where B's limit binds [s]."""
 
@@ -51,6 +61,11 @@ class Study:
     """When each planner's tool passes the beginning of the 20th interval, where it is found deflected [s]."""
     with_deflection: dict[str, Trajectory]
     """genetic: by way of the projection, as in the paper; optimal: the fastest way back."""
+    by_seed: dict[int, Floats]
+    """(10,) durations without deflection of all seeds, by number of generations [s]."""
+    literal: dict[str, LiteralWay]
+    """The paper's way back to the letter: "acceleration" with the reference's acceleration at both ends of the first
+    interval, "jerk" with the same jerk at both, which takes an acceleration of zero."""
 
     @property
     def points(self) -> Floats:
@@ -67,6 +82,31 @@ class Study:
         without = {"genetic": self.genetic[GENERATIONS[0]], "optimal": self.optimal}
         return {name: (without[name], self.with_deflection[name]) for name in without}
 
+    @property
+    def next_point(self) -> float:
+        """When the genetic plan without deflection passes the reference point behind the deflected interval [s]."""
+        law = self.genetic[GENERATIONS[0]].laws[0]
+        return law.passing_time(float(self.points[DEFLECTED_INTERVAL]))
+
+    def remaining(self) -> dict[str, float]:
+        """Time from the deflection to the end, by way back [s]."""
+        rest = self.genetic[GENERATIONS[0]].duration - self.next_point
+        literal = {f"literal_{name}": way.trajectory.duration + rest for name, way in self.literal.items()}
+        return literal | {name: after.duration for name, after in self.with_deflection.items()}
+
+    def ways(self) -> dict[str, tuple[Trajectory, float]]:
+        """The trajectory from the deflection, and how long it takes back onto the path [s], by way back."""
+        letter = {f"literal_{name}": (way.trajectory, float(way.periods[0])) for name, way in self.literal.items()}
+        ours = {
+            name: (after, after.laws[0].passing_time(detour_run(after).join))
+            for name, after in self.with_deflection.items()
+        }
+        return letter | ours
+
+    def backwards(self) -> dict[str, Backwards]:
+        """What is gone backwards, by way back."""
+        return {name: gone_back(way, duration, RADIUS) for name, (way, duration) in self.ways().items()}
+
     def facts(self) -> dict[str, object]:
         """The figures of study.json."""
         peak = {
@@ -79,6 +119,8 @@ class Study:
             "distance_interval20_m": self.interval.distance,
             "distance_path_m": self.whole.distance,
             "duration_genetic_s": {str(n): t.duration for n, t in self.genetic.items()},
+            "genetic": {"population": OPTIONS.population, "seed": OPTIONS.seed, "seeds": list(SEEDS)},
+            "duration_by_seed_s": {str(n): list(map(float, found)) for n, found in self.by_seed.items()},
             "duration_optimal_s": self.optimal.duration,
             "duration_closed_form_s": CLOSED_FORM,
             "lower_bound_feed_s": self.feed_bound,
@@ -93,9 +135,23 @@ class Study:
                     "instant_s": self.instant[name],
                     "remaining_s": b.duration,
                     "remaining_without_s": a.duration - self.instant[name],
-                    "detour_s": detour_run(b).detour.duration,
+                    "detour_s": self.ways()[name][1],
                 }
                 for name, (a, b) in self.pairs().items()
+            },
+            "to_the_letter": {
+                name: {
+                    "periods_s": list(map(float, way.periods)),
+                    "peak_usage": usage_facts(way.trajectory),
+                    "jump_of_velocity": list(map(float, way.jump[0])),
+                    "jump_of_acceleration": list(map(float, way.jump[1])),
+                }
+                for name, way in self.literal.items()
+            },
+            "remaining_s": self.remaining(),
+            "gone_back": {
+                name: {"tip_m": back.tip, "joints": list(map(float, back.joints))}
+                for name, back in self.backwards().items()
             },
         }
 
@@ -122,18 +178,28 @@ def periods(study: Study, trajectory: Trajectory) -> Floats:
     return np.diff(passed)
 
 
+def durations_by_seed(axis_path: AxisPath, machine: Machine, options: Genetic) -> Floats:
+    """(10,) durations that the genetic planner finds with each of the seeds [s]; the preset speeds know no seed."""
+    run = axis_path.runs[0]
+    parts = Intervals(run, machine.limits, reference_points(run, options.intervals), (True, True))
+    given = preset(parts, AT_REST, AT_REST, options.reserve)
+    return np.array([with_bred_periods(parts, given, replace(options, seed=seed)).periods.sum() for seed in SEEDS])
+
+
 def simulate(progress: Callable[[float], None]) -> Study:
     """Compute the study; a few seconds."""
     machine = Machine.load("paper-ab")
     path = quintic_through(Path.paper_arc(FEED), machine, INTERVALS)
     axis_path = AxisPath.follow(path, machine)
     progress(0.05)
-    genetic = {}
+    genetic, by_seed = {}, {}
     for k, count in enumerate(GENERATIONS):
-        genetic[count] = plan(axis_path, machine, planner="genetic", generations=count)
-        progress(0.1 + 0.1 * k)
+        options = replace(OPTIONS, generations=count)
+        genetic[count] = plan(axis_path, machine, planner=options)
+        by_seed[count] = durations_by_seed(axis_path, machine, options)
+        progress(0.1 + 0.15 * (k + 1))
     optimal = plan(axis_path, machine)
-    progress(0.7)
+    progress(0.8)
     points = path.runs[0].breaks
     where = (float(points[DEFLECTED_INTERVAL - 1]), float(points[DEFLECTED_INTERVAL]))
     interval = deflect.project(path, DEFLECTION, interval=where)
@@ -145,9 +211,15 @@ def simulate(progress: Callable[[float], None]) -> Study:
     }
     back = {
         "genetic": deflect.replan(
-            first, instant["genetic"], DEFLECTION, machine, planner="genetic", rejoin="projection", interval=where
+            first, instant["genetic"], DEFLECTION, machine, planner=OPTIONS, rejoin="projection", interval=where
         ),
         "optimal": deflect.replan(optimal, instant["optimal"], DEFLECTION, machine),
     }
+    literal = {
+        name: literal_way(
+            first, path, machine, np.array(DEFLECTION), interval.s, where[1], same_jerk=name == "jerk", options=OPTIONS
+        )
+        for name in ("acceleration", "jerk")
+    }
     progress(1.0)
-    return Study(machine, path, genetic, optimal, interval, whole, instant, back)
+    return Study(machine, path, genetic, optimal, interval, whole, instant, back, by_seed, literal)

@@ -47,6 +47,17 @@ def encode(value: float, bits: int, low: float, high: float) -> int:
 
 
 @jit()
+def first_population(population: int, genes: int, bits: int, seed: int) -> Ints:
+    """Random genes (population, genes); the stream of random numbers begins anew at the seed."""
+    np.random.seed(seed)
+    out = np.empty((population, genes), dtype=np.int64)
+    for k in range(population):
+        for i in range(genes):
+            out[k, i] = np.random.randint(1 << bits)
+    return out
+
+
+@jit()
 def select(fitness: Floats, tournament: int) -> int:
     """A parent: the best of a tournament, or with tournament 0 by a roulette of the ranks."""
     n = len(fitness)
@@ -100,10 +111,7 @@ def shorten(
     usage, and what that is of; where no individual keeps to the limits, the one nearest to them.
     """
     population, generations, bits = breeding.population, breeding.generations, breeding.bits
-    np.random.seed(seed)
-    genes = np.empty((population, 1), dtype=np.int64)
-    for k in range(population):
-        genes[k, 0] = np.random.randint(1 << bits)
+    genes = first_population(population, 1, bits, seed)
     fitness, period = np.empty(population), known
     best, value, which = np.inf, np.inf, 0
     for generation in range(generations + 1):
@@ -134,17 +142,13 @@ def reset_point(
     """
     population, generations, bits = breeding.population, breeding.generations, breeding.bits
     before, after = interval_of(intervals, 0), interval_of(intervals, 1)
-    np.random.seed(seed)
     low = np.array(
         [ends[2] * (1 - reach[0]), ends[3] - reach[2], periods[0] * (1 - reach[1]), periods[1] * (1 - reach[1])]
     )
     high = np.array([ends[2] * (1 + reach[0]), ends[3] + reach[2], periods[0], periods[1]])
     for k in range(2, 4):
         high[k] *= 1 + 0.5 * reach[1]
-    genes = np.empty((population, 4), dtype=np.int64)
-    for k in range(population):
-        for i in range(4):
-            genes[k, i] = np.random.randint(1 << bits)
+    genes = first_population(population, 4, bits, seed)
     now = np.array([ends[2], ends[3], periods[0], periods[1]])
     best, champion = now[2] + now[3], now.copy()
     fitness = np.empty(population)
