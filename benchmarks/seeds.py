@@ -1,6 +1,7 @@
+# ruff: noqa: RUF001 - dashes, as tables are set
 """How much of what the genetic planner finds is luck: ten seeds on three paths, as a table of `docs/design/paper.md`.
 
-    python -m benchmarks.seeds
+python -m benchmarks.seeds
 """
 
 from __future__ import annotations

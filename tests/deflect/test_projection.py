@@ -13,7 +13,7 @@ from tests.support.growth import order_of_growth
 from tests.support.tool_paths import random_toolpath, toolpath_through
 from toolpace import deflect
 from toolpace.axispath.quintic import quintic_path, quintic_through
-from toolpace.deflect.projection import nearest
+from toolpace.deflect.projection import chords, nearest
 from toolpace.deflect.projection.chords import chords_of
 from toolpace.deflect.projection.potential import descend
 from toolpace.deflect.projection.project import TOLERANCE
@@ -286,14 +286,14 @@ def test_bound_holds_between_the_marks_of_every_kind_of_path() -> None:
     functions = [waves(300, random)[0], published.fan()[0]]
     for path in [*known, *functions]:
         run = path.runs[0]
-        chords = chords_of(run)
-        assert chords.s[0] == run.s0 and chords.s[-1] == run.s1 and np.isin(run.breaks, chords.s).all()
+        cut = chords_of(run)
+        assert cut.s[0] == run.s0 and cut.s[-1] == run.s1 and np.isin(run.breaks, cut.s).all()
         for share in np.linspace(0.05, 0.95, 19):
-            s = chords.s[:-1] + share * np.diff(chords.s)
-            on_chord = chords.tip[:-1] + share * np.diff(chords.tip, axis=0)
+            s = cut.s[:-1] + share * np.diff(cut.s)
+            on_chord = cut.tip[:-1] + share * np.diff(cut.tip, axis=0)
             off = np.linalg.norm(run.evaluate(s).tip[0] - on_chord, axis=1)
-            assert (off <= chords.sag + 1e-15).all()
-        assert chords.proven == (path in known)
+            assert (off <= cut.sag + 1e-15).all()
+        assert cut.proven == (path in known)
 
 
 def test_path_about_the_deflection_is_searched_whole_and_what_is_left_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -368,3 +368,17 @@ def test_path_with_a_derivative_that_is_not_finite_is_refused() -> None:
 
     with pytest.raises(PathError, match="not finite at s = 0"):
         deflect.project(Path.from_callable(root), DEFLECTION)
+
+
+def test_noise_in_the_derivatives_of_a_function_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Derivatives by differences, as users may give them: no halving resolves their rounding."""
+    monkeypatch.setattr(chords, "MOST_UNRESOLVED", 1 << 11)
+    random = np.random.default_rng(13)
+
+    def noisy(s: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
+        along = s if order == 0 else np.full_like(s, order == 1)
+        across = random.normal(0, 1e3**order, (2, len(s))) if order > 1 else np.zeros((2, len(s)))
+        return np.stack([along, *across], axis=1), UPRIGHT * (order == 0)
+
+    found = deflect.project(Path.from_callable(noisy), [0.3, 0.2, 0.0])
+    assert found.distance == pytest.approx(0.2, abs=1e-9) and not found.proven

