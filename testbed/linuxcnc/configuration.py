@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from testbed.linuxcnc.patterns import Pattern, as_joints, holding_tip
+from toolpace.arrays import Floats
 from toolpace.machine.machine import Machine
 from toolpace.units import DEGREE, MILLIMETRE
 
@@ -42,16 +43,16 @@ class Configuration:
         return self.pattern.letters
 
     @classmethod
-    def joints(cls, machine: Machine, **settings: float) -> Configuration:
+    def joints(cls, machine: Machine, path_velocity: float = FAR) -> Configuration:
         """Words are joint positions."""
-        return cls(machine, as_joints(machine), **settings)  # type: ignore[arg-type]
+        return cls(machine, as_joints(machine), path_velocity=path_velocity)
 
     @classmethod
-    def tip(cls, machine: Machine, **settings: float) -> Configuration:
+    def tip(cls, machine: Machine, path_velocity: float = FAR) -> Configuration:
         """Words are the tip between M428 and M429. Raises UsageError for a machine of another kind."""
-        return cls(machine, holding_tip(machine), **settings)  # type: ignore[arg-type]
+        return cls(machine, holding_tip(machine), path_velocity=path_velocity)
 
-    def units(self) -> np.ndarray:
+    def units(self) -> Floats:
         """(m,) of each joint: a millimetre or a degree."""
         return np.array([DEGREE if letter in "ABC" else MILLIMETRE for letter in self.letters])
 

@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TypedDict
 
 SPEED = 8
 """Times real time; at twenty the interpreter no longer keeps the queue full."""
@@ -65,7 +66,7 @@ def execute(command: list[str], place: Path, seconds: float, speed: int = SPEED)
         with output.open("wb") as printed:
             process = subprocess.Popen(
                 command, cwd=place, env=_environment(place), stdin=subprocess.DEVNULL, stdout=printed,
-                stderr=subprocess.STDOUT, start_new_session=True, **rights,  # type: ignore[call-overload]
+                stderr=subprocess.STDOUT, start_new_session=True, **rights,
             )  # fmt: skip
             try:
                 process.wait(seconds)
@@ -98,7 +99,15 @@ def _no_bit_of_root() -> bool:
     return not mode & stat.S_ISUID
 
 
-def _without_rights(place: Path) -> dict[str, object]:
+class Rights(TypedDict, total=False):
+    """Of `subprocess.Popen`: whose a process is."""
+
+    user: int
+    group: int
+    extra_groups: list[str | int]
+
+
+def _without_rights(place: Path) -> Rights:
     """How to start a process as nobody where we are root, and its folder given to him."""
     if os.geteuid() != 0:
         return {}

@@ -125,10 +125,10 @@ class Writer(Dialect):
         move = self.world.move(node.to, rapid=not node.speed, speed=node.speed)
         self.make(move, frames.on(self.seen(), node.to))
 
-    def make(self, move: Move, target: Floats, **how: object) -> None:
+    def make(self, move: Move, target: Floats, *, by: Floats | None = None, vector: bool = False) -> None:
         """Say a straight motion and make it."""
         if not move.still or not self.world.moves:
-            self.say_move(move, target, **how)  # type: ignore[arg-type]
+            self.say_move(move, target, by=by, vector=vector)
         self.world.add(move)
 
     def by(self, node: By) -> None:
