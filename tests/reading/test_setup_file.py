@@ -172,3 +172,33 @@ def test_a_sheet_to_fill_in_keeps_what_is_known():
     assert again.offsets["G54"]["X"] == pytest.approx(0.1) and again.machine_zero["X"] == 0.25
     assert again.tools["4"] == Tool(0.07, 0.002)
     assert all(line.startswith(("#", "[")) or " = " in line for line in text.splitlines() if line)
+
+
+LONG = "9" * 4400
+
+
+@pytest.mark.parametrize(
+    "sheet, told",
+    [
+        (
+            f'[variables]\n"#{LONG}" = 1\n',
+            r"^set-up sheet: \[variables\] has the name '#9{39}\.\.\.', of 4401 characters",
+        ),
+        (f'[offsets."{"(" * 1100}"]\nX = 1\n', r"^set-up sheet: \[offsets\] has the name '\({40}\.\.\.', of 1100"),
+        (f"[tools.T{LONG}]\nlength = 1\n", r"^set-up sheet: \[tools\] has the name"),
+    ],
+)
+def test_a_name_without_end_is_told_in_short(sheet, told):
+    """Found by fuzzing: digits beyond what Python turns into a number, names that fill a page."""
+    with pytest.raises(UsageError, match=told) as caught:
+        setup_of_text(sheet)
+    assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("controller", ["fanuc", "linuxcnc", "sinumerik", "heidenhain"])
+def test_digits_of_other_kinds_are_no_numbers(controller):
+    """A superscript is a digit to Python, and no number."""
+    given = setup_of_text('[variables]\n"#\u00b2" = 1\n"R\u00b2" = 2\n"Q\u00b2" = 3\n"#\u0663" = 4\n')
+    text = "L X+1 R0 F100\nL X+2\nM30\n" if controller == "heidenhain" else "G1 X1 F100\nX2\nM30\n"
+    path = read_text(text, None, "gcode", controller=controller, setup=given)
+    assert path.tip[-1, 0] == pytest.approx(0.002)

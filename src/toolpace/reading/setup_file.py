@@ -27,6 +27,8 @@ LONGEST = 1_000_000
 FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
 """Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
 MOST_REFERENCES = 4
+LONGEST_NAME = 100
+"""Characters of a heading or a variable."""
 LONGEST_CHANGE = 3600.0
 """Of a tool [s]."""
 Key = TypeVar("Key")
@@ -134,9 +136,7 @@ class _Sheet:
             machine_zero=self.position("[machine_zero]", self.table("machine_zero")),
             tools=self.named("tools", tool_name, self.tool),
             start=self.position("[start]", self.table("start")),
-            variables={
-                name: self.number("[variables]", name, value) for name, value in self.table("variables").items()
-            },
+            variables=self.variables(),
             part=self.part(),
             tool_change=self.tool_change(),
         )
@@ -165,12 +165,24 @@ class _Sheet:
         found: dict[Key, Value] = {}
         for heading, value in self.table(name).items():
             place = f"[{name}.{heading[:40]}]"
+            self.short(f"[{name}]", heading)
             key = key_of(heading)
             if not isinstance(value, dict):
                 self.fail(f"[{name}]", f"{heading[:40]} = {value!r:.40} is not a table; write it under {place}")
             if key in found:
                 self.fail(place, f"stands twice, as {key} in another way of writing; keep one")
             found[key] = value_of(place, value)
+        return found
+
+    def short(self, place: str, name: str) -> None:
+        if len(name) > LONGEST_NAME:
+            self.fail(place, f"has the name '{name[:40]}...', of {len(name)} characters; {LONGEST_NAME} are the most")
+
+    def variables(self) -> dict[str, float]:
+        found = {}
+        for name, value in self.table("variables").items():
+            self.short("[variables]", name)
+            found[name] = self.number("[variables]", name, value)
         return found
 
     def number_of_reference(self, heading: str) -> int:

@@ -43,7 +43,7 @@ class System:
             offset = self.control.coordinates.offset
             return float(_OFFSETS.index(offset) + 1) if offset in _OFFSETS else 1.0
         if key == 5400:
-            return float(self.control.tool) if self.control.tool.isdigit() else 0.0
+            return float(self.control.tool) if self.control.tool.isdecimal() else 0.0
         return None
 
     def _of_fanuc(self, key: int) -> float | None:
@@ -103,7 +103,7 @@ class System:
             "_MOTION_MODE": 10.0 * _MOTIONS.get(state.motion or "", 80.0) if moves else None,
             "_COORD_SYSTEM": round(10.0 * float((offset if offset in _OFFSETS else "G54")[1:]), 6),
             "_TOOL_OFFSET": float(control.coordinates.compensated),
-            "_CURRENT_TOOL": float(control.tool) if control.tool.isdigit() else 0.0,
+            "_CURRENT_TOOL": float(control.tool) if control.tool.isdecimal() else 0.0,
             "_SELECTED_TOOL": float(state.next_tool or 0.0),
             "_FEED": self._feed(),
             "_RPM": round(60.0 * feed.spindle, 9),

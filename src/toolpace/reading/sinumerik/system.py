@@ -33,7 +33,7 @@ class System:
             tool = self.control.setup.tools.get(self.control.tool)
             if tool is not None:
                 return tool.radius / self.state.unit
-        if name == "$P_TOOLNO" and self.control.tool.isdigit():
+        if name == "$P_TOOLNO" and self.control.tool.isdecimal():
             return int(self.control.tool)
         if name in ("$TC_DP3", "$TC_DP6") and index:
             tool = self.control.setup.tools.get(str(whole(index[0])))

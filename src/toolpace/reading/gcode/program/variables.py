@@ -39,7 +39,7 @@ class Variables:
         self.common: dict[Key, float | None] = {0: None} if empty_locals else {}
         for name, value in given.items():
             key = name.upper().lstrip(letter + "#").strip("<>")
-            self.common[int(key) if key.isdigit() else key] = value
+            self.common[int(key) if key.isdecimal() else key] = value
         self.local: dict[Key, float | None] = {}
         """Of the call at hand."""
 

@@ -74,7 +74,7 @@ class Store:
         self.local: Local = {}
         self._system = system
         for name, value in self.given.items():
-            if name[:1] == "R" and name[1:].isdigit():
+            if name[:1] == "R" and name[1:].isdecimal():
                 self.r[int(name[1:][:6])] = value
 
     def variable(self, name: str, index: tuple[int, ...]) -> Value:
