@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.kernels.follow.layout import LOOK_BACK
 
 CAUSES = ("bending", "displaced")
 FINEST, COARSEST = 1e-5, 0.1
@@ -62,6 +63,11 @@ class Figures:
         for each in fields(self):
             if each.name not in ("cause", "compliance"):
                 self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
+        if self.delay > (LOOK_BACK - 10) * self.period:
+            raise UsageError(
+                f"follower: a delay of {self.delay:g} s is more than the {LOOK_BACK - 10} set-points that are remembered;"
+                f" give a period of {self.delay / (LOOK_BACK - 10):.3g} s or more"
+            )
         compliance = np.asarray(self.compliance, dtype=float)
         if compliance.shape != (3, 3) or not np.isfinite(compliance).all():
             raise UsageError(f"follower: compliance has shape {compliance.shape}; give (3, 3) finite figures [m/N]")

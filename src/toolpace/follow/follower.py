@@ -85,7 +85,8 @@ class Follower:
     @property
     def feed_excess(self) -> float:
         """Share of the feed by which a correction may make the tip faster, for a moment."""
-        return math.sqrt(3.0) * float(self.piece[layout.FEED_SHARE])
+        turning = 2.0 if self.piece[layout.MOST_TURN] > 0.0 else 0.0
+        return (math.sqrt(3.0) + turning) * float(self.piece[layout.FEED_SHARE])
 
     def reset(self) -> None:
         """Go back to the start of the path, without correction."""
@@ -129,6 +130,10 @@ class Follower:
 def pace_within(trajectory: Trajectory, machine: Machine, share: float) -> float:
     """The steady pace at which a trajectory uses no more than a share of each limit of a machine."""
     used = trajectory.usage()
+    for kind in ("acceleration", "jerk"):
+        for joint, limit in zip(machine.joints, getattr(machine.limits, kind)):
+            if not math.isfinite(limit):
+                raise UsageError(f"follower: {joint} has no limit of {kind}; give machine {machine.name} one")
     worst = []
     for kind, of_plan, own in (
         (used.velocity, trajectory.limits.velocity, machine.limits.velocity),
@@ -137,7 +142,8 @@ def pace_within(trajectory: Trajectory, machine: Machine, share: float) -> float
     ):
         with np.errstate(invalid="ignore"):
             ratio = np.array(list(kind.values())) * of_plan / (own * share)
-        worst.append(float(np.nanmax(ratio)))
+        # a velocity without a limit uses nothing of it
+        worst.append(float(np.where(np.isinf(own), 0.0, ratio).max()))
     if not np.isfinite(worst).all():
         raise UsageError("follower: accelerations jump in this plan, so that no jerk limit holds; plan with optimal")
     # what looks and rounding leave a plan on machine.reserved above its limits is no reason to slow it down

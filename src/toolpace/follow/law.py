@@ -24,7 +24,9 @@ def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) ->
     spline = np.concatenate([np.column_stack([samples.q, samples.s])[[0, *range(count), -1, -1]]])
     share = TO_CORRECTION * figures.reserve
     limits = np.stack([machine.limits.velocity, machine.limits.acceleration, machine.limits.jerk])
-    brakes = braking_time(share * limits[:, machine.linear])
+    own = share * limits
+    own[0] = np.minimum(own[0], fastest(own[1], machine, figures))
+    brakes = braking_time(own[:, machine.linear])
     cells = cells_of(samples, spline[:, :m], brakes)
     piece = np.zeros(layout.PATH + spline.size + cells.size)
     head = {
@@ -62,7 +64,7 @@ def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) ->
     piece[layout.FRAME : layout.GROUP] = geometry.frame.ravel()
     piece[layout.GROUP : layout.COMPLIANCE].view(np.int64)[:] = np.concatenate([geometry.group, geometry.place])
     piece[layout.COMPLIANCE : layout.SHARE] = figures.compliance.ravel()
-    piece[layout.SHARE : layout.ROOM] = (share * limits).ravel()
+    piece[layout.SHARE : layout.ROOM] = own.ravel()
     piece[layout.ROOM : layout.LOW] = ((1.0 - share) * limits).ravel()
     piece[layout.LOW : layout.PATH] = corrections_within(samples.q, machine, figures).ravel()
     piece[layout.PATH :] = np.concatenate([spline.ravel(), cells.ravel()])
@@ -76,7 +78,8 @@ def cells_of(samples: Samples, control: Floats, brakes: float) -> Floats:
         difference = np.abs(np.diff(control, order, axis=0)) / h**order
         spans = 4 - order
         # a spline on a span is a mean of the differences of the four control points that it touches
-        peaks.append(_most(np.lib.stride_tricks.sliding_window_view(difference, spans, axis=0).max(axis=2)))
+        on_span = np.lib.stride_tricks.sliding_window_view(difference, spans, axis=0).max(axis=2)
+        peaks.append(_most(on_span[: len(samples.q) - 1]))
     feed = -_most(-np.minimum(samples.feed[:-1], samples.feed[1:])[:, None])
     feed = np.maximum(feed, LEAST_FEED)
     soon = feed.copy()
@@ -90,6 +93,13 @@ def _most(values: Floats) -> Floats:
     starts = np.arange(0, len(values), CELL_SAMPLES)
     most: Floats = np.maximum.reduceat(values, starts, axis=0)
     return most
+
+
+def fastest(acceleration: Floats, machine: Machine, figures: Figures) -> Floats:
+    """(m,) what a correction from one end of its range to the other reaches by its acceleration alone."""
+    most = np.where(machine.is_rotary, max(figures.max_turn, 1e-6), figures.max_correction)
+    speed: Floats = np.sqrt(2.0 * most * acceleration)
+    return speed
 
 
 def braking_time(share: Floats) -> float:

@@ -56,15 +56,20 @@ from toolpace.kernels.follow.layout import (
     PLACE,
     RHO,
     SCRATCH,
+    SHARE,
     SHOWN,
     SMOOTHED,
     STEPS,
     TIP,
 )
+from toolpace.kernels.follow.jerk_limited import stop
 from toolpace.kernels.follow.path import place_on_path
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.chain import dot, forward, linear_columns, reciprocal, turn
 from toolpace.kernels.kinematics.geometry import A0, U1, U2, Chain
+
+MOST_TILT = 0.5
+"""What an axis may be off by to be believed [rad]."""
 
 
 @jit()
@@ -132,6 +137,8 @@ def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> f
     first, second = 0.0, 0.0
     if piece[AIMS_AXIS] > 0.0 and math.isfinite(given[AXIS] + given[AXIS + 1] + given[AXIS + 2]):
         first, second = turns_for(piece, state, given, axis)
+        if math.isnan(first):
+            return math.inf
     wanted[chain.place[0]], wanted[chain.place[1]] = first, second
     if first != 0.0 or second != 0.0:
         # the tip moves as the joints turn: where it is then is what the linear joints make up for
@@ -152,7 +159,8 @@ def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> f
 @jit()
 def turns_for(piece: Floats, state: Floats, given: Floats, axis: Floats) -> tuple[float, float]:
     """Turns of both rotary joints that undo what the axis is off by, in least squares damped by the tolerance of the
-    axis: near its pole, where a joint turns far for next to nothing, it stays (Wampler 1986)."""
+    axis: near its pole, where a joint turns far for next to nothing, it stays (Wampler 1986). Nan where that is not to
+    be believed."""
     chain = chain_of(piece)
     q = state[SCRATCH : SCRATCH + 5]
     s1, k1 = math.sin(q[chain.place[0]]), math.cos(q[chain.place[0]])
@@ -174,6 +182,8 @@ def turns_for(piece: Floats, state: Floats, given: Floats, axis: Floats) -> tupl
     least = piece[AXIS_TOLERANCE]
     if dot(off, off) <= least * least:
         return 0.0, 0.0
+    if not dot(off, off) <= MOST_TILT * MOST_TILT:
+        return math.nan, math.nan
     damping = 1e-2
     a, b, c = dot(one, one) + damping * damping, dot(one, two), dot(two, two) + damping * damping
     x, y = dot(one, off), dot(two, off)
@@ -264,10 +274,35 @@ def keep_within(piece: Floats, state: Floats, length: float) -> None:
 def displace(piece: Floats, state: Floats, wanted: Floats, off: float) -> int:
     """Take the joints for where they were found; they go on as fast as they were commanded."""
     shown = state[LAST_MEASURED] - piece[DELAY]
-    if off <= piece[DEADBAND] or shown <= state[LAST_JUMP]:
+    if shown <= state[LAST_JUMP]:
         return 0
+    state[FULL] = 0.0
+    if off <= piece[DEADBAND]:
+        return 0
+    if not within_reach(piece, state, wanted):
+        # too far to go back from: as with a correction at its limit, the tool stops if it lasts
+        state[FULL] = 1.0
+        return ABSURD
     for j in range(JOINTS):
         state[CORRECTION + 4 * j] -= wanted[j]
         state[AIM + j] = 0.0
     state[LAST_JUMP] = state[NOW]
     return JUMPED
+
+
+@jit()
+def within_reach(piece: Floats, state: Floats, wanted: Floats) -> bool:
+    """Whether the correction, and where it can be stopped, are within their range after a jump by -wanted (5,)."""
+    place = piece[PLACE : PLACE + 5].view(np.int64)
+    limits = state[SCRATCH : SCRATCH + 3]
+    length = 0.0
+    for k in range(JOINTS):
+        j = place[k]
+        limits[1], limits[2] = piece[SHARE + JOINTS + j], piece[SHARE + 2 * JOINTS + j]
+        at = state[CORRECTION + 4 * j] - wanted[j]
+        rest = at + stop(state[CORRECTION + 4 * j + 1], state[CORRECTION + 4 * j + 2], limits)
+        if min(at, rest) < piece[LOW + j] or max(at, rest) > piece[LOW + JOINTS + j]:
+            return False
+        if k >= 2:
+            length += max(at * at, rest * rest)
+    return length <= piece[MOST] * piece[MOST]

@@ -145,8 +145,8 @@ def commit(piece: Floats, state: Floats, wanted: float) -> None:
     if done and state[GOAL] == wanted and wanted <= 1.0:
         return
     period = piece[PERIOD]
-    if state[WANTED] != wanted:
-        state[WANTED], state[WAY] = wanted, 0.0
+    # the ways are gone through in turn whatever is wanted meanwhile: noise in it keeps none from being tried
+    state[WANTED] = wanted
     for _ in range(TRIES):
         index = int(state[WAY])
         goal = wanted
