@@ -14,7 +14,16 @@ if TYPE_CHECKING:
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
 
-__all__ = ["report", "write_report"]
+__all__ = ["follow_report", "limit_shares", "report", "write_report"]
+
+
+def __getattr__(name: str) -> object:
+    """What speaks of followed runs is loaded when it is asked for."""
+    if name in ("follow_report", "limit_shares"):
+        from toolpace.reporting import followed
+
+        return getattr(followed, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def report(

@@ -55,7 +55,7 @@ def follow_report(
         temporary.write_text(_page(setpoints, machine, errors, title), encoding="utf-8")
 
 
-def shares(setpoints: Sequence[SetPoint], machine: Machine) -> dict[str, Floats]:
+def limit_shares(setpoints: Sequence[SetPoint], machine: Machine) -> dict[str, Floats]:
     """By kind (3, n): what path, correction and both use of the limit, each of the joint that uses most of it."""
     own = np.array([each.correction[1:] for each in setpoints])
     whole = np.array([(each.qd, each.qdd, each.qddd) for each in setpoints])
@@ -68,7 +68,7 @@ def _page(setpoints: Sequence[SetPoint], machine: Machine, errors: Mapping[str, 
     from plotly.offline import get_plotlyjs
 
     here = files("toolpace.reporting")
-    used = shares(setpoints, machine)
+    used = limit_shares(setpoints, machine)
     page = Template(here.joinpath("followed.html").read_text(encoding="utf-8")).substitute(
         title=escape(title),
         machine=escape(machine.name),

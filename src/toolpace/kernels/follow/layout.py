@@ -51,14 +51,14 @@ INPUTS = 11
 # state
 (
     NOW, STEPS, TAU, PACE, CHANGE, BEND, WANTED, GOAL, FINAL, WAY, MEASURED, LAST_MEASURED, LAST_JUMP, FULL, FULL_FOR,
-    STOPPED,
-) = range(16)  # fmt: skip
+    STOPPED, NEEDED, TAKEN_OFF,
+) = range(18)  # fmt: skip
 """Time [s] and number of the set-point that was given last; time of the path, pace and its two derivatives; the pace
 asked for, the one committed to and the one that it ends with; which way of changing it is tried; whether anything was
 measured and when; when the joints were last found displaced; whether the correction is at its limit and for how long
-[s]; whether that has stopped the tool."""
+[s]; whether that has stopped the tool; share of the pace that a correction needed of late, and what is taken off it."""
 SEGMENTS = 7
-COMMITTED = 16
+COMMITTED = 18
 """(7, 2) duration [s] and second derivative of the pace [1/s^2] of what is committed to."""
 CANDIDATE = COMMITTED + 2 * SEGMENTS
 """The same of what is looked at."""

@@ -40,6 +40,7 @@ from toolpace.kernels.follow.layout import (
     LOOK_BACK,
     MEASURED,
     MEMORY,
+    NEEDED,
     NOMINAL,
     NOW,
     OUT_CORRECTION,
@@ -58,6 +59,7 @@ from toolpace.kernels.follow.layout import (
     STEPS,
     STOPPED,
     STOPPING,
+    TAKEN_OFF,
     TAU,
     WAIT,
     Q,
@@ -68,6 +70,8 @@ from toolpace.kernels.jit import jit
 
 NOTCHES = 16.0
 """Parts in which the pace is lowered for a correction: it is not changed for every little."""
+SETTLES = 0.2
+"""Time constant with which it comes back [s]: what noise makes of the correction shall not make the pace tremble."""
 LEAST = 0.02
 """Share of the feed up to which nothing is taken off the pace."""
 MOST_OVERRIDE = 1.2
@@ -131,21 +135,19 @@ def wanted_pace(piece: Floats, state: Floats, override: float) -> tuple[float, i
     asked = min(max(override, 0.0), MOST_OVERRIDE) if not math.isnan(override) else 0.0
     if state[STOPPED] > 0.0:
         return 0.0, 0
-    lowered = 1.0
-    added = speed_of_correction(piece, state) / piece[cell_at(piece, state[TAU]) + FEED]
-    if added > LEAST:
-        lowered = 1.0 - added
+    needed = speed_of_correction(piece, state) / piece[cell_at(piece, state[TAU]) + FEED]
     lag = 0.0
     place = piece[PLACE : PLACE + 5].view(np.int64)
     for k in range(2, JOINTS):
         j = place[k]
         lag += (state[AIM + j] - state[CORRECTION + 4 * j]) ** 2
     lag = math.sqrt(lag) / piece[WAIT]
-    if lag > 1.0:
-        lowered = min(lowered, 0.5 * (3.0 - lag))
-    if lowered >= 1.0:
-        return asked, 0
-    return asked * max(math.floor(lowered * NOTCHES) / NOTCHES, 0.0), SLOWED
+    needed = min(max(needed, 0.5 * (lag - 1.0)), 1.0)
+    state[NEEDED] = max(needed, state[NEEDED] * math.exp(-piece[PERIOD] / SETTLES))
+    notches = math.ceil(state[NEEDED] * NOTCHES) if state[NEEDED] > LEAST else 0.0
+    if notches == 0.0 or not -1.5 < notches - NOTCHES * state[TAKEN_OFF] < 0.5:
+        state[TAKEN_OFF] = notches / NOTCHES
+    return asked * (1.0 - state[TAKEN_OFF]), SLOWED if state[TAKEN_OFF] > 0.0 else 0
 
 
 @jit()
