@@ -52,7 +52,7 @@ def kernel_times(steps: int = STEPS) -> Table:
         words=2,
     )
     machine = Machine.load("paper-ab")
-    for turns in (0.7, 79.4):
+    for turns in (0.25, 26.5):
         trajectory = plan(circling(turns), machine.reserved(0.1), bound=False)
         follower = Follower(trajectory, machine, delay=4e-3)
         for clock, name in ((OF_THREAD, "of the thread"), (WALL, "wall")):

@@ -300,9 +300,12 @@ def within_reach(piece: Floats, state: Floats, wanted: Floats) -> bool:
         j = place[k]
         limits[1], limits[2] = piece[SHARE + JOINTS + j], piece[SHARE + 2 * JOINTS + j]
         at = state[CORRECTION + 4 * j] - wanted[j]
-        rest = at + stop(state[CORRECTION + 4 * j + 1], state[CORRECTION + 4 * j + 2], limits)
-        if min(at, rest) < piece[LOW + j] or max(at, rest) > piece[LOW + JOINTS + j]:
+        v, a = state[CORRECTION + 4 * j + 1], state[CORRECTION + 4 * j + 2]
+        # braking that has begun may turn round before it ends: without it the way out is no shorter
+        ends = at + stop(v, a, limits), at + stop(v, 0.0, limits)
+        low, high = min(at, ends[0], ends[1]), max(at, ends[0], ends[1])
+        if low < piece[LOW + j] or high > piece[LOW + JOINTS + j]:
             return False
         if k >= 2:
-            length += max(at * at, rest * rest)
+            length += max(low * low, high * high)
     return length <= piece[MOST] * piece[MOST]

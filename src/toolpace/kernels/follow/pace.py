@@ -45,8 +45,6 @@ WAYS = 13
 """Ways of changing the pace, from quick to slow; for a pace above 1, each with three goals."""
 QUICKEST, SLOWER = 400.0, 0.44
 """Second derivative of the pace of the first way [1/s^2], and what each next one has of it."""
-TRIES = 2
-"""Ways that are looked through in a step."""
 LOOK, LOOKS = 4e-3, 50.0
 """Least time between two looks at what a change of pace passes [s], and most looks a segment: in between, all that is
 largest counts."""
@@ -140,27 +138,26 @@ def lay_out(state: Floats, goal: float, way: int, period: float) -> float:
 
 @jit()
 def commit(piece: Floats, state: Floats, wanted: float) -> None:
-    """Commit to a change towards the pace that is wanted, if one of the ways tried fits."""
+    """Commit to a change towards the pace that is wanted, if the way that is next in turn fits."""
     done = abs(state[PACE] - wanted) <= SAME and abs(state[CHANGE]) <= SAME
     if done and state[GOAL] == wanted and wanted <= 1.0:
         return
     period = piece[PERIOD]
     # the ways are gone through in turn whatever is wanted meanwhile: noise in it keeps none from being tried
     state[WANTED] = wanted
-    for _ in range(TRIES):
-        index = int(state[WAY])
-        goal = wanted
-        if wanted > 1.0:
-            goal = 1.0 + (wanted - 1.0) * 0.5 ** (index // WAYS)
-        time = lay_out(state, goal, index % WAYS, period)
-        left = state[COMMITTED] + state[COMMITTED + 2] + state[COMMITTED + 4]
-        sooner = wanted > 1.0 or state[GOAL] != wanted or time < left - 0.5 * period
-        # a change that has to be turned round first is not to dip
-        if sooner and fits(piece, state, max(min(goal, state[PACE]) - DIP, 0.0) - SAME):
-            for k in range(2 * SEGMENTS):
-                state[COMMITTED + k] = state[CANDIDATE + k]
-            state[GOAL], state[FINAL] = wanted, min(goal, 1.0)
-            return
+    index = int(state[WAY])
+    goal = wanted
+    if wanted > 1.0:
+        goal = 1.0 + (wanted - 1.0) * 0.5 ** (index // WAYS)
+    time = lay_out(state, goal, index % WAYS, period)
+    left = state[COMMITTED] + state[COMMITTED + 2] + state[COMMITTED + 4]
+    sooner = wanted > 1.0 or state[GOAL] != wanted or time < left - 0.5 * period
+    # a change that has to be turned round first is not to dip
+    if sooner and fits(piece, state, max(min(goal, state[PACE]) - DIP, 0.0) - SAME):
+        for k in range(2 * SEGMENTS):
+            state[COMMITTED + k] = state[CANDIDATE + k]
+        state[GOAL], state[FINAL] = wanted, min(goal, 1.0)
+    else:
         state[WAY] = float((index + 1) % (3 * WAYS if wanted > 1.0 else WAYS))
 
 
