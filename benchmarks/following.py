@@ -86,13 +86,14 @@ def delay_table(trajectory: Trajectory, machine: Machine, gain: float) -> Table:
 def stability_table(trajectory: Trajectory, machine: Machine) -> tuple[Table, float]:
     """Gain from which the loop grows: by its characteristic polynomial, and by the kernel at small signals."""
     heads = ["set-points late", "of these known", "rho", "rho told", "predicted", "found", "off by [%]"]
+    follower = Follower(trajectory, machine)
     table, worst = Table("Gain from which small signals grow", heads), 0.0
     cases = [(d, 0, 0.0, 0.0) for d in (1, 2, 3, 5, 7, 10)]
     cases += [(10, 6, 0.0, 0.0), (6, 10, 0.0, 0.0), (5, 0, 0.3, 0.0), (5, 0, 0.0, 0.3), (1, 1, 0.3, 0.0)]
     cases += [(1, 1, 0.9, 0.0), (5, 5, 0.6, 0.0), (5, 5, 0.0, 0.6), (4, 4, 0.2, 0.9)]
     for late, known, rho, told in cases:
         predicted = critical(lambda gain: largest_root(gain, late, known, rho, told) > 1.0, 1e-3, 2.0, 30)
-        found = critical(lambda gain: grows(trajectory, machine, gain, late, known, rho, told), 1e-3, 2.0, 11)
+        found = critical(lambda gain: grows(follower, gain, late, known, rho, told), 1e-3, 2.0, 11)
         off = 100.0 * (found / predicted - 1.0)
         worst = max(worst, abs(off))
         table.lines.append([f"{late}", f"{known}", f"{rho:g}", f"{told:g}", f"{predicted:.4f}", f"{found:.4f}", f"{off:+.1f}"])

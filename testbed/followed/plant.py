@@ -11,6 +11,7 @@ cut together.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numba
@@ -23,8 +24,6 @@ from toolpace.kernels.follow.aim import chain_of
 from toolpace.kernels.follow.path import place_on_path
 from toolpace.kernels.follow.step import step
 from toolpace.kernels.kinematics.chain import forward
-from toolpace.machine.machine import Machine
-from toolpace.trajectory import Trajectory
 
 INPUTS, OUTPUTS, OVERRIDE, TAU, NOW, Q, STATUS = (
     at.INPUTS, at.OUTPUTS, at.OVERRIDE, at.TAU, at.NOW, at.Q, at.STATUS,
@@ -33,6 +32,8 @@ SPINDLE = 100.0
 """Turns of the spindle a second."""
 LARGE = 1e-10
 """For a small signal [m]."""
+LONG = 4000
+"""Set-points in which a signal grows or not."""
 
 
 @dataclass(frozen=True)
@@ -135,28 +136,26 @@ def largest_root(gain: float, late: int, known: int, rho: float, told: float) ->
     return float(np.abs(np.roots(polynomial)).max())
 
 
-def critical(grows: object, low: float, high: float, steps: int = 12) -> float:
+def critical(grows: Callable[[float], bool], low: float, high: float, steps: int = 12) -> float:
     """The gain from which a loop grows, between one at which it does not and one at which it does."""
-    assert callable(grows) and not grows(low) and grows(high)
+    assert not grows(low) and grows(high)
     for _ in range(steps):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if grows(middle) else (middle, high)
     return 0.5 * (low + high)
 
 
-def grows(
-    trajectory: Trajectory, machine: Machine, gain: float, late: int, known: int, rho: float, told: float
-) -> bool:
-    """Whether the follower's kernel lets a signal of a picometre grow, where the drives are `late` set-points late.
+def grows(follower: Follower, gain: float, late: int, known: int, rho: float, told: float) -> bool:
+    """Whether a follower's kernel lets a signal of a picometre grow, where the drives are `late` set-points late.
 
     The path stands: where it moves, a delay that is not known shifts what is measured along it.
     """
-    period = 1e-3
-    follower = Follower(trajectory, machine, delay=known * period, gain=gain, rho=told, filter=0.0)
+    head = {at.GAIN: gain, at.DELAY: known * follower.period, at.RHO: told, at.FILTER: 0.0, at.DEADBAND: 0.0}
+    for place, value in head.items():
+        follower.piece[place] = value
     plant = Plant((0.0, 0.0, 0.0), rho, 0.0, 0.0, 0.0, 0.0, late, 0.0, 0.0, 1e-12)
-    _, out = followed(follower, plant, min(int(trajectory.duration / period), 4000))
+    _, out = followed(follower, plant, LONG)
     size = np.abs(out[:, at.OUT_CORRECTION : at.OUT_CORRECTION + 5]).max(axis=1)
-    quarter = len(size) // 4
-    first, last = size[quarter // 4 : quarter].max(), size[-quarter:].max()
+    first, last = size[LONG // 16 : LONG // 4].max(), size[-LONG // 4 :].max()
     # what has grown beyond what the tracker follows at once has grown
     return bool(last > LARGE or last > max(first, 1e-15))

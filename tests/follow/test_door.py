@@ -1,0 +1,64 @@
+"""The step as control code calls it: from C, compiled here, on a piece read from its file."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from toolpace.arrays import Floats
+from toolpace.follow.law_file import read_law
+from toolpace.kernels.follow import layout
+
+PAGE = Path(__file__).parents[2] / "docs" / "design" / "follower.md"
+
+
+@pytest.fixture(scope="module")
+def follower() -> tp.Follower:
+    machine = tp.Machine.load("paper-ab")
+    return tp.Follower(tp.plan(tp.Path.paper_arc(), machine.reserved(0.1), bound=False), machine)
+
+
+def test_lengths_of_the_page_are_those_of_the_kernel():
+    text = PAGE.read_text(encoding="utf-8")
+    assert f"`STATE` = {layout.STATE} " in text and (layout.INPUTS, layout.OUTPUTS) == (11, 45)
+
+
+def test_a_law_is_the_same_from_its_file(follower: tp.Follower, tmp_path: Path):
+    follower.save(tmp_path / "arc.law")
+    assert np.array_equal(read_law(tmp_path / "arc.law"), follower.piece)
+    assert np.array_equal(tp.Follower.load(tmp_path / "arc.law").step().q, follower.step().q)
+    with (tmp_path / "arc.law").open("ab") as file:
+        file.write(b"more")
+    with pytest.raises(tp.ToolpaceError, match="bytes where the law needs"):
+        read_law(tmp_path / "arc.law")
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_the_example_in_c_goes_where_python_goes(follower: tp.Follower, tmp_path: Path):
+    from toolpace.kernels.follow.door import step_for_c
+
+    follower.save(tmp_path / "arc.law")
+    piece: Floats = np.fromfile(tmp_path / "arc.law", dtype="<f8")
+    code = "#include <math.h>\n#include <stdint.h>\n" + "\n".join(
+        re.findall(r"```c\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    )
+    (tmp_path / "run.c").write_text(code)
+    library = tmp_path / "run.so"
+    command = ["gcc", "-Wall", "-Werror", "-O2", "-shared", "-fPIC", str(tmp_path / "run.c"), "-o", str(library)]
+    subprocess.run(command, check=True, timeout=120)
+    door, last, steps = step_for_c(), np.empty(5), 700
+    follower.reset()
+    state = follower.state.copy()
+    run = ctypes.CDLL(str(library)).run
+    run.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64]
+    run(door.address, piece.ctypes.data, len(piece), state.ctypes.data, last.ctypes.data, steps)
+    q = [follower.step().q for _ in range(steps)][-1]
+    assert last == pytest.approx(q, abs=1e-15)
+    assert not np.allclose(q, follower.piece[layout.PATH : layout.PATH + 5], atol=1e-3)

@@ -1,0 +1,51 @@
+"""Whatever is measured and asked for: limits, feed and travel hold, and a run ends or says why it stands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbed.followed.__main__ import campaign
+from testbed.followed.cases import case
+from testbed.followed.disturbed import disturbed
+from testbed.followed.drive import driven
+from testbed.followed.judge import judged
+from toolpace.follow import Follower, Measurement
+from toolpace.kernels.follow import layout
+
+QUICK = ("arc on paper-ab", "fan")
+
+
+def test_no_measurement_and_no_override_breaks_a_limit():
+    for name, group, number, _, verdict in campaign(24, 5, QUICK, each=6, longest=4.0):
+        assert verdict.fine, f"{name}, figures {group}, run {number}: {verdict}"
+
+
+@pytest.mark.sweep
+def test_nor_do_many():
+    for name, group, number, _, verdict in campaign(120, 6, QUICK, each=12, longest=8.0):
+        assert verdict.fine, f"{name}, figures {group}, run {number}: {verdict}"
+
+
+@pytest.mark.parametrize("table, figure", [(layout.SHARE, 30.0), (layout.ROOM, 30.0)])
+def test_the_judge_sees_a_correction_or_a_pace_that_goes_too_far(table: int, figure: float):
+    followed = case("arc on paper-ab", 0.1)
+    follower = Follower(followed.trajectory, followed.machine, gain=1.0, max_correction=1e-3)
+    follower.piece[table : table + 15] *= figure
+    random = np.random.default_rng(3)
+    verdicts = [
+        judged(follower, followed, driven(follower, disturbed(random, 4000, 1e-3, 1e-3), 20.0)) for _ in range(6)
+    ]
+    assert not all(verdict.fine for verdict in verdicts)
+
+
+def test_a_step_from_python_is_that_of_the_compiled_loop():
+    followed = case("arc on paper-ab", 0.1)
+    follower = Follower(followed.trajectory, followed.machine)
+    happens = disturbed(np.random.default_rng(1), 50, 1e-3, 1e-4)
+    happens.what[:] = 0
+    out = driven(follower, happens, 0.0)
+    follower.reset()
+    for row, override in zip(out, happens.override):
+        setpoint = follower.step(Measurement(np.nan), feed=override)
+        assert np.array_equal(setpoint.q, row[layout.Q : layout.Q + 5])
