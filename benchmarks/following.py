@@ -1,6 +1,6 @@
 """The live follower: what it makes of a tool that bends, when it gets unstable, and how long a step takes.
 
-    python -m benchmarks.following        writes benchmarks/results/following.md
+python -m benchmarks.following        writes benchmarks/results/following.md
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from benchmarks.follow_steps import kernel_times, ruckig_times
 from benchmarks.machine import RESULTS, written_by
 from benchmarks.running_means import beside_the_tracker
 from benchmarks.tables import Table
+from testbed.followed.cases import CASES, RESERVES, case
+from testbed.followed.holds import PLACES, hold_times
 from testbed.followed.plant import Plant, critical, followed, grows, largest_root
 from toolpace.arrays import Floats
 from toolpace.follow import Follower
@@ -49,7 +51,9 @@ def figures_of(error: Floats, plant: Plant, period: float) -> list[float]:
 def plant_table(trajectory: Trajectory, machine: Machine) -> Table:
     """The plant that was asked for, with its rho told and not told."""
     heads = ["gain", "rho told", "after 100 ms, a turn's mean", "rms of a turn's mean", "rms below 20 Hz", "rms of all"]
-    table = Table("Error of the tip [um]: bending 100 um with rho 0.3, runout 15 um, noise 2 um, dead time 4 ms, lag 5 ms", heads)
+    table = Table(
+        "Error of the tip [um]: bending 100 um with rho 0.3, runout 15 um, noise 2 um, dead time 4 ms, lag 5 ms", heads
+    )
     plant = Plant()
     count = int(trajectory.duration / 1e-3)
     blind = Follower(trajectory, machine)
@@ -66,7 +70,9 @@ def plant_table(trajectory: Trajectory, machine: Machine) -> Table:
 def delay_table(trajectory: Trajectory, machine: Machine, gain: float) -> Table:
     """Over dead time and rho; rho not told, and told."""
     heads = ["dead time [ms]", *(f"rho {rho:g}" for rho in RHOS), *(f"rho {rho:g}, told" for rho in RHOS)]
-    table = Table(f"Error after 100 ms, a turn's mean, and rms of a turn's mean from then on [um], gain {gain:g}", heads)
+    table = Table(
+        f"Error after 100 ms, a turn's mean, and rms of a turn's mean from then on [um], gain {gain:g}", heads
+    )
     for delay in DELAYS:
         line = [f"{delay}"]
         for told in (False, True):
@@ -75,7 +81,13 @@ def delay_table(trajectory: Trajectory, machine: Machine, gain: float) -> Table:
                 told_rho = rho if told else 0.0
                 # what it settles at is bending / (1 - rho)
                 follower = Follower(
-                    trajectory, machine, delay=plant.lag, gain=gain, rho=told_rho, max_correction=2e-3, patience=math.inf
+                    trajectory,
+                    machine,
+                    delay=plant.lag,
+                    gain=gain,
+                    rho=told_rho,
+                    max_correction=2e-3,
+                    patience=math.inf,
                 )
                 error, _ = followed(follower, plant, 3500)
                 line.append("{:.1f}, {:.1f}".format(*figures_of(error, plant, 1e-3)[:2]))
@@ -91,13 +103,26 @@ def stability_table(trajectory: Trajectory, machine: Machine) -> tuple[Table, fl
     cases = [(d, 0, 0.0, 0.0) for d in (1, 2, 3, 5, 7, 10)]
     cases += [(10, 6, 0.0, 0.0), (6, 10, 0.0, 0.0), (5, 0, 0.3, 0.0), (5, 0, 0.0, 0.3), (1, 1, 0.3, 0.0)]
     cases += [(1, 1, 0.9, 0.0), (5, 5, 0.6, 0.0), (5, 5, 0.0, 0.6), (4, 4, 0.2, 0.9)]
-    for late, known, rho, told in cases:
-        predicted = critical(lambda gain: largest_root(gain, late, known, rho, told) > 1.0, 1e-3, 2.0, 30)
-        found = critical(lambda gain: grows(follower, gain, late, known, rho, told), 1e-3, 2.0, 11)
+    for row in cases:
+        late, known, rho, told = row
+        predicted = critical(lambda gain, row=row: largest_root(gain, *row) > 1.0, 1e-3, 2.0, 30)
+        found = critical(lambda gain, row=row: grows(follower, gain, *row), 1e-3, 2.0, 11)
         off = 100.0 * (found / predicted - 1.0)
         worst = max(worst, abs(off))
-        table.lines.append([f"{late}", f"{known}", f"{rho:g}", f"{told:g}", f"{predicted:.4f}", f"{found:.4f}", f"{off:+.1f}"])
+        table.lines.append(
+            [f"{late}", f"{known}", f"{rho:g}", f"{told:g}", f"{predicted:.4f}", f"{found:.4f}", f"{off:+.1f}"]
+        )
     return table, worst
+
+
+def hold_table() -> Table:
+    """How soon the path stands after a hold, by motion and reserve."""
+    heads = ["motion", *(f"reserve {reserve:g}" for reserve in RESERVES)]
+    table = Table(f"Time from a feed of 0 to a pace of 0, median and worst of {PLACES} places [s]", heads)
+    for name in CASES:
+        times = [hold_times(case(name, reserve), reserve) for reserve in RESERVES]
+        table.lines.append([name, *(f"{np.median(each):.2f}, {each.max():.2f}" for each in times)])
+    return table
 
 
 def main() -> None:
@@ -107,15 +132,15 @@ def main() -> None:
     trajectory = plan(Path.paper_arc(), machine.reserved(0.1), bound=False)
     stability, worst = stability_table(trajectory, machine)
     tables = [plant_table(trajectory, machine), *(delay_table(trajectory, machine, gain) for gain in GAINS), stability]
-    tables += [kernel_times(), ruckig_times(), beside_the_tracker()]
+    tables += [hold_table(), kernel_times(), ruckig_times(), beside_the_tracker()]
     for table in tables:
         table.show()
     print(f"stability: at most {worst:.1f} % off; {time.process_time() - began:.0f} s of CPU time")
     text = (
         "# The live follower\n\n"
         f"{written_by('python -m benchmarks.following')} The machine was shared with other jobs meanwhile.\n\n"
-        "The path is the study's arc on `paper-ab`, planned with a tenth of the limits in reserve. Runout turns 100 times a\n"
-        "second: no axis follows it, and none shall; a mean over a turn is free of it.\n\n"
+        "The path is the study's arc on `paper-ab`, planned with a tenth of the limits in reserve. Runout turns 100\n"
+        "times a second: no axis follows it, and none shall; a mean over a turn is free of it.\n\n"
     )
     (RESULTS / "following.md").write_text(text + "\n".join(table.markdown() for table in tables))
 

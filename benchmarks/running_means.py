@@ -57,19 +57,20 @@ def used(x: Floats, limits: Floats) -> float:
 def beside_the_tracker() -> Table:
     """Time until a step is made, and what is used of the limits when the input jumps from end to end at random."""
     heads = ["machine", "means: a step [ms]", "tracker: a step [ms]", "means: worst use", "tracker: worst use"]
-    table = Table(f"A step of {STEP * 1e3:g} mm within {RESERVE * TO_CORRECTION:g} of the limits, most {MOST * 1e3:g} mm", heads)
+    table = Table(
+        f"A step of {STEP * 1e3:g} mm within {RESERVE * TO_CORRECTION:g} of the limits, most {MOST * 1e3:g} mm", heads
+    )
     random = np.random.default_rng(0)
     jumps = MOST * np.repeat(random.choice([-1.0, 1.0], 600), random.integers(1, 80, 600))
+    steps = np.full(3000, STEP)
     for name in MACHINES:
         machine = Machine.load(name)
         j, share = machine.linear[0], RESERVE * TO_CORRECTION
-        limits = share * np.array(
-            [machine.limits.velocity[j], machine.limits.acceleration[j], machine.limits.jerk[j]]
-        )
+        limits = share * np.array([machine.limits.velocity[j], machine.limits.acceleration[j], machine.limits.jerk[j]])
         lengths = windows(limits, MOST)
         line = [name]
-        for run in (lambda x: means(x, lengths), lambda x: tracked(x, limits)):
-            there = np.flatnonzero(np.abs(run(np.full(3000, STEP)) - STEP) < 1e-4 * STEP)[0] + 1
+        for made in (means(steps, lengths), tracked(steps, limits)):
+            there = np.flatnonzero(np.abs(made - STEP) < 1e-4 * STEP)[0] + 1
             line.append(f"{there * PERIOD * 1e3:.0f}")
         line += [f"{used(means(jumps, lengths), limits):.4f}", f"{used(tracked(jumps, limits), limits):.4f}"]
         table.lines.append(line)

@@ -23,6 +23,7 @@ TESTED = {
     "07_choose_a_planner",
     "08_waypoints",
     "09_back_onto_the_path",
+    "10_follow_a_disturbed_run",
 }
 
 
@@ -119,3 +120,13 @@ def test_back_onto_the_path():
     assert example.again.usage().worst <= 1.0001
     assert 0.0 < example.off[0] <= np.linalg.norm(example.measured - example.commanded)
     assert example.off[-1] < 1e-9
+
+
+def test_follow_a_disturbed_run():
+    example = load("10_follow_a_disturbed_run")
+    assert max(row[2].max() for row in example.used.values()) <= 1.0001
+    size = [np.linalg.norm(error[700:2900], axis=1) for error in (example.with_correction, example.without)]
+    # what is left is the runout, which no axis follows
+    assert size[0].mean() < 20e-6 and size[1].mean() > 90e-6
+    page = (example.folder / "followed.html").read_text(encoding="utf-8")
+    assert "tool that bends" in page and "Content-Security-Policy" in page

@@ -1,6 +1,6 @@
 """Follow plans with all that may be measured and asked for, and judge every set-point.
 
-    python -m testbed.followed --runs 2000 --seed 0
+python -m testbed.followed --runs 2000 --seed 0
 """
 
 from __future__ import annotations
@@ -97,13 +97,17 @@ def main() -> None:
             print(f"{name}, figures {group}, run {number}: {verdict}", flush=True)
         if (done := sum(tally.runs for tally in tallies.values())) % 100 == 0:
             print(f"{done} runs, {time.process_time() - began:.0f} s of CPU time", flush=True)
-    table = Table("Worst of each case", HEADS, [[name, *tally.cells()] for name, tally in tallies.items() if tally.runs])
+    table = Table(
+        "Worst of each case", HEADS, [[name, *tally.cells()] for name, tally in tallies.items() if tally.runs]
+    )
     table.show()
     said = sum((tally.said for tally in tallies.values()), Counter())
     words = ", ".join(f"{status.name} in {count}" for status, count in said.most_common())
     print(words)
     if given.write is not None:
-        given.write.write_text(page(table, words, f"python -m testbed.followed --runs {given.runs} --seed {given.seed}"))
+        given.write.write_text(
+            page(table, words, f"python -m testbed.followed --runs {given.runs} --seed {given.seed}")
+        )
 
 
 def page(table: Table, words: str, command: str) -> str:
@@ -111,13 +115,13 @@ def page(table: Table, words: str, command: str) -> str:
     return (
         "# Plans followed, whatever is measured\n\n"
         f"{written_by(command)}\n\n"
-        "Random figures of the follower (reserve 0.02 to 0.4, period 0.5 to 4 ms, delay to 20 ms, both causes, gain to 1.6,\n"
-        "filter, deadband, wait), random measurements (noise, steps, bang-bang, nan, absurd, late, out of order, from the\n"
-        "future, none for a while; of tip, axis and force) and a random override with holds. All is judged by differences of\n"
-        "the set-points: velocity, acceleration and jerk over the whole limits, the speed of the tip over feed times pace\n"
-        "and the stated excess, set-points less their correction over what is stated of the path. A run that has not gone\n"
-        "through its path must say why it stands. Where joints are found displaced the state jumps, and no difference is\n"
-        "taken across.\n\n"
+        "Random figures of the follower (reserve 0.02 to 0.4, period 0.5 to 4 ms, delay to 20 ms, both causes, gain\n"
+        "to 1.6, filter, deadband, wait), random measurements (noise, steps, bang-bang, nan, absurd, late, out of\n"
+        "order, from the future, none for a while; of tip, axis and force) and a random override with holds. All is\n"
+        "judged by differences of the set-points: velocity, acceleration and jerk over the whole limits, the speed of\n"
+        "the tip over feed times pace and the stated excess, set-points less their correction over what is stated of\n"
+        "the path. A run that has not gone through its path must say why it stands. Where joints are found displaced\n"
+        "the state jumps, and no difference is taken across.\n\n"
         f"{table.markdown()}\nRuns in which a status was said: {words}.\n"
     )
 

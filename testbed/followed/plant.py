@@ -58,14 +58,26 @@ class Plant:
     """What the first measurement is off by, for a loop that is left to itself."""
 
 
-def followed(follower: Follower, plant: Plant, count: int, measured: bool = True, seed: int = 0) -> tuple[Floats, Floats]:
+def followed(
+    follower: Follower, plant: Plant, count: int, measured: bool = True, seed: int = 0
+) -> tuple[Floats, Floats]:
     """(count, 3) error of the tip, (count, OUTPUTS) set-points; without `measured` the follower is left blind."""
     follower.reset()
     if plant.feed == 0.0:
         follower.state[[at.PACE, at.GOAL, at.FINAL]] = 0.0
     noise = plant.noise * np.random.default_rng(seed).normal(size=(count, 3))
     figures = np.array(
-        [plant.rho, plant.runout, plant.dead_time, plant.lag, plant.transport, plant.start, plant.kick, plant.feed, measured]
+        [
+            plant.rho,
+            plant.runout,
+            plant.dead_time,
+            plant.lag,
+            plant.transport,
+            plant.start,
+            plant.kick,
+            plant.feed,
+            measured,
+        ]
     )
     error, out = np.empty((count, 3)), np.empty((count, OUTPUTS))
     _loop(follower.piece, follower.state, np.array(plant.bending), figures, follower.period, noise, error, out)
@@ -85,7 +97,7 @@ def _loop(
 ) -> None:
     rho, runout, dead_time, lag, transport, start, kick, feed, measured = figures
     chain, given, column = chain_of(piece), np.empty(INPUTS), np.empty(4)
-    count, late, dead = len(error), int(transport), int(round(dead_time / period))
+    count, late, dead = len(error), int(transport), round(dead_time / period)
     path, own, tips = np.zeros((count + 1, 5)), np.zeros((count + 1, 5)), np.empty((count, 3))
     q, bent, tip, on_path, axis = np.empty(5), np.zeros(5), np.empty(3), np.empty(3), np.empty(3)
     for j in range(5):

@@ -65,8 +65,8 @@ class Figures:
                 self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
         if self.delay > (LOOK_BACK - 10) * self.period:
             raise UsageError(
-                f"follower: a delay of {self.delay:g} s is more than the {LOOK_BACK - 10} set-points that are remembered;"
-                f" give a period of {self.delay / (LOOK_BACK - 10):.3g} s or more"
+                f"follower: a delay of {self.delay:g} s is more than the {LOOK_BACK - 10} set-points that are"
+                f" remembered; give a period of {self.delay / (LOOK_BACK - 10):.3g} s or more"
             )
         compliance = np.asarray(self.compliance, dtype=float)
         if compliance.shape != (3, 3) or not np.isfinite(compliance).all():

@@ -130,10 +130,10 @@ class Follower:
 def pace_within(trajectory: Trajectory, machine: Machine, share: float) -> float:
     """The steady pace at which a trajectory uses no more than a share of each limit of a machine."""
     used = trajectory.usage()
-    for kind in ("acceleration", "jerk"):
-        for joint, limit in zip(machine.joints, getattr(machine.limits, kind)):
+    for name in ("acceleration", "jerk"):
+        for joint, limit in zip(machine.joints, getattr(machine.limits, name)):
             if not math.isfinite(limit):
-                raise UsageError(f"follower: {joint} has no limit of {kind}; give machine {machine.name} one")
+                raise UsageError(f"follower: {joint} has no limit of {name}; give machine {machine.name} one")
     worst = []
     for kind, of_plan, own in (
         (used.velocity, trajectory.limits.velocity, machine.limits.velocity),

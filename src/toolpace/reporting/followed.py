@@ -50,7 +50,9 @@ def follow_report(
     check_machine(machine, "follow_report")
     if not setpoints or any(np.shape(error) != (len(setpoints), 3) for error in errors.values()):
         shapes = ", ".join(f"{name} {np.shape(error)}" for name, error in errors.items())
-        raise UsageError(f"follow_report: {len(setpoints)} set-points, errors of shape {shapes}; give (n, 3) for each n")
+        raise UsageError(
+            f"follow_report: {len(setpoints)} set-points, errors of shape {shapes}; give (n, 3) for each n"
+        )
     with whole_file(path) as temporary:
         temporary.write_text(_page(setpoints, machine, errors, title), encoding="utf-8")
 

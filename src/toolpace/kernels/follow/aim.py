@@ -18,6 +18,7 @@ import math
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
+from toolpace.kernels.follow.jerk_limited import stop
 from toolpace.kernels.follow.layout import (
     ABSURD,
     AIM,
@@ -62,7 +63,6 @@ from toolpace.kernels.follow.layout import (
     STEPS,
     TIP,
 )
-from toolpace.kernels.follow.jerk_limited import stop
 from toolpace.kernels.follow.path import place_on_path
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.chain import dot, forward, linear_columns, reciprocal, turn
@@ -308,4 +308,5 @@ def within_reach(piece: Floats, state: Floats, wanted: Floats) -> bool:
             return False
         if k >= 2:
             length += max(low * low, high * high)
-    return length <= piece[MOST] * piece[MOST]
+    within: bool = length <= piece[MOST] * piece[MOST]
+    return within
