@@ -29,6 +29,11 @@ class CommandedMotion:
         """That of one run of a trajectory."""
         return cls(trajectory.axis_path.runs[index], trajectory.laws[index])
 
+    def place(self, t: Floats) -> Floats:
+        """(n,) parameters at sorted times (n,) of the law, held in its range."""
+        s: Floats = np.clip(self.law.at(np.clip(t, 0.0, self.law.duration))[0], self.run.s0, self.run.s1)
+        return s
+
     def motion(self, t: Floats) -> Floats:
         """(4, n, m) joints and three time derivatives at sorted times (n,) of the law, held in its range."""
         state = self.law.at(np.clip(t, 0.0, self.law.duration))

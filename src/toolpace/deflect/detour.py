@@ -1,91 +1,77 @@
-"""From a deflected pose in motion back onto a run: quintics of time in every joint, as part of an axis path.
+"""From a state in motion back onto a run: each joint a cubic spline of time, as part of an axis path.
 
 Where the paper joins deflection and projection by a quintic with the same velocity and acceleration at both, here the
 joints start as they are moving and arrive with the motion that the commanded time law has at the point of rejoining: no
 joint is asked for a jump of velocity or acceleration at either end.
 
-      deflected o--carry--.__
-                             `--quintic--.
-    ===== run ============================x======> run goes on, law goes on
+        found o.__
+                  `--jerk constant in each of even steps--.
+    ===== run =============================================x======> run goes on, law goes on
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Bools, Floats, Ints
 from toolpace.axispath.run import AxisRun
 from toolpace.deflect.commanded import CommandedMotion
-from toolpace.deflect.feed import FeedExcess, tip_velocity
-from toolpace.laws.chain import ChainLaw
-from toolpace.laws.quintic import QuinticLaw
+from toolpace.deflect.feed import above_feed, feed_at, tip_velocity
 from toolpace.machine.machine import Machine
 
-HINTS = 13
-"""Places along a detour between which it is simple."""
 STRAIGHT = 1e-6
 """Share of v^2 / a up to which the parameter is taken as linear in time before Newton's steps, which do the rest."""
 NEWTON_STEPS = 2
 """From the closed form, or from the line; each squares the error, so that two leave rounding."""
+SHARPEST = 6.0
+"""Most relative change of the parameter's speed over a detour, as an exponent; see DetourRun."""
+LEAST_WAY = 1e-6
+"""Least way of the parameter over the detour at its speed of rejoining, over the length of the run."""
 
 
 @dataclass(frozen=True, eq=False)
 class Detour:
-    """Joint motion over `carry + period` from a deflected pose to the state of the commanded motion at `rejoin`.
-
-    For the time `carry` the joints go on as before, offset by the deflection; then each follows a quintic.
-    """
+    """Joint motion from a state to that of the commanded motion at `rejoin`, with constant jerk in each step."""
 
     commanded: CommandedMotion
-    time: float
-    """Of the deflection, on the clock of the commanded law [s]."""
-    offset: Floats
-    """(m,) deflected joints minus commanded ones."""
-    carry: float
-    period: float
+    left: float
+    """When the path was left, and when it is rejoined, both on the clock of the commanded law [s]."""
     rejoin: float
-    """On the clock of the commanded law [s]."""
+    times: Floats
+    """(n + 1,) of the steps' ends since the start; the last is the duration [s]."""
+    knots: Floats
+    """(3, n + 1, m) positions, velocities, accelerations there."""
+    jerks: Floats
+    """(n, m) in the steps."""
 
     @property
     def duration(self) -> float:
         """[s]"""
-        return self.carry + self.period
+        return float(self.times[-1])
 
-    def kinks(self) -> Floats:
-        """(k,) times since the deflection at which the jerk of the carry may jump."""
-        if self.carry == 0.0:
-            return np.empty(0)
-        law, run = self.commanded.law, self.commanded.run
-        own = law.times if isinstance(law, QuinticLaw | ChainLaw) else np.empty(0)
-        ends = law.at(np.array([self.time, self.time + self.carry]))[0]
-        passed = run.breaks[(run.breaks > ends[0]) & (run.breaks < ends[1])]
-        times = np.concatenate([own, [law.passing_time(float(s)) for s in passed]]) - self.time
-        return np.unique(times[(times > 0.0) & (times < self.carry)])
+    @property
+    def lost(self) -> float:
+        """By how much the rest of the motion comes later than without the detour [s]."""
+        return self.duration - (self.rejoin - self.left)
 
-    def polynomials(self) -> Floats:
-        """(1, 6, m) of the quintics."""
-        from toolpace.kernels.motion.quintic import coefficients
+    def abreast(self, t: Floats) -> Floats:
+        """(n,) parameters of the run that the tool is abreast of at times since the start.
 
-        q = self.commanded.motion(np.array([self.time + self.carry]))[:3, 0]
-        q[0] += self.offset
-        end = self.commanded.motion(np.array([self.rejoin]))[:3, 0]
-        both = np.ascontiguousarray(np.stack([q, end], axis=1))
-        out: Floats = coefficients(np.array([0.0, self.period]), *both)
-        return out
+        The commanded law's at the time that has passed in the same share, from the leaving to the rejoining.
+        """
+        clock = self.left + (self.rejoin - self.left) * np.clip(t / self.duration, 0.0, 1.0)
+        return self.commanded.place(clock)
 
     def motion(self, t: Floats) -> Floats:
-        """(4, n, m) joints and three time derivatives at sorted times (n,) since the deflection."""
-        from toolpace.kernels.motion.quintic import evaluate
-
-        out: Floats = evaluate(np.array([0.0, self.period]), self.polynomials(), np.ascontiguousarray(t - self.carry))
-        early = t < self.carry
-        if early.any():
-            before = self.commanded.motion(self.time + t[early])
-            before[0] += self.offset
-            out[:, early] = before
-        return out
+        """(4, n, m) joints and three time derivatives at times (n,) since the start."""
+        k = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.jerks) - 1)
+        x = (t - self.times[k])[:, None]
+        q, v, a = self.knots[:, k]
+        j = self.jerks[k]
+        return np.stack([q + x * (v + x * (a / 2.0 + x * j / 6.0)), v + x * (a + x * j / 2.0), a + x * j, j])
 
 
 class DetourRun(AxisRun):
@@ -93,34 +79,48 @@ class DetourRun(AxisRun):
 
     On the detour p(t) is a cubic of time with the speed v and acceleration a of the run's parameter at the rejoining:
     dp/dt = v (1 + y + y^2 / 2), y = a x / v, at the time x <= 0 before it; that is never less than v / 2. Where the
-    joints come to rest as they rejoin (v = 0, an end of the run), p is time and the run ends there.
+    joints come to rest as they rejoin (v = 0, an end of the run), p is time and the run ends there. Where v is next to
+    nothing or changes by much over the detour, p is time on the detour, and the path goes on in another slope.
     """
 
-    def __init__(self, detour: Detour, machine: Machine | None, excess: FeedExcess) -> None:
-        """`excess` tells the feed of the tip on the detour."""
+    def __init__(self, detour: Detour, machine: Machine | None, lag: float = 0.0) -> None:
+        """`lag` is what earlier detours on the same run have lost [s]."""
         commanded = detour.commanded
-        self.detour, self.machine, self.excess, self.rest_of = detour, machine, excess, commanded.run
+        self.detour, self.machine, self.rest_of, self.lag = detour, machine, commanded.run, lag + detour.lost
         place, self.v, self.a, _ = map(float, commanded.law.at(np.array([detour.rejoin]))[:, 0])
+        length, span = commanded.run.s1 - commanded.run.s0, detour.duration
         self.ends_here = bool(commanded.still(np.array([self.v]))[0])
-        if self.ends_here:
+        self.smooth = (
+            not self.ends_here and abs(self.a) * span <= SHARPEST * self.v and self.v * span >= LEAST_WAY * length
+        )
+        """Whether the path over the parameter is twice continuously differentiable at the rejoining."""
+        if not self.smooth:
             self.v, self.a = 1.0, 0.0
         self.join = min(max(place, commanded.run.s0), commanded.run.s1)
         self.s0 = float(self.parameter(np.zeros(1))[0, 0])
         self.s1 = self.join if self.ends_here else commanded.run.s1
         self.dwell = commanded.run.dwell if place > commanded.run.s0 else 0.0
-        kinks = np.unique(np.concatenate([detour.kinks(), [detour.carry]]))
-        self.kinks = kinks[(kinks > 0.0) & (kinks < detour.duration)]
-        """(k,) times since the deflection at which the jerk may jump [s]."""
+        self.kinks = detour.times[1:-1]
+        """(k,) times since the start at which the jerk may jump [s]."""
         own = self.parameter(self.kinks)[0]
         later = commanded.run.breaks[commanded.run.breaks > self.join]
         self.breaks = np.concatenate([own, [] if self.ends_here else [self.join], [] if self.ends_here else later])
-        even = self.parameter(np.linspace(0.0, detour.duration, HINTS))[0]
         hints = commanded.run.hints
         after = np.empty(0) if self.ends_here else hints[hints > self.join]
-        self.hints = np.concatenate([even, after]) if len(hints) else even
+        self.hints = np.concatenate([own, after]) if len(hints) else own
+        self.blocks = commanded.run.blocks
+
+    @cached_property
+    def above(self) -> tuple[float, float]:
+        """By what share of the feed the tip starts above it, at most, and until when [s]; 0, 0 where it does not.
+
+        The joints keep their velocities and accelerations, and the tip, found elsewhere, may thereby be faster than
+        the feed, or come to be: no command can change that at once.
+        """
+        return above_feed(self.detour, self.machine)
 
     def parameter(self, t: Floats) -> Floats:
-        """(4, n) p and three time derivatives at times (n,) since the deflection, where the detour runs as made."""
+        """(4, n) p and three time derivatives at times (n,) since the start, where the detour runs as made."""
         x = t - self.detour.duration
         y = self.a * x / self.v
         return np.stack(
@@ -145,20 +145,22 @@ class DetourRun(AxisRun):
             x = x - (self.v * x * (1.0 + y / 2.0 + y * y / 6.0) - way) / (self.v * (1.0 + y + y * y / 2.0))
         return np.clip(x + self.detour.duration, 0.0, self.detour.duration)
 
+    def on_detour(self, s: Floats) -> Bools:
+        """(n,) which places lie on the detour."""
+        on: Bools = (s < self.join) | self.ends_here
+        return on
+
     def evaluate(self, s: Floats) -> Floats:
         s = np.asarray(s, dtype=float)
-        on = (s < self.join) | self.ends_here
-        out = np.empty((4, len(s), len(self.detour.offset)))
+        on = self.on_detour(s)
+        out = np.empty((4, len(s), self.detour.jerks.shape[1]))
         if not on.all():
             out[:, ~on] = self.rest_of.evaluate(s[~on])
         if on.any():
             t = self.time_at(s[on])
-            order = np.argsort(t, kind="stable")
-            moving = np.empty((4, len(t), out.shape[2]))
-            moving[:, order] = self.detour.motion(t[order])
             _, w, w1, w2 = (value[:, None] for value in self.parameter(t))
             first, second, third = 1.0 / w, -w1 / w**3, -w2 / w**4 + 3.0 * w1**2 / w**5
-            q, qd, qdd, qddd = moving
+            q, qd, qdd, qddd = self.detour.motion(t)
             out[:, on] = [
                 q,
                 qd * first,
@@ -169,23 +171,23 @@ class DetourRun(AxisRun):
 
     def speed_cap(self, s: Floats) -> Floats:
         s = np.asarray(s, dtype=float)
-        on = (s < self.join) | self.ends_here
-        out = np.empty(len(s))
+        on = self.on_detour(s)
+        out = np.full(len(s), np.inf)
         if not on.all():
             out[~on] = self.rest_of.speed_cap(s[~on])
-        if not on.any():
+        if self.machine is None or not on.any():
             return out
-        if self.machine is None:
-            out[on] = np.inf if self.ends_here else self.rest_of.speed_cap(np.array([self.join]))[0]
-            return out
-        if not np.isfinite(self.excess.feed):
-            out[on] = np.inf
-            return out
-        jets = self.evaluate(s[on])
-        speed = np.linalg.norm(tip_velocity(self.machine, jets[0], jets[1]), axis=1)
-        with np.errstate(divide="ignore"):
-            out[on] = self.excess.allowed(self.time_at(s[on]), self.detour.carry, self.detour.period) / speed
+        t = self.time_at(s[on])
+        feed = feed_at(self.rest_of, self.detour.abreast(t))
+        q, qd = self.detour.motion(t)[:2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(np.isfinite(feed), feed / np.linalg.norm(tip_velocity(self.machine, q, qd), axis=1), np.inf)
+        # what the start is above the feed by is told apart, and may not become more
+        share = np.where(t <= self.above[1], np.maximum(share, 1.0), share)
+        out[on] = share * self.parameter(t)[1]
         return out
 
     def block_at(self, s: Floats) -> Ints:
-        return self.rest_of.block_at(np.maximum(s, self.join))
+        s = np.asarray(s, dtype=float)
+        on = self.on_detour(s)
+        return self.rest_of.block_at(np.where(on, self.detour.abreast(self.time_at(s)), s))

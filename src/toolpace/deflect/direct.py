@@ -10,14 +10,19 @@ from toolpace.laws.law import TimeLaw
 from toolpace.laws.quintic import QuinticLaw
 
 
-def direct_law(run: DetourRun) -> TimeLaw:
-    """The detour as made, a quintic of time since its parameter is a cubic; then the commanded law goes on."""
-    marks = np.unique(np.concatenate([[0.0], run.kinks, [run.detour.duration]]))
+def way_back(run: DetourRun) -> QuinticLaw:
+    """The law of the detour alone: a quintic of time in each step, since its parameter is a cubic."""
+    marks = run.detour.times
     p, v, a, _ = run.parameter(marks)
     p[-1] = run.join
-    way_back = QuinticLaw(p, v, a, np.diff(marks))
+    return QuinticLaw(p, v, a, np.diff(marks))
+
+
+def direct_law(run: DetourRun) -> TimeLaw:
+    """The detour as made; then the commanded law goes on."""
+    back = way_back(run)
     if run.ends_here:
-        return way_back
+        return back
     law = run.detour.commanded.law
     rest = LawPiece(law, run.detour.rejoin, law.duration)
-    return ChainLaw([LawPiece(way_back, 0.0, run.detour.duration), rest])
+    return ChainLaw([LawPiece(back, 0.0, back.duration), rest])

@@ -2,77 +2,96 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.deflect.commanded import CommandedMotion
+from toolpace.axispath.follow import FollowRun
+from toolpace.axispath.run import AxisRun
+from toolpace.deflect.aim import AimedOffRun
+from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.planning.guarantee import DETOUR
+
+if TYPE_CHECKING:
+    from toolpace.deflect.detour import Detour
 
 STEP = 1e-6
 """Time by which joints are moved on to see the speed of the tip [s]: at speeds of 1 m/s and radii of 1 m the central
 difference is off by 1e-12 of it, and by 1e-10 m/s of rounding."""
-RATE_STEP = 1e-4
-"""The same to see the rate of change of that speed [s]: a difference of differences, so a longer step rounds less."""
-SOON = 0.05
-"""Time within which the tip must reach the feed for its excess to count [s]."""
+LOOKS = 8
+"""Looks at the tip in each step of a detour."""
 
 
 def tip_velocity(machine: Machine, q: Floats, qd: Floats) -> Floats:
     """(n, 3) velocity of the tip in the workpiece frame [m/s] at joints and joint velocities (n, m)."""
-    velocity: Floats = (machine.forward(q + STEP * qd)[0] - machine.forward(q - STEP * qd)[0]) / (2.0 * STEP)
+    n = len(q)
+    ends = machine.forward(np.concatenate([q + STEP * qd, q - STEP * qd]))[0]
+    velocity: Floats = (ends[:n] - ends[n:]) / (2.0 * STEP)
     return velocity
 
 
-def feed_at(commanded: CommandedMotion, machine: Machine | None, time: float) -> float:
-    """The feed [m/s] that holds for the tip at a time of the commanded law; inf where there is none."""
-    if machine is None:
-        return np.inf
-    s = commanded.law.at(np.array([time]))[0]
-    cap = float(commanded.run.speed_cap(s)[0])
-    jets = commanded.run.evaluate(s)
-    return cap * float(np.linalg.norm(tip_velocity(machine, jets[0], jets[1]))) if np.isfinite(cap) else np.inf
+def tip_rates(machine: Machine, q: Floats) -> Floats:
+    """(n, 3, m) how the tip moves with each joint, at joints (n, m)."""
+    n, m = q.shape
+    each = STEP * np.eye(m)
+    there = machine.forward((q[:, None] + each).reshape(-1, m))[0] - machine.forward((q[:, None] - each).reshape(-1, m))[0]
+    rates: Floats = np.ascontiguousarray(there.reshape(n, m, 3).transpose(0, 2, 1)) / (2.0 * STEP)
+    return rates
 
 
-@dataclass(frozen=True)
-class FeedExcess:
-    """How much faster the tip is on the deflected pose than on the path, where that passes the feed, and how it fades.
+def feed_at(run: AxisRun, s: Floats) -> Floats:
+    """(n,) feed of the blocks at s (n,) [m/s]; inf where there is none. What times a block is no feed of the tip."""
+    while isinstance(run, AimedOffRun):
+        run = run.base
+    if not isinstance(run, FollowRun):
+        return np.full(len(s), np.inf)
+    feed: Floats = run.run.feed[run.run.block_index(s)]
+    return feed
 
-    The joints keep their velocities and accelerations, and the tip, found elsewhere, may thereby be faster than the
-    feed, or come to be: no command can change that at once. Allowed is F + (e + 2 g t + 3 e t / T) (1 - t / T)^3 over
-    the period T of the way back (before it, while the joints carry on, F + e + 2 g t).
+
+def fastest_braking(rates: Floats, start: Floats, t: Floats, limits: Limits, share: float) -> Floats:
+    """(n,) least speed of the tip [m/s] at times (n,): every joint brakes it with a share of its jerk from the start on.
+
+    `rates` (n, 3, m) are those of the tip by the joints, `start` (3, m) the state. With the share 1 no motion within
+    the limits of acceleration and jerk is slower along the direction in which the tip would go on.
     """
+    velocity = start[1] + t[:, None] * start[2]
+    going = np.einsum("ndm,nm->nd", rates, velocity)
+    speed: Floats = np.linalg.norm(going, axis=1)
+    along = np.einsum("nd,ndm->nm", going / np.maximum(speed, 1e-300)[:, None], rates)
+    jerk, most = share * limits.jerk, limits.acceleration
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        ramp = np.maximum((most + np.sign(along) * start[2]) / jerk, 0.0)
+        build = np.minimum(t[:, None], np.where(np.isnan(ramp), np.inf, ramp))
+        less = jerk * build * (t[:, None] - build / 2.0)
+    less = np.where(np.isnan(less), np.inf, less)
+    with np.errstate(invalid="ignore"):
+        braked = np.where(along == 0.0, 0.0, np.abs(along) * less)
+    return np.maximum(speed - braked.sum(axis=1), 0.0)
 
-    feed: float
-    """F [m/s]; inf where there is none."""
-    speed: float
-    """e: what the deflection adds to the speed of the tip at the start, or 0 where the feed is far [m/s]."""
-    growth: float
-    """g: what it adds to the rate of change of that speed, or 0 [m/s^2]."""
 
-    @classmethod
-    def at_start(cls, machine: Machine | None, feed: float, motion: Floats, offset: Floats) -> FeedExcess:
-        """That of joints in commanded motion (4, 1, m), found at an offset (m,)."""
-        if machine is None or not np.isfinite(feed):
-            return cls(feed, 0.0, 0.0)
-        q, qd, qdd = motion[:3]
-        speeds = []
-        for where in (q, q + offset):
-            moved = [
-                tip_velocity(machine, where + h * qd + h * h / 2.0 * qdd, qd + h * qdd)
-                for h in (-RATE_STEP, 0.0, RATE_STEP)
-            ]
-            speeds.append([float(np.linalg.norm(velocity)) for velocity in moved])
-        (_, on_path, _), (_, off_path, _) = speeds
-        rates = [(ahead - behind) / (2.0 * RATE_STEP) for behind, _, ahead in speeds]
-        speed, growth = max(off_path - on_path, 0.0), max(rates[1] - rates[0], 0.0)
-        near = on_path + speed + SOON * (max(rates[0], 0.0) + growth) > feed
-        return cls(feed, speed, growth) if near else cls(feed, 0.0, 0.0)
+def looks_at(times: Floats) -> Floats:
+    """(n,) times at which the tip is looked at, for the ends of steps (k + 1,)."""
+    inside = np.arange(LOOKS) / LOOKS
+    return np.append((times[:-1, None] + np.diff(times)[:, None] * inside).ravel(), times[-1])
 
-    def allowed(self, t: Floats, carry: float, period: float) -> Floats:
-        """(n,) most speed of the tip [m/s] at times since the deflection."""
-        later = np.maximum(t - carry, 0.0)
-        rise = self.speed + 2.0 * self.growth * t + 3.0 * self.speed / period * later
-        most: Floats = self.feed + rise * np.maximum(1.0 - later / period, 0.0) ** 3
-        return most
+
+def tip_speed(detour: Detour, machine: Machine) -> tuple[Floats, Floats, Floats]:
+    """Times along a detour, speed of the tip and the feed of where it is, each (n,)."""
+    t = looks_at(detour.times)
+    q, qd = detour.motion(t)[:2]
+    return t, np.linalg.norm(tip_velocity(machine, q, qd), axis=1), feed_at(detour.commanded.run, detour.abreast(t))
+
+
+def above_feed(detour: Detour, machine: Machine | None) -> tuple[float, float]:
+    """Largest share of the feed by which the tip is above it on a detour, and the last time when it is [s]."""
+    if machine is None:
+        return 0.0, 0.0
+    t, speed, feed = tip_speed(detour, machine)
+    ratio = speed / feed
+    over = np.flatnonzero(ratio > DETOUR)
+    if len(over) == 0:
+        return 0.0, 0.0
+    return float(ratio.max()) - 1.0, float(t[min(over[-1] + 1, len(t) - 1)])

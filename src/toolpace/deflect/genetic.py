@@ -1,4 +1,7 @@
-"""The paper's steps (3) and (4): periods of the detour and of the way on to the next reference point."""
+"""The paper's step (4): the period of the way on to the next reference point.
+
+The detour itself needs no breeding: it is the shortest that is found within the limits.
+"""
 
 from __future__ import annotations
 
@@ -22,35 +25,34 @@ but for rounding."""
 
 
 def genetic_law(run: DetourRun, limits: Limits, direct: TimeLaw, planner: Genetic) -> TimeLaw:
-    """The genetic algorithm on the detour and on the interval from the rejoining to the next reference point.
+    """The genetic algorithm on the interval from the rejoining to the next reference point.
 
-    Speeds and accelerations at all three points are those of the direct law, as the paper sets them to those of the
-    reference path; from there on the direct law goes on.
+    Speed and acceleration at both ends are those of the direct law, as the paper sets them to those of the reference
+    path; from there on the direct law goes on.
     """
-    times, state = interval_ends(run, direct)
-    pieces = []
-    for k in range(len(times) - 1):
-        piece = LawPiece(direct, times[k], times[k + 1])
-        pieces.append(shortened_piece(run, limits, piece, state[:, k : k + 2], planner))
-    return ChainLaw([*pieces, LawPiece(direct, times[-1], direct.duration)])
+    if run.ends_here:
+        return direct
+    assert isinstance(direct, ChainLaw)
+    back, known = direct.pieces
+    after = next_point(run)
+    if after is None:
+        return direct
+    begin = back.end
+    end = begin + known.law.passing_time(after) - known.begin
+    state = direct.at(np.array([begin, end]))
+    # to the last digit, since the third derivative jumps there
+    state[0] = run.join, after
+    piece = shortened_piece(run, limits, LawPiece(direct, begin, end), state, planner)
+    return ChainLaw([back, piece, LawPiece(known.law, known.begin + (end - begin), known.end)])
 
 
-def interval_ends(run: DetourRun, direct: TimeLaw) -> tuple[list[float], Floats]:
-    """When the direct law is at the ends of the intervals that are timed anew, and its states (4, n) there."""
+def next_point(run: DetourRun) -> float | None:
+    """The reference point after the rejoining; None where it is the end."""
     commanded = run.detour.commanded
     law = commanded.law
     points = law.s if isinstance(law, QuinticLaw) else reference_points(commanded.run, None)
     after = points[points > run.join * (1.0 + BEYOND) + BEYOND]
-    times = [0.0, *map(float, run.kinks), run.detour.duration]
-    rejoining = len(times) - 1
-    if len(after) > 1:
-        times.append(direct.passing_time(float(after[0])))
-    state = direct.at(np.array(times))
-    # to the last digit, since the third derivative jumps there
-    state[0, rejoining] = run.join
-    if len(after) > 1:
-        state[0, -1] = after[0]
-    return times, state
+    return float(after[0]) if len(after) > 1 else None
 
 
 def shortened_piece(run: DetourRun, limits: Limits, direct: LawPiece, ends: Floats, planner: Genetic) -> LawPiece:

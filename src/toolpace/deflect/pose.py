@@ -6,10 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats
-from toolpace.deflect.commanded import CommandedMotion, moment
+from toolpace.deflect.standing import Standing
 from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.trajectory import Trajectory
+
+
+SAME_AXIS = 1e-5
+"""Angle between two tool axes up to which they are the same: below what is measured, above rounding [rad]."""
 
 
 def deflected_pose(
@@ -19,47 +23,76 @@ def deflected_pose(
     machine: Machine | None = None,
     *,
     axis: npt.ArrayLike | None = None,
+    axis_tolerance: float = SAME_AXIS,
 ) -> Floats:
     """(m,) joints at which the tip is at `deflection` (3,) [m] and the tool axis at `axis`, by default as commanded.
 
-    Of both solutions the one nearest to the commanded joints is taken. Raises InfeasibleError where the pose is out
-    of reach or travel.
+    Of both solutions the one nearest to the commanded joints is taken. Up to `axis_tolerance` [rad] the axis may be
+    missed: where the rotary joints as commanded come so near, they stay, and beside the pole, where next to no change
+    of the axis turns the first of them far, that one stays. Raises InfeasibleError where the pose is out of reach or
+    travel.
     """
     machine = machine or trajectory.axis_path.machine
-    index, local = moment(trajectory, time)
-    q = CommandedMotion.of(trajectory, index).motion(np.array([local]))[0]
-    point = np.asarray(deflection, dtype=float)
-    size = len(trajectory.joints) if machine is None else 3
-    if point.shape != (size,) or not np.isfinite(point).all():
-        what = "joints" if machine is None else "coordinates of the tip in metres"
-        raise UsageError(f"deflection: {deflection!r}; give {size} finite {what}")
+    standing = Standing.of(trajectory, time)
+    q = standing.state()[:1]
+    point = measured(deflection, len(trajectory.joints) if machine is None else 3, machine)
     if machine is None:
         return point
-    rotary = q[:, machine.rotary] if axis is None else rotary_near(machine, q[:, machine.rotary], axis, time)
+    if not (np.isfinite(axis_tolerance) and axis_tolerance >= 0.0):
+        raise UsageError(f"deflection: axis_tolerance is {axis_tolerance!r}; give an angle in rad, 0 or more")
+    rotary = q[:, machine.rotary] if axis is None else rotary_near(machine, q[:, machine.rotary], axis, time, axis_tolerance)
     try:
         pose = machine.joints_at(point[None, :], rotary)
-        machine.check_travel(pose, trajectory.axis_path.runs[index].block_at(np.zeros(1)))
+        machine.check_travel(pose, standing.original.run.block_at(np.array([standing.original.run.s0])))
     except ReachError as error:
         raise InfeasibleError(f"deflection at {time:.6g} s: the pose cannot be commanded: {error}") from None
     out: Floats = pose[0]
     return out
 
 
-def rotary_near(machine: Machine, rotary: Floats, axis: npt.ArrayLike, time: float) -> Floats:
-    """(1, 2) rotary joints that give the tool axis, nearest to those given (1, 2) [rad]."""
-    direction = np.asarray(axis, dtype=float)
+def measured(deflection: npt.ArrayLike, size: int, machine: Machine | None) -> Floats:
+    """What was measured, as (size,) finite numbers. Raises UsageError."""
+    try:
+        point = np.asarray(deflection, dtype=float)
+    except (TypeError, ValueError):
+        point = np.empty(0)
+    if point.shape != (size,) or not np.isfinite(point).all():
+        what = "joints" if machine is None else "coordinates of the tip in metres"
+        raise UsageError(f"deflection: {deflection!r}; give {size} finite {what}")
+    return point
+
+
+def rotary_near(machine: Machine, rotary: Floats, axis: npt.ArrayLike, time: float, tolerance: float) -> Floats:
+    """(1, 2) rotary joints that give the tool axis to a tolerance, nearest to those given (1, 2) [rad]."""
+    try:
+        direction = np.asarray(axis, dtype=float)
+    except (TypeError, ValueError):
+        direction = np.empty(0)
     length = float(np.linalg.norm(direction)) if direction.shape == (3,) else 0.0
     if not (np.isfinite(length) and length > 0.0):
         raise UsageError(f"deflection: tool axis {axis!r}; give three numbers, not all zero")
     jets = np.zeros((4, 1, 3))
     jets[0, 0] = direction / length
+    if angle_to(machine, rotary, jets[0]) <= tolerance:
+        return rotary
     found: Floats = machine.rotary_jets(jets, rotary)[0]
     if not np.isfinite(found).all():
         raise InfeasibleError(
             f"deflection at {time:.6g} s: no rotary angles of {machine.name} give the tool axis"
             f" ({', '.join(f'{x:.6g}' for x in jets[0, 0])})"
         )
+    tilts = [found[0, 1], *machine.rotary_solutions(jets[0])[0][0, :, 1]]
+    for tilt in sorted(tilts, key=lambda tilt: abs(tilt - rotary[0, 1])):
+        kept = np.array([[rotary[0, 0], tilt]])
+        if angle_to(machine, kept, jets[0]) <= tolerance:
+            return kept
     return found
+
+
+def angle_to(machine: Machine, rotary: Floats, axis: Floats) -> float:
+    """Angle between the tool axis at rotary joints (1, 2) and another (1, 3) [rad]."""
+    here = machine.axis_at(rotary)[0]
+    return float(np.arctan2(np.linalg.norm(np.cross(here, axis[0])), here @ axis[0]))
 
 
 def offset_in_words(offset: Floats, joints: tuple[str, ...], machine: Machine | None) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy.typing as npt
 
 from toolpace.axispath.follow import FollowRun
+from toolpace.deflect.aim import AimedOffRun
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.projection import project
 from toolpace.errors import UsageError
@@ -23,14 +24,15 @@ def rejoin_time(
     parameter of the run.
     """
     run = commanded.run
+    on_path = run.base if isinstance(run, AimedOffRun) else run
     if rejoin == "fastest":
         return None
     if isinstance(rejoin, str):
         if rejoin != "projection":
             raise UsageError(f"replan: rejoin at '{rejoin}'; give 'fastest', 'projection' or a parameter")
-        if not isinstance(run, FollowRun):
+        if not isinstance(on_path, FollowRun):
             raise UsageError("replan: a projection needs a path of tip and axis; give the parameter to rejoin at")
-        s = project(Path((run.run,)), deflection, interval=interval).s
+        s = project(Path((on_path.run,)), deflection, interval=interval).s
     else:
         s = float(rejoin)
         if not run.s0 <= s <= run.s1:

@@ -1,11 +1,12 @@
 """A new trajectory from the instant at which the tool is found off its path.
 
-replan: a trajectory, a time, a deflection
-  the joints at which the tool was found, and how far they are off the commanded motion
-  where to rejoin the path: the projection of the deflection on it, a given place, or wherever it is best
-  the detour that costs least time
-  the law of the detour and of the rest of its run
-  the runs behind it, as they were
+replan: a trajectory, a time, a deflection, its cause
+  the state in which the joints are, and the motion that they shall come to:
+      displaced   the joints as they were found, with the rates they were commanded; the motion as planned
+      bending     the joints as commanded; the motion as planned, aimed off by the bending
+  where to rejoin it: the projection of the deflection on the path, a given place, or as soon as it can be
+  the detour
+  the law of the detour and of the way on; then, and on the runs behind it, all as it was
 """
 
 from __future__ import annotations
@@ -16,16 +17,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from toolpace.arrays import Floats
 from toolpace.axispath.axispath import AxisPath
-from toolpace.deflect.commanded import CommandedMotion, moment
+from toolpace.axispath.run import AxisRun
+from toolpace.deflect.aim import Aim
+from toolpace.deflect.bridge import Problem
+from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.detour import DetourRun
 from toolpace.deflect.direct import direct_law
-from toolpace.deflect.feasibility import Feasibility
-from toolpace.deflect.pose import deflected_pose, offset_in_words
+from toolpace.deflect.onward import Onward
+from toolpace.deflect.pose import SAME_AXIS, deflected_pose, measured, offset_in_words
 from toolpace.deflect.rejoin import rejoin_time
 from toolpace.deflect.search import shortest_detour
+from toolpace.deflect.standing import Standing, on_path
 from toolpace.deflect.timing import timing_of
-from toolpace.errors import InfeasibleError, UsageError
+from toolpace.errors import InfeasibleError, UsageError, did_you_mean
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.planning.planner import Planner
 from toolpace.trajectory import Trajectory
@@ -35,13 +43,20 @@ if TYPE_CHECKING:
     from toolpace.planning.optimal.planner import Optimal
 
 
+CAUSES = ("displaced", "bending")
+IN_PLACE = 1e-11
+"""How far the joints or the tip may be off and count as in place: rounding of the kinematics [m or rad]."""
+
+
 def replan(
     trajectory: Trajectory,
     time: float,
     deflection: npt.ArrayLike,
     machine: Machine | None = None,
     *,
+    cause: str = "displaced",
     axis: npt.ArrayLike | None = None,
+    axis_tolerance: float = SAME_AXIS,
     planner: str | Optimal | Genetic | Planner = "optimal",
     rejoin: str | float = "fastest",
     interval: tuple[float, float] | None = None,
@@ -49,53 +64,109 @@ def replan(
 ) -> Trajectory:
     """The motion from `time` [s] on, at which the tip is found at `deflection` (3,) [m] and the tool axis at `axis`.
 
-    Without a machine `deflection` holds the joints (m,). The position is what was measured; velocities and
-    accelerations of the joints go on as commanded, and everything from then on keeps to every limit. The tool rejoins
-    the path where the whole takes least time ("fastest"), at the parameter `rejoin`, or, as in the paper, at the
-    "projection" of the deflection on the path or on the `interval` (from s, to s) of it; from there it stays on it.
+    `cause` says what was measured:
+
+    "displaced": the joints are not where they were commanded, as in the paper. The motion starts from the position
+    that was found, with the velocities and accelerations commanded, and comes back onto the path. Axes that differ by
+    no more than `axis_tolerance` [rad] are the same, see `deflected_pose`.
+
+    "bending": the tool or the part bends, the encoders are right, and the joints are as commanded. The set-points go
+    on from there without a jump, and come to a motion that is off the path by the opposite of the bending, so that
+    the bent tip lies on the path from then on, on all runs to the end. The bending is the measured tip less that of
+    the kinematics, a vector in the workpiece's frame, and taken as constant. It moves linear joints only, and the
+    rest of the motion takes a little longer for it, so that they keep to their limits; no `axis` is given.
+
+    Without a machine `deflection` holds the joints (m,). From its start on the motion keeps to every limit. The
+    feed is that of the block which the tool is abreast of; what the tip is above it by at the start, for the joints'
+    velocities cannot change at once, is braked as fast as jerk allows and told in the `notes`, and by
+    `axis_path.runs[0].above`. The tool rejoins the path as soon as it can ("fastest"), at the parameter `rejoin`, or,
+    as in the paper, at the "projection" of the deflection on the path or on the `interval` (from s, to s) of it. A
+    motion that was replanned before goes back to what was planned first.
 
     `planner` is an object, or in short the name of one with its `options`, as for `plan`: "optimal" times detour and
-    rest of the run anew, and so does a planner of one's own; "genetic" (the paper's) the detour and the way on to the
-    next reference point; "direct" keeps to the motion from which both start. The feed holds for the tip on the detour;
-    where the deflection itself has made the commanded joint velocities a faster tip, the excess fades. Raises
-    UsageError for arguments that make no sense, and InfeasibleError, with the figures, where no way back within limits
-    and travel exists.
+    the way on anew where the detour costs time, as far as the rejoining needs, and so does a planner of one's own;
+    "genetic" (the paper's) the way on to the next reference point; "direct" keeps to the motion from which all start.
+    Raises UsageError for arguments that make no sense, and InfeasibleError, with the figures, where no way back within
+    limits and travel exists.
     """
     began = clock.perf_counter()
     timing = timing_of(planner, options)
-    check_replannable(trajectory, time)
+    check_replannable(trajectory, time, cause, axis)
     machine = machine or trajectory.axis_path.machine
 
-    index, local = moment(trajectory, time)
-    commanded = CommandedMotion.of(trajectory, index)
-    pose = deflected_pose(trajectory, time, deflection, machine, axis=axis)
-    offset = pose - commanded.motion(np.array([local]))[0, 0]
-    feasibility = Feasibility(commanded, trajectory.limits, machine, local, offset)
+    standing = Standing.of(trajectory, time)
+    start, aim = standing.state(), standing.aim
+    if cause == "bending":
+        aim = bent(trajectory, standing, start[0], deflection, machine)
+    else:
+        start[0] = deflected_pose(trajectory, time, deflection, machine, axis=axis, axis_tolerance=axis_tolerance)
+    wanted = aim.motion(standing.original) if aim else standing.original
+    left = standing.clock * (aim.pace if aim else 1.0)
+    target = rejoin_time(wanted, deflection, rejoin, interval)
+    offset = start[0] - standing.state()[0]
+    if aim is standing.aim and target is None and np.abs(offset).max() <= IN_PLACE:
+        run: AxisRun = Onward(standing.current.run, standing.current.law, standing.local)
+        return _joined(trajectory, standing, run, Onward.rest(run), aim, timing.name, began)
 
-    target = rejoin_time(commanded, deflection, rejoin, interval)
-    detour = shortest_detour(feasibility, target)
-    if detour is None and feasibility.relax():
-        detour = shortest_detour(feasibility, target)
+    problem = Problem(wanted, left, start, trajectory.limits, machine)
+    detour = shortest_detour(problem, target, standing.lag)
     if detour is None:
         raise InfeasibleError(
             f"deflection at {time:.6g} s: no way back to the path within limits and travel; the joints are off by"
-            f" {offset_in_words(offset, trajectory.joints, machine)}, and the nearest detour takes"
-            f" {feasibility.nearest:.6g} of {feasibility.nearest_of}"
+            f" {offset_in_words(start[0] - problem.end(0.0, 0.0)[0], trajectory.joints, machine)}; stop the machine, or"
+            " give more travel"
         )
-
-    run = DetourRun(detour, machine, feasibility.excess)
-    law = direct_law(run)
-    if not run.ends_here:
-        law = timing.law(run, trajectory.limits, law)
-
-    following = index if run.ends_here and run.join <= commanded.run.s0 else index + 1
-    path = AxisPath((run, *trajectory.axis_path.runs[following:]), trajectory.joints, machine)
-    laws = (law, *trajectory.laws[following:])
-    return Trajectory(path, trajectory.limits, laws, planner=timing.name, solve_seconds=clock.perf_counter() - began)
+    run = DetourRun(detour, machine, standing.lag)
+    law = timing.law(run, trajectory.limits, direct_law(run))
+    return _joined(trajectory, standing, run, law, aim, timing.name, began)
 
 
-def check_replannable(trajectory: Trajectory, time: float) -> None:
+def bent(
+    trajectory: Trajectory, standing: Standing, q: Floats, deflection: npt.ArrayLike, machine: Machine | None
+) -> Aim | None:
+    """The aim against a bending, from the joints (m,) commanded and the tip measured; the one before where none new."""
+    point = measured(deflection, len(q) if machine is None else 3, machine)
+    bending = point - (q if machine is None else machine.forward(q[None])[0][0])
+    before = standing.aim
+    if np.abs(bending + (before.offset if before else 0.0)).max() <= IN_PLACE:
+        return before
+    if np.abs(bending).max() <= IN_PLACE:
+        return None
+    return Aim.of(bending, machine, trajectory.limits, [standing.original, *behind(trajectory, standing)])
+
+
+def behind(trajectory: Trajectory, standing: Standing) -> list[CommandedMotion]:
+    """The motions on the path that follow the run."""
+    runs, laws = trajectory.axis_path.runs[standing.index + 1 :], trajectory.laws[standing.index + 1 :]
+    return [on_path(CommandedMotion(*each)) for each in zip(runs, laws)]
+
+
+def _joined(
+    trajectory: Trajectory, standing: Standing, run: AxisRun, law: TimeLaw, aim: Aim | None, planner: str, began: float
+) -> Trajectory:
+    """The first run with what follows it, aimed off as it is."""
+    runs, laws = trajectory.axis_path.runs[standing.index + 1 :], trajectory.laws[standing.index + 1 :]
+    if aim is not standing.aim and runs:
+        aimed = [aim.motion(each) if aim else each for each in behind(trajectory, standing)]
+        runs, laws = tuple(each.run for each in aimed), tuple(each.law for each in aimed)
+    notes: tuple[str, ...] = ()
+    if isinstance(run, DetourRun):
+        whole = run.detour.commanded
+        if run.ends_here and run.join <= whole.run.s0:
+            runs, laws = (whole.run, *runs), (whole.law, *laws)
+        share, until = run.above
+        if share > 0.0:
+            notes = (f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms",)
+    path = AxisPath((run, *runs), trajectory.joints, trajectory.axis_path.machine)
+    return Trajectory(path, trajectory.limits, (law, *laws), planner, notes=notes, solve_seconds=clock.perf_counter() - began)
+
+
+def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt.ArrayLike | None) -> None:
     """Raise UsageError where the trajectory has no such time, or no way back from it could keep to jerk limits."""
+    if cause not in CAUSES:
+        raise UsageError(f"replan: unknown cause '{cause}'; {did_you_mean(str(cause), CAUSES)}")
+    if cause == "bending" and axis is not None:
+        raise UsageError("replan: a bending is made up for at the tip, and the tool axis stays; leave axis out")
     if not 0.0 <= time <= trajectory.duration:
         raise UsageError(f"replan: time {time:g} s is not within the trajectory's {trajectory.duration:.6g} s")
     if any(law.jumps.size for law in trajectory.laws):

@@ -1,132 +1,252 @@
-"""The detour that costs least time: where to rejoin the commanded motion, and how long to take.
+"""The detour that brings the tool back soonest, and of those the one that loses least time of the program.
 
-search: what is feasible, after carrying on for no time and then for longer and longer
-  for each time at which the commanded motion could be rejoined, and each period of a quintic to it:
-      the joints' use of their limits along the quintic
-  of those within the limits, by loss of time: the first that keeps to feed and travel too
-  its period made as short as passes
+search: a state in motion, the motion that shall be rejoined, the limits
+  the shortest time in which the joints alone can do it, by steps and bisection
+  a little more than that, then more and more, until a way also keeps to the feed:
+      in time with the program, where that passes
+      else with the least time lost, about a point of rejoining that is found by and by
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats
-from toolpace.deflect.commanded import CommandedMotion
+from toolpace.arrays import Floats
+from toolpace.deflect.bridge import (
+    ENOUGH, Problem, Spline, allowed_speed, detour_of, knots_of, rows_of, solved, with_feed,
+)  # fmt: skip
 from toolpace.deflect.detour import Detour
-from toolpace.deflect.feasibility import Feasibility
+from toolpace.deflect.feed import tip_speed, tip_velocity
+from toolpace.deflect.mesh import PIECES
+from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
-RATIOS = np.concatenate([np.linspace(0.5, 0.95, 10), [0.98, 0.99, 1.0, 1.002, 1.005, 1.01, 1.02, 1.04, 1.07],
-                         1.1 * 1.12 ** np.arange(16), 8.0 * 1.6 ** np.arange(8)])  # fmt: skip
-"""Period of the quintic over the time that the commanded motion takes for the same way: closest about 1, which is where
-a small deflection is made up for, and up to 200 for ways of next to no time."""
-PERIODS = np.geomspace(5e-3, 60.0, 60)
-"""Periods tried beside these, for the last time of rejoining: the time left to it may be next to nothing [s]."""
-HORIZONS, LATEST = 28, 12.0
-"""Times of rejoining that are tried, a geometric row, and the last of them where more is left of the run [s]: of 2000
-random deflections (benchmarks/deflections.py) the slowest way back took 3 s."""
-CARRIES, LONGEST_CARRY = 20, 6.0
-"""Times of carrying on that are tried, a geometric row, and the last of them where more is left of the run [s]."""
-SOONEST = 2e-3
-"""The first of either row, as a share of the last."""
-BEFORE_THE_END = 0.999
-"""Share of the last time of carrying on that is taken: some of the run must be left for a quintic."""
-PATIENCE = 2.0
-"""Duration of a detour, as a multiple of what its offset needs, up to which no other is looked for."""
-SHARPEST = 6.0
-"""Most relative change of the parameter's speed over a detour, as an exponent; see DetourRun."""
-HASTE = 0.25
-"""What a second off the path counts against a second of the whole; no gain of time counts, lest it cut the path."""
-LEAST_SPEED = 1e-6
-"""Least way of the parameter in the period at its speed of rejoining, over the length of the run."""
-LEAST_WAY = 1e-6
-"""Least time of the commanded motion to the rejoining that a ratio is taken of [s]; at rest there is none."""
-TRIES = 400
-"""Detours whose feed and travel are looked at after each time of carrying on, lest a search take for ever."""
-BISECTIONS, SHORTEST_PERIOD = 12, 0.8
-"""Halvings of what lies between the period found and this share of it; a 4096th of that is left, 5e-5 of the period."""
+SHORTEST, LONGEST = 1e-5, 60.0
+"""Times of a detour that are looked at [s]."""
+TRIES, CLOSE = 20, 1.09
+"""Times tried until the shortest is known to the factor."""
+LEAP = 0.6
+"""Factor by which a time is shortened that leaves room, until one is found that does not."""
+FIRST_STRETCH, STRETCHES, MOST_STRETCH = 1.01, 9, 2.5
+"""The first multiple of it that is tried, how many more, and the largest step from one to the next."""
+LOSS = 0.3
+"""Part of a detour's time that may be lost beyond what the deflection asks for at once."""
+BRAKING = (0.9, 0.6, 0.3)
+"""Shares of the jerk with which the tip is braked at least while it is above the feed; the later where none passes."""
+ROUNDS = 4
+"""Of a point of rejoining that moves with the time lost, until it is known to `KNOWN`, a share of the time taken."""
+KNOWN = 0.05
+LOOKS = 2
+"""Of a way to a fixed place, of which the later mend what the feed along the one before it leaves."""
+MARGINS = (0.0, 0.003, 0.012, 0.05)
+"""Time that is lost beyond the least, as a share of that taken: it leaves room within the limits."""
 
 
-def horizons(commanded: CommandedMotion, time: float) -> Floats:
-    """(n,) times of rejoining on the clock of the commanded law, after `time`; the end of the run is the last."""
-    left = commanded.law.duration - time
-    times = time + min(left, LATEST) * np.geomspace(SOONEST, 1.0, HORIZONS)
-    return np.unique(np.append(times[times < commanded.law.duration * (1.0 - 1e-9)], commanded.law.duration))
-
-
-def gentle(commanded: CommandedMotion, rejoin: Floats, period: Floats) -> Bools:
-    """(n,) whether the parameter's speed changes little enough from the rejoining backwards, or is zero there."""
-    order = np.argsort(rejoin, kind="stable")
-    state = np.empty((4, len(rejoin)))
-    state[:, order] = commanded.law.at(rejoin[order])
-    still = commanded.still(state[1])
-    length = commanded.run.s1 - commanded.run.s0
-    calm = np.abs(state[2]) * period <= SHARPEST * state[1]
-    fine: Bools = still | (calm & (state[1] * period >= LEAST_SPEED * length))
-    return fine
-
-
-def candidates(feasibility: Feasibility, carry: float, rejoin: Floats) -> Iterator[tuple[float, Detour, float]]:
-    """Loss of time, detour, usage by the joints: all that the joints allow after a carry, least loss first."""
-    start = feasibility.time + carry
-    rejoin = rejoin[rejoin > start] if len(rejoin) > 1 else rejoin
-    if len(rejoin) == 0:
-        return
-    at = np.concatenate([np.repeat(rejoin, len(RATIOS)), np.full(len(PERIODS), rejoin[-1])])
-    way = np.maximum(np.abs(rejoin - start), LEAST_WAY)
-    period = np.concatenate([np.outer(way, RATIOS).ravel(), PERIODS])
-    fine = gentle(feasibility.commanded, at, period + carry)
-    at, period = at[fine], period[fine]
-    if len(at) == 0:
-        return
-    used = feasibility.joint_usage(carry, at, period)
-    feasibility.note(float(np.min(np.where(used > DETOUR, used, np.inf))), "the joints' limits")
-    loss = np.maximum(carry + period - (at - feasibility.time), 0.0) + HASTE * (carry + period)
-    good = np.flatnonzero(used <= DETOUR)
-    for k in good[np.argsort(loss[good], kind="stable")][:TRIES]:
-        detour = feasibility.detour(carry, float(period[k]), float(at[k]))
-        yield float(loss[k]), detour, float(used[k])
-
-
-def shortest_detour(feasibility: Feasibility, rejoin: float | None = None) -> Detour | None:
-    """The detour of least loss that passes, to rejoin at a given time of the commanded law or wherever it is best.
-
-    First with a quintic at once. Where none passes, or only one much longer than the offset itself asks for (a motion
-    at its jerk limit leaves no room), also after carrying on for a while. None where nothing passes.
-    """
-    commanded, time = feasibility.commanded, feasibility.time
-    left = commanded.law.duration - time
-    carries = [0.0]
-    if left > 0.0:
-        carries += (min(left, LONGEST_CARRY) * np.geomspace(SOONEST, BEFORE_THE_END, CARRIES)).tolist()
-    best, least = None, np.inf
-    for carry in carries:
-        if HASTE * carry >= least:
-            break
-        times = horizons(commanded, time + carry) if rejoin is None else np.array([rejoin])
-        for loss, detour, used in candidates(feasibility, carry, times):
-            if loss >= least:
-                break
-            if feasibility.passes(detour, used):
-                best, least = detour, loss
-                break
-        if best is not None and best.duration <= PATIENCE * feasibility.needed():
-            break
-    return None if best is None else sharpened(feasibility, best)
-
-
-def sharpened(feasibility: Feasibility, detour: Detour) -> Detour:
-    """The same detour in the shortest period that bisection below it finds to pass."""
-    low, best = SHORTEST_PERIOD * detour.period, detour
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + best.period)
-        trial = replace(detour, period=middle)
-        if feasibility.passes(trial):
-            best = trial
+def least_period(problem: Problem, rejoin: float | None, wish: float, behind: float) -> Spline | None:
+    """The shortest way that limits and travel of the joints allow, nearly; None where there is none."""
+    low, high, best = 0.0, np.inf, None
+    period = max(SHORTEST, first_guess(problem))
+    for tried in range(TRIES):
+        found = joints_alone(problem, period, rejoin, wish, behind)
+        if found.used <= 1.0:
+            high, best = period, found
         else:
-            low = middle
+            low = period
+        if high <= CLOSE * low or period > LONGEST:
+            break
+        # by steps that follow from jerk alone, or closer ones where an acceleration or a velocity binds
+        step = float(np.clip(found.used**0.4, LEAP, 3.0))
+        if low > 0.0 and np.isfinite(high):
+            period = float(np.sqrt(low * high))
+        else:
+            period *= step * 0.97 if found.used <= 1.0 else max(step * 1.02, 1.1 + 0.05 * tried)
     return best
+
+
+def first_guess(problem: Problem) -> float:
+    """Time from rest to rest over the way to the motion at once [s]."""
+    off = np.abs(problem.end(0.0, 0.0)[0] - problem.start[0])
+    v, a, j = (getattr(problem.limits, kind) for kind in KINDS)
+    return float(np.max(off / v + np.sqrt(off / a) + np.cbrt(32.0 * off / j)))
+
+
+def joints_alone(problem: Problem, period: float, rejoin: float | None, wish: float, behind: float) -> Spline:
+    """The way of least use of limits and travel in a time."""
+    rest = problem.commanded.law.duration - problem.left
+    lead, range_ = behind, (wish - LOSS * period, behind + LOSS * period)
+    if rejoin is not None or period - wish >= rest:
+        lead = period - rest if rejoin is None else problem.left + period - rejoin
+        range_ = lead, lead
+    rows, y = rows_of(problem, period, lead, range_)
+    return solved(rows, Spline.begun(problem, period, lead, y), with_tip=False, gap=0.02)
+
+
+def shortest_detour(problem: Problem, rejoin: float | None = None, lag: float = 0.0) -> Detour | None:
+    """The way back to a given time of the commanded law, or wherever it is best; None where none passes.
+
+    `lag` is the time lost before [s], which is made up for where the deflection itself leads onwards.
+    """
+    ahead = lead_of(problem)
+    wish = -min(lag, max(ahead, 0.0))
+    soonest = least_period(problem, rejoin, wish, max(-ahead, 0.0))
+    if soonest is None:
+        return None
+    for share in BRAKING:
+        period = FIRST_STRETCH * soonest.period
+        for tried in range(STRETCHES):
+            found, used = way_back(problem, soonest, period, rejoin, wish, share)
+            if found is not None:
+                return found
+            period *= float(np.clip(used, 1.06 + 0.04 * tried, MOST_STRETCH))
+    return None
+
+
+def lead_of(problem: Problem) -> float:
+    """How far the state is ahead of the commanded motion along it [s]; below zero behind it."""
+    motion = problem.commanded.motion(np.array([problem.left]))[:, 0]
+    off, rate = problem.start[0] - motion[0], motion[1]
+    if problem.machine is not None:
+        moved = problem.machine.forward(np.stack([problem.start[0], motion[0]]))[0]
+        off, rate = moved[0] - moved[1], tip_velocity(problem.machine, motion[:1], motion[1:2])[0]
+    square = float(rate @ rate)
+    most = first_guess(problem)
+    return float(np.clip(off @ rate / square, -most, most)) if square > 0.0 else 0.0
+
+
+def way_back(
+    problem: Problem, near: Spline, period: float, rejoin: float | None, wish: float, share: float
+) -> tuple[Detour | None, float]:
+    """A detour in a given time, or None where none is found to pass, and the least use of the limits that was found."""
+    rest = problem.commanded.law.duration - problem.left
+    free = rejoin is None and period - wish < rest
+    lead = wish if free else problem.left + period - rejoin if rejoin is not None else period - rest
+    rows, y = rows_of(problem, period, lead, (lead, lead))
+    spline = solved(rows, Spline.begun(problem, period, lead, y), with_tip=False)
+    found = passing(spline, share)
+    if found is not None:
+        return found, spline.used
+    if not free:
+        return at_place(spline, share)
+    return with_loss(spline, near.lead + near.late, wish, share)
+
+
+def with_loss(spline: Spline, guess: float, wish: float, share: float) -> tuple[Detour | None, float]:
+    """The detour that loses or wins least time beside what is wished, as `way_back` returns it."""
+    period, lead, way = spline.period, guess, 0
+    rest = spline.problem.commanded.law.duration - spline.problem.left
+    for _ in range(ROUNDS):
+        if period - lead >= rest:
+            return at_place(spline, share, period - rest)
+        reach = abs(lead - wish) + LOSS * period
+        range_ = (wish - reach * (way <= 0), wish + reach * (way >= 0))
+        spline = with_rows(spline, lead, range_, share, least_late=way, enough=ENOUGH)
+        if spline.used > DETOUR:
+            return None, spline.used
+        lead = spline.lead + spline.late
+        if way and abs(spline.late) <= KNOWN * period:
+            break
+        way = way or (1 if lead >= wish else -1)
+    if abs(lead - wish) < MARGINS[1] * period:
+        lead = wish
+    for margin in MARGINS:
+        found, used = at_place(spline, share, lead + way * margin * period)
+        if found is not None:
+            break
+    return found, used
+
+
+def at_place(spline: Spline, share: float, lead: float | None = None) -> tuple[Detour | None, float]:
+    """The way of least use of the limits, the feed among them, to a fixed place: as it is found, or after a look."""
+    lead = spline.lead if lead is None else lead
+    tight = np.ones(PIECES)
+    for _ in range(LOOKS):
+        spline = with_rows(spline, lead, (lead, lead), share, tight)
+        found = passing(spline, share) if spline.used <= DETOUR else None
+        if found is not None or spline.used > DETOUR or spline.problem.machine is None:
+            break
+        tight *= slower(spline, share)
+    return found, spline.used
+
+
+def with_rows(
+    spline: Spline, lead: float, late: tuple[float, float], share: float, tight: Floats | None = None,
+    *, least_late: int = 0, enough: float = 0.0,
+) -> Spline:  # fmt: skip
+    """Solved anew about another time lost, with the feed as it is along the motion that was found last."""
+    problem, period = spline.problem, spline.period
+    rows, y = rows_of(problem, period, lead, late)
+    start = Spline.begun(problem, period, lead, y, spline)
+    with_tip = False
+    if problem.machine is not None:
+        allowed, _, rates = allowed_speed(problem, detour_of(start), share)
+        with_tip = bool(np.isfinite(allowed).any())
+        if with_tip:
+            rows = with_feed(problem, rows, period, rates, allowed if tight is None else allowed * tight)
+    return solved(rows, start, with_tip=with_tip, least_late=least_late, gap=1e-3 if least_late else 1e-2, enough=enough)
+
+
+def passing(spline: Spline, share: float) -> Detour | None:
+    """The motion of a spline, if it keeps to the limits, to travel and to the feed of where it is."""
+    detour = meeting(detour_of(spline))
+    if joints_used(spline.problem, detour) > DETOUR:
+        return None
+    return detour if spline.problem.machine is None or (too_fast(spline, detour, share) <= DETOUR).all() else None
+
+
+def meeting(detour: Detour) -> Detour:
+    """The same with the motion that it rejoins met to rounding, by the least change of jerks."""
+    h, left = np.diff(detour.times), detour.duration - detour.times[:-1]
+    weights = np.stack([h * (left**2 / 2.0 - left * h / 2.0 + h * h / 6.0), h * (left - h / 2.0), h])
+    scale = np.linalg.norm(weights, axis=1)[:, None]
+    end = detour.commanded.motion(np.array([detour.rejoin]))[:3, 0]
+    if detour.rejoin >= detour.commanded.law.duration:
+        end[1:] = 0.0
+    jerks, knots = detour.jerks, detour.knots
+    for _ in range(2):
+        more = np.linalg.lstsq(weights / scale, (end - knots[:, -1]) / scale, rcond=None)[0]
+        jerks = jerks + more
+        knots = knots_of(detour.knots[:, 0], jerks, detour.times)
+    return replace(detour, jerks=jerks, knots=knots)
+
+
+def joints_used(problem: Problem, detour: Detour) -> float:
+    """Largest share of limits and travel that a detour uses, of what it is free to choose."""
+    q, v, a = detour.knots
+    limits = [getattr(problem.limits, kind) for kind in KINDS]
+    low, high = problem.travel.T
+    if (q < low - 1e-9).any() or (q > high + 1e-9).any():
+        return np.inf
+    # a velocity turns where the acceleration passes zero
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = -a[:-1] / detour.jerks
+        turning = np.abs(v[:-1] + a[:-1] * x / 2.0)
+    inside = (x > 0.0) & (x < np.diff(detour.times)[:, None])
+    top = np.maximum(np.abs(v).max(axis=0), np.where(inside, turning, 0.0).max(axis=0))
+    peaks = top, np.abs(a).max(axis=0), np.abs(detour.jerks).max(axis=0)
+    return max(float((peak / limit).max()) for peak, limit in zip(peaks, limits))
+
+
+def too_fast(spline: Spline, detour: Detour, share: float) -> Floats:
+    """(n,) speed of the tip over what is allowed at the looks along a detour."""
+    machine = spline.problem.machine
+    assert machine is not None
+    t, speed, feed = tip_speed(detour, machine)
+    if not np.isfinite(feed).any():
+        return np.zeros(len(t))
+    ratio: Floats = speed / feed
+    if ratio.max() <= DETOUR:
+        return ratio
+    _, until, _ = allowed_speed(spline.problem, detour, share)
+    return np.where(t <= until, np.minimum(ratio, 1.0), ratio)
+
+
+def slower(spline: Spline, share: float) -> Floats:
+    """(N,) by what the allowed speed of each control point is to be lessened."""
+    detour = meeting(detour_of(spline))
+    ratio = too_fast(spline, detour, share)
+    per = (len(ratio) - 1) // PIECES
+    worst = np.maximum(ratio[:-1].reshape(PIECES, per).max(axis=1), ratio[1:].reshape(PIECES, per).max(axis=1))
+    worst = np.maximum(worst, np.maximum(np.append(worst[1:], 1.0), np.append(1.0, worst[:-1])))
+    return np.minimum(1.0 / (1.0 + 1.2 * np.maximum(worst - 1.0, 0.0)), 1.0)

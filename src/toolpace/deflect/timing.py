@@ -16,6 +16,9 @@ DIRECT = "direct"
 """Short name of no planner at all: the detour runs as made, and the rest as it was."""
 PLANNERS = ("optimal", "genetic", DIRECT)
 """Short names of all that can time a detour."""
+WORTH = 0.02
+"""Time that a detour loses, up to which the optimal planner is not asked to win some of it: the detour is as short as
+limits allow, and the law beyond it is the fastest already [s]."""
 
 
 class Timing(NamedTuple):
@@ -50,4 +53,10 @@ def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
         return Timing(genetic.name, lambda run, limits, direct: genetic_law(run, limits, direct, genetic))
     # a bound of one run tells nothing of the whole, and takes longer than its law
     other = replace(chosen, bound=False) if isinstance(chosen, Optimal) else chosen
-    return Timing(other.name, lambda run, limits, direct: planned_law(run, limits, direct, other))
+
+    def anew(run: DetourRun, limits: Limits, direct: TimeLaw) -> TimeLaw:
+        if isinstance(other, Optimal) and run.detour.lost <= WORTH:
+            return direct
+        return planned_law(run, limits, direct, other)
+
+    return Timing(other.name, anew)

@@ -1,0 +1,79 @@
+"""Where a motion is at an instant: on a path, on a detour, on a path aimed off; and the motion that was first planned.
+
+However often a motion was replanned, what it goes back to is the one that was planned first: a detour from a detour
+asks no detour before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.deflect.aim import Aim, AimedOffRun
+from toolpace.deflect.commanded import CommandedMotion, moment
+from toolpace.deflect.detour import DetourRun
+from toolpace.deflect.onward import Onward
+from toolpace.laws.chain import ChainLaw
+from toolpace.laws.law import TimeLaw
+from toolpace.laws.slowed import SlowedLaw
+from toolpace.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class Standing:
+    """An instant of a trajectory."""
+
+    index: int
+    """Of the run."""
+    current: CommandedMotion
+    local: float
+    """The time on the clock of its law [s]."""
+    original: CommandedMotion
+    clock: float
+    """The time that the original motion has come to [s]."""
+    aim: Aim | None
+    """How far off the path the commands are, and why; None on it."""
+    lag: float
+    """By how much the run is late because of detours [s]."""
+
+    @classmethod
+    def of(cls, trajectory: Trajectory, time: float) -> Standing:
+        """At a time of the trajectory; in a dwell at the end of the run before it."""
+        index, local = moment(trajectory, time)
+        run, law = trajectory.axis_path.runs[index], trajectory.laws[index]
+        if isinstance(run, Onward):
+            run, law, local = run.base, run.law, run.begin + local
+        current, clock, lag = CommandedMotion(run, law), local, 0.0
+        followed = current
+        if isinstance(run, DetourRun):
+            followed, clock, lag = run.detour.commanded, rejoined_clock(run, law, local), run.lag
+        aim = followed.run.aim if isinstance(followed.run, AimedOffRun) else None
+        original = on_path(followed)
+        return cls(index, current, local, original, clock / (aim.pace if aim else 1.0), aim, lag)
+
+    def state(self) -> Floats:
+        """(3, m) positions, velocities and accelerations commanded."""
+        motion: Floats = self.current.motion(np.array([self.local]))[:3, 0]
+        return motion
+
+
+def on_path(followed: CommandedMotion) -> CommandedMotion:
+    """The motion on the path itself, of one that may be aimed off."""
+    run, law = followed.run, followed.law
+    if isinstance(run, AimedOffRun):
+        run = run.base
+        law = law.law if isinstance(law, SlowedLaw) else law
+    return CommandedMotion(run, law)
+
+
+def rejoined_clock(run: DetourRun, law: TimeLaw, local: float) -> float:
+    """The time on the clock of the motion that a detour leads to, at a time of the run's own law [s]."""
+    p = law.at(np.array([local]))[0]
+    if run.on_detour(p)[0]:
+        passed = float(run.time_at(p)[0])
+        return run.detour.left + (run.detour.rejoin - run.detour.left) * passed / run.detour.duration
+    if isinstance(law, ChainLaw) and local >= law.times[-2]:
+        return law.pieces[-1].begin + (local - float(law.times[-2]))
+    return run.detour.commanded.law.passing_time(float(p[0]))
