@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from toolpace.kernels.planners.joint_splines import Rows, most_used
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine
 
+AHEAD, TABLE = 4.0, 160
+"""How far a table of the motion goes on, over the first guess of a detour's time, and its length."""
 START_WIDER = 1.1
 """How far a start lies within the limits that it is given at first."""
 ENOUGH = 0.98
@@ -37,6 +40,8 @@ class Problem:
     """(3, m) positions, velocities and accelerations found."""
     limits: Limits
     machine: Machine | None
+    pieces: int = PIECES
+    """Steps of the splines."""
     travel: Floats = field(init=False)
     """(m, 2)"""
 
@@ -44,6 +49,32 @@ class Problem:
         m = self.start.shape[1]
         open_ended = np.tile([-np.inf, np.inf], (m, 1))
         object.__setattr__(self, "travel", open_ended if self.machine is None else self.machine.travel)
+
+    def near_end(self, period: float, late: float) -> Floats:
+        """The same from a table, nearly: enough to see how long a way takes."""
+        times, motions = self._table
+        t = self.left + period - late
+        k = int(np.searchsorted(times, t))
+        if not 0 < k < len(times):
+            return self.end(period, late)
+        k -= int(t - times[k - 1] < times[k] - t)
+        q, v, a, j = motions[:, k]
+        x = t - times[k]
+        return np.stack([q + x * (v + x * (a / 2.0 + x * j / 6.0)), v + x * (a + x * j / 2.0), a + x * j, j])
+
+    @cached_property
+    def _table(self) -> tuple[Floats, Floats]:
+        """Times about where the motion may be rejoined, and the motion there (4, n, m)."""
+        low, high = self.left - self.guess, self.left + AHEAD * self.guess
+        times = np.linspace(max(low, 0.0), min(high, self.commanded.law.duration), TABLE)
+        return times, self.commanded.motion(times)
+
+    @cached_property
+    def guess(self) -> float:
+        """Time from rest to rest over the way to the motion at once [s]."""
+        off = np.abs(self.end(0.0, 0.0)[0] - self.start[0])
+        v, a, j = (getattr(self.limits, kind) for kind in KINDS)
+        return float(np.max(off / v + np.sqrt(off / a) + np.cbrt(32.0 * off / j)))
 
     def end(self, period: float, late: float) -> Floats:
         """(4, m) of the commanded motion that is rejoined after `period`, `late` behind its time [s]."""
@@ -76,14 +107,14 @@ class Spline:
         y = plain.copy()
         if near is not None:
             share = scales(near.problem, near.period) / scales(problem, period)
-            y[3:PIECES] += (near.y - near.plain)[3:PIECES] * share
+            y[3:-3] += (near.y - near.plain)[3:-3] * share
         return cls(problem, period, lead, y, 0.0, np.inf, plain)
 
 
 def scales(problem: Problem, period: float) -> Floats:
     """(m,) size of the coefficients of each joint: what its limits let it do within a step."""
     v, a, j = (getattr(problem.limits, kind) for kind in KINDS)
-    h = period / PIECES
+    h = period / problem.pieces
     size: Floats = np.minimum(np.minimum(j * h**3, a * h**2), v * h)
     return np.where(np.isfinite(size), size, 1.0)
 
@@ -98,12 +129,14 @@ def quintic(end: Floats, period: float, t: Floats, spread: Floats) -> Floats:
     return value - spread[:, None] / 2.0 * bend
 
 
-def rows_of(problem: Problem, period: float, lead: float, late: tuple[float, float]) -> tuple[Rows, Floats]:
+def rows_of(
+    problem: Problem, period: float, lead: float, late: tuple[float, float], *, nearly: bool = False
+) -> tuple[Rows, Floats]:
     """What limits and travel ask for, and coefficients (N + 3, m) that join both states, not within them yet.
 
-    `late` is its range [s], from and to.
+    `late` is its range [s], from and to; `nearly` takes the end from a table.
     """
-    n, m, mesh = PIECES, problem.start.shape[1], Mesh.of(period)
+    n, m, mesh = problem.pieces, problem.start.shape[1], Mesh.of(period, problem.pieces)
     q, v, a = problem.start
     limits = [getattr(problem.limits, kind) for kind in KINDS]
     unit = scales(problem, period)
@@ -117,7 +150,7 @@ def rows_of(problem: Problem, period: float, lead: float, late: tuple[float, flo
     base[1] = (v + a * mesh.paces[:, None]) / limits[0]
     base[2] = a / limits[1]
     ratio[1:] = unit / np.stack(limits)
-    end = problem.end(period, lead)
+    end = problem.near_end(period, lead) if nearly else problem.end(period, lead)
     wanted = end[:3] - [q + v * period + a * period**2 / 2.0, v + a * period, a]
     y = np.zeros((n + 3, m))
     y[n:] = mesh.end_coefficients(wanted) / unit
@@ -133,7 +166,7 @@ def with_feed(problem: Problem, rows: Rows, period: float, rates: Floats, allowe
 
     `rates` (N, 3, m) are those of the tip by the joints there.
     """
-    mesh = Mesh.of(period)
+    mesh = Mesh.of(period, problem.pieces)
     going = problem.start[1] + mesh.paces[:, None] * problem.start[2]
     there = np.isfinite(allowed)
     scale = np.where(there, 1.0 / np.where(there, allowed, 1.0), 0.0)[:, None]
@@ -149,9 +182,9 @@ def allowed_speed(problem: Problem, detour: Detour, share: float) -> tuple[Float
     with a `share` of its jerk. Also the rates (N, 3, m) of the tip by the joints there.
     """
     assert problem.machine is not None
-    mesh, run = Mesh.of(detour.duration), problem.commanded.run
+    mesh, run = Mesh.of(detour.duration, problem.pieces), problem.commanded.run
     feeds = feed_at(run, detour.abreast(mesh.times))
-    feed = np.minimum(feeds[np.maximum(np.arange(PIECES) - 1, 0)], feeds[:PIECES])
+    feed = np.minimum(feeds[np.maximum(np.arange(problem.pieces) - 1, 0)], feeds[:-1])
     rates = tip_rates(problem.machine, detour.motion(mesh.paces)[0])
     if not np.isfinite(feed).any():
         return feed, 0.0, rates
@@ -170,7 +203,7 @@ def solved(rows: Rows, spline: Spline, *, with_tip: bool, least_late: int = 0, g
     if rows.latest > rows.earliest:
         inside = 0.05 * (rows.latest - rows.earliest)
         at[0] = np.clip(spline.late, rows.earliest + inside, rows.latest - inside)
-        y[PIECES:] += (at[0] - spline.late) * rows.drift
+        y[-3:] += (at[0] - spline.late) * rows.drift
     used = most_used(rows, y, with_tip)
     if not (least_late and used < 1.0):
         at[1] = START_WIDER * used
@@ -184,7 +217,7 @@ def solved(rows: Rows, spline: Spline, *, with_tip: bool, least_late: int = 0, g
 
 def detour_of(spline: Spline) -> Detour:
     """The motion of a spline: knots worked out step by step from the start, so that it has no gap."""
-    problem, mesh = spline.problem, Mesh.of(spline.period)
+    problem, mesh = spline.problem, Mesh.of(spline.period, spline.problem.pieces)
     jerks = mesh.jerks(spline.y * scales(problem, spline.period))
     rejoin = min(problem.left + spline.period - spline.lead - spline.late, problem.commanded.law.duration)
     knots = knots_of(problem.start, jerks, mesh.times)

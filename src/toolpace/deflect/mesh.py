@@ -14,9 +14,9 @@ from toolpace.arrays import Floats
 
 FIRST = (0.125, 0.125, 0.25, 0.5)
 """Lengths of the first steps, over that of the others."""
-PIECES = 18
-"""Steps of constant jerk. Twice as many make a way back one percent shorter, and take twice as long."""
-SHARES = np.array([*FIRST, *np.ones(PIECES - len(FIRST))])
+PIECES, FINER = 18, 48
+"""Steps of constant jerk: more where these find no way, or a long one. A motion at its limits leaves no room but for
+one whose jerk changes just when its own does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +36,9 @@ class Mesh:
 
     @classmethod
     @lru_cache(4)
-    def of(cls, period: float) -> Mesh:
+    def of(cls, period: float, pieces: int) -> Mesh:
         """Over a time [s]."""
-        unit = unit_mesh()
+        unit = unit_mesh(pieces)
         orders = period ** -np.arange(4.0)[:, None, None]
         return cls(
             unit.times * period, unit.places * period, unit.squares * period**2, unit.paces * period,
@@ -55,29 +55,30 @@ class Mesh:
     def jerks(self, c: Floats) -> Floats:
         """(N, m) of coefficients (N + 3, m)."""
         weights = self.stencil[3]
-        found: Floats = sum(weights[:, d, None] * c[d : PIECES + d] for d in range(4))
+        found: Floats = sum(weights[:, d, None] * c[d : len(weights) + d] for d in range(4))
         return found
 
 
-@lru_cache(1)
-def unit_mesh() -> Mesh:
+@lru_cache(2)
+def unit_mesh(pieces: int) -> Mesh:
     """Over one second."""
-    times = np.concatenate([[0.0], np.cumsum(SHARES) / SHARES.sum()])
+    shares = np.array([*FIRST, *np.ones(pieces - len(FIRST))])
+    times = np.concatenate([[0.0], np.cumsum(shares) / shares.sum()])
     first, last = times[1], times[-1] - times[-2]
     t = np.concatenate([[-2.0 * first, -first], times, times[-1] + last * np.arange(1.0, 4.0)])  # t_-2 is the first
-    a, b, c = (t[i : i + PIECES + 3] for i in range(3))
-    k = np.arange(PIECES)
+    a, b, c = (t[i : i + pieces + 3] for i in range(3))
+    k = np.arange(pieces)
     widths = (
         (t[k + 3] - t[k]) / 3.0, (t[k + 3] - t[k + 1]) / 2.0, t[k + 3] - t[k + 2],
         (t[k + 4] - t[k + 1]) / 3.0, (t[k + 4] - t[k + 2]) / 2.0, (t[k + 5] - t[k + 2]) / 3.0,
     )  # fmt: skip
-    stencil = np.zeros((4, PIECES, 4))
+    stencil = np.zeros((4, pieces, 4))
     stencil[0, :, 0] = 1.0
     slopes = [difference(d, w) for d, w in enumerate((widths[0], widths[3], widths[5]))]
     bends = [(slopes[1] - slopes[0]) / widths[1][:, None], (slopes[2] - slopes[1]) / widths[4][:, None]]
     stencil[1], stencil[2] = slopes[0], bends[0]
     stencil[3] = (bends[1] - bends[0]) / widths[2][:, None]
-    return Mesh(times, (a + b + c) / 3.0, (a * b + b * c + c * a) / 3.0, ((b + c) / 2.0)[:PIECES], stencil)
+    return Mesh(times, (a + b + c) / 3.0, (a * b + b * c + c * a) / 3.0, ((b + c) / 2.0)[:pieces], stencil)
 
 
 def difference(d: int, width: Floats) -> Floats:

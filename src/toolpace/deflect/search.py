@@ -19,10 +19,12 @@ from toolpace.deflect.bridge import (
 )  # fmt: skip
 from toolpace.deflect.detour import Detour
 from toolpace.deflect.feed import tip_speed, tip_velocity
-from toolpace.deflect.mesh import PIECES
+from toolpace.deflect.mesh import FINER
 from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
+LONG = 3.0
+"""Time of a detour over the first guess from which finer steps are tried too."""
 SHORTEST, LONGEST = 1e-5, 60.0
 """Times of a detour that are looked at [s]."""
 TRIES, CLOSE = 20, 1.09
@@ -47,7 +49,7 @@ MARGINS = (0.0, 0.003, 0.012, 0.05)
 def least_period(problem: Problem, rejoin: float | None, wish: float, behind: float) -> Spline | None:
     """The shortest way that limits and travel of the joints allow, nearly; None where there is none."""
     low, high, best = 0.0, np.inf, None
-    period = max(SHORTEST, first_guess(problem))
+    period = max(SHORTEST, problem.guess)
     for tried in range(TRIES):
         found = joints_alone(problem, period, rejoin, wish, behind)
         if found.used <= 1.0:
@@ -61,15 +63,8 @@ def least_period(problem: Problem, rejoin: float | None, wish: float, behind: fl
         if low > 0.0 and np.isfinite(high):
             period = float(np.sqrt(low * high))
         else:
-            period *= step * 0.97 if found.used <= 1.0 else max(step * 1.02, 1.1 + 0.05 * tried)
+            period *= min(step * 0.97, 0.85) if found.used <= 1.0 else max(step * 1.02, 1.1 + 0.05 * tried)
     return best
-
-
-def first_guess(problem: Problem) -> float:
-    """Time from rest to rest over the way to the motion at once [s]."""
-    off = np.abs(problem.end(0.0, 0.0)[0] - problem.start[0])
-    v, a, j = (getattr(problem.limits, kind) for kind in KINDS)
-    return float(np.max(off / v + np.sqrt(off / a) + np.cbrt(32.0 * off / j)))
 
 
 def joints_alone(problem: Problem, period: float, rejoin: float | None, wish: float, behind: float) -> Spline:
@@ -79,7 +74,7 @@ def joints_alone(problem: Problem, period: float, rejoin: float | None, wish: fl
     if rejoin is not None or period - wish >= rest:
         lead = period - rest if rejoin is None else problem.left + period - rejoin
         range_ = lead, lead
-    rows, y = rows_of(problem, period, lead, range_)
+    rows, y = rows_of(problem, period, lead, range_, nearly=True)
     return solved(rows, Spline.begun(problem, period, lead, y), with_tip=False, gap=0.02)
 
 
@@ -88,6 +83,15 @@ def shortest_detour(problem: Problem, rejoin: float | None = None, lag: float = 
 
     `lag` is the time lost before [s], which is made up for where the deflection itself leads onwards.
     """
+    best = with_pieces(problem, rejoin, lag)
+    if best is None or best.duration > LONG * problem.guess:
+        other = with_pieces(replace(problem, pieces=FINER), rejoin, lag)
+        best = min((each for each in (best, other) if each), key=lambda each: each.duration, default=None)
+    return best
+
+
+def with_pieces(problem: Problem, rejoin: float | None, lag: float) -> Detour | None:
+    """The same, of so many steps of constant jerk."""
     ahead = lead_of(problem)
     wish = -min(lag, max(ahead, 0.0))
     soonest = least_period(problem, rejoin, wish, max(-ahead, 0.0))
@@ -111,7 +115,7 @@ def lead_of(problem: Problem) -> float:
         moved = problem.machine.forward(np.stack([problem.start[0], motion[0]]))[0]
         off, rate = moved[0] - moved[1], tip_velocity(problem.machine, motion[:1], motion[1:2])[0]
     square = float(rate @ rate)
-    most = first_guess(problem)
+    most = problem.guess
     return float(np.clip(off @ rate / square, -most, most)) if square > 0.0 else 0.0
 
 
@@ -160,7 +164,7 @@ def with_loss(spline: Spline, guess: float, wish: float, share: float) -> tuple[
 def at_place(spline: Spline, share: float, lead: float | None = None) -> tuple[Detour | None, float]:
     """The way of least use of the limits, the feed among them, to a fixed place: as it is found, or after a look."""
     lead = spline.lead if lead is None else lead
-    tight = np.ones(PIECES)
+    tight = np.ones(spline.problem.pieces)
     for _ in range(LOOKS):
         spline = with_rows(spline, lead, (lead, lead), share, tight)
         found = passing(spline, share) if spline.used <= DETOUR else None
@@ -204,9 +208,10 @@ def meeting(detour: Detour) -> Detour:
     if detour.rejoin >= detour.commanded.law.duration:
         end[1:] = 0.0
     jerks, knots = detour.jerks, detour.knots
+    weights /= scale
+    inverse = weights.T @ np.linalg.inv(weights @ weights.T)
     for _ in range(2):
-        more = np.linalg.lstsq(weights / scale, (end - knots[:, -1]) / scale, rcond=None)[0]
-        jerks = jerks + more
+        jerks = jerks + inverse @ ((end - knots[:, -1]) / scale)
         knots = knots_of(detour.knots[:, 0], jerks, detour.times)
     return replace(detour, jerks=jerks, knots=knots)
 
@@ -246,7 +251,8 @@ def slower(spline: Spline, share: float) -> Floats:
     """(N,) by what the allowed speed of each control point is to be lessened."""
     detour = meeting(detour_of(spline))
     ratio = too_fast(spline, detour, share)
-    per = (len(ratio) - 1) // PIECES
-    worst = np.maximum(ratio[:-1].reshape(PIECES, per).max(axis=1), ratio[1:].reshape(PIECES, per).max(axis=1))
+    pieces = spline.problem.pieces
+    per = (len(ratio) - 1) // pieces
+    worst = np.maximum(ratio[:-1].reshape(pieces, per).max(axis=1), ratio[1:].reshape(pieces, per).max(axis=1))
     worst = np.maximum(worst, np.maximum(np.append(worst[1:], 1.0), np.append(1.0, worst[:-1])))
     return np.minimum(1.0 / (1.0 + 1.2 * np.maximum(worst - 1.0, 0.0)), 1.0)

@@ -16,7 +16,7 @@ DIRECT = "direct"
 """Short name of no planner at all: the detour runs as made, and the rest as it was."""
 PLANNERS = ("optimal", "genetic", DIRECT)
 """Short names of all that can time a detour."""
-WORTH = 0.02
+WORTH = 0.05
 """Time that a detour loses, up to which the optimal planner is not asked to win some of it: the detour is as short as
 limits allow, and the law beyond it is the fastest already [s]."""
 
