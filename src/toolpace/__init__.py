@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from toolpace import deflect
     from toolpace.axispath.axispath import AxisPath
     from toolpace.axispath.run import AxisRun
+    from toolpace.deflect.replanning import replan
     from toolpace.errors import ToolpaceError
     from toolpace.exporting import Exported, ReadBack, export
     from toolpace.follow import Follower, Measurement
@@ -106,6 +107,7 @@ __all__ = [
     "prove",
     "read",
     "read_text",
+    "replan",
     "report",
     "verify",
 ]
@@ -161,6 +163,7 @@ _HOME = {
     "prove": "planning.bound.prove",
     "read": "reading",
     "read_text": "reading",
+    "replan": "deflect.replanning",
     "report": "reporting",
     "verify": "judge",
 }

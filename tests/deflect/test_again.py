@@ -64,7 +64,9 @@ def test_a_detour_from_a_detour_costs_what_the_first_did_and_goes_back_to_what_w
     random, time, step, spent = np.random.default_rng(8), 0.8, 3e-3, []
     for _ in range(40):
         began = clock.process_time()
-        current = deflect.replan(current, step if spent else time, off_by(current, step if spent else time, random, 5e-6))
+        current = deflect.replan(
+            current, step if spent else time, off_by(current, step if spent else time, random, 5e-6)
+        )
         spent.append(clock.process_time() - began)
         run = current.axis_path.runs[0]
         assert isinstance(run, DetourRun) and run.rest_of is old.axis_path.runs[0]
@@ -157,7 +159,10 @@ def test_beside_the_pole_an_axis_off_by_next_to_nothing_turns_no_joint(angle):
         assert abs(found[0, 0] - rotary[0, 0]) < 1e-9
         assert np.linalg.norm(np.cross(machine.axis_at(found)[0], off)) <= 1.01e-5
     if angle == 1e-6:
-        exact = [rotary_near(machine, rotary, axis + 1e-6 * np.array([np.cos(a), np.sin(a), 0.0]), 1.0, 0.0) for a in (1.0, 2.0, 4.0)]
+        exact = [
+            rotary_near(machine, rotary, axis + 1e-6 * np.array([np.cos(a), np.sin(a), 0.0]), 1.0, 0.0)
+            for a in (1.0, 2.0, 4.0)
+        ]
         assert max(abs(found[0, 0] - rotary[0, 0]) for found in exact) > 0.3, "to the last digit C turns far"
 
 

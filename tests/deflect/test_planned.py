@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from toolpace.deflect import planned
+from toolpace.deflect.law import planned
 from toolpace.errors import InfeasibleError
 from toolpace.planning.guarantee import PROMISED
 
@@ -20,7 +20,10 @@ class Law:
         return self.begin
 
 
-RUN = SimpleNamespace(parameter=lambda t: np.array([[0.0], [0.02], [0.3], [0.0]]), machine=None)
+RUN = SimpleNamespace(
+    s0=0.0, s1=1.0, breaks=np.empty(0), hints=np.empty(0), smooth=True, ends_here=True, machine=None,
+    detour=SimpleNamespace(duration=2.0),
+)  # fmt: skip
 LIMITS = SimpleNamespace(joints=("X",))
 DIRECT = Law(2.0)
 
@@ -65,3 +68,8 @@ def test_where_the_planner_finds_no_motion_the_direct_law_is_taken():
         raise InfeasibleError("no motion")
 
     assert planned.planned_law(RUN, LIMITS, DIRECT, SimpleNamespace(plan_run=refuse)) is DIRECT
+
+
+def test_where_the_path_goes_on_in_another_slope_no_planner_is_asked():
+    run = SimpleNamespace(**{**vars(RUN), "smooth": False, "ends_here": False})
+    assert planned.planned_law(run, LIMITS, DIRECT, None) is DIRECT

@@ -1,24 +1,14 @@
-"""From a state in motion back onto a run: each joint a cubic spline of time, as part of an axis path.
-
-Where the paper joins deflection and projection by a quintic with the same velocity and acceleration at both, here the
-joints start as they are moving and arrive with the motion that the commanded time law has at the point of rejoining: no
-joint is asked for a jump of velocity or acceleration at either end.
-
-        found o.__
-                  `--jerk constant in each of even steps--.
-    ===== run =============================================x======> run goes on, law goes on
-"""
+"""A detour and the rest of the run that it rejoins, as one run of an axis path."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.course import Detour
 from toolpace.deflect.feed import above_feed, feed_at, tip_velocity
 from toolpace.machine.machine import Machine
 
@@ -30,48 +20,6 @@ SHARPEST = 6.0
 """Most relative change of the parameter's speed over a detour, as an exponent; see DetourRun."""
 LEAST_WAY = 1e-6
 """Least way of the parameter over the detour at its speed of rejoining, over the length of the run."""
-
-
-@dataclass(frozen=True, eq=False)
-class Detour:
-    """Joint motion from a state to that of the commanded motion at `rejoin`, with constant jerk in each step."""
-
-    commanded: CommandedMotion
-    left: float
-    """When the path was left, and when it is rejoined, both on the clock of the commanded law [s]."""
-    rejoin: float
-    times: Floats
-    """(n + 1,) of the steps' ends since the start; the last is the duration [s]."""
-    knots: Floats
-    """(3, n + 1, m) positions, velocities, accelerations there."""
-    jerks: Floats
-    """(n, m) in the steps."""
-
-    @property
-    def duration(self) -> float:
-        """[s]"""
-        return float(self.times[-1])
-
-    @property
-    def lost(self) -> float:
-        """By how much the rest of the motion comes later than without the detour [s]."""
-        return self.duration - (self.rejoin - self.left)
-
-    def abreast(self, t: Floats) -> Floats:
-        """(n,) parameters of the run that the tool is abreast of at times since the start.
-
-        The commanded law's at the time that has passed in the same share, from the leaving to the rejoining.
-        """
-        clock = self.left + (self.rejoin - self.left) * np.clip(t / self.duration, 0.0, 1.0)
-        return self.commanded.place(clock)
-
-    def motion(self, t: Floats) -> Floats:
-        """(4, n, m) joints and three time derivatives at times (n,) since the start."""
-        k = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.jerks) - 1)
-        x = (t - self.times[k])[:, None]
-        q, v, a = self.knots[:, k]
-        j = self.jerks[k]
-        return np.stack([q + x * (v + x * (a / 2.0 + x * j / 6.0)), v + x * (a + x * j / 2.0), a + x * j, j])
 
 
 class DetourRun(AxisRun):
@@ -181,7 +129,9 @@ class DetourRun(AxisRun):
         feed = feed_at(self.rest_of, self.detour.abreast(t))
         q, qd = self.detour.motion(t)[:2]
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.where(np.isfinite(feed), feed / np.linalg.norm(tip_velocity(self.machine, q, qd), axis=1), np.inf)
+            share = np.where(
+                np.isfinite(feed), feed / np.linalg.norm(tip_velocity(self.machine, q, qd), axis=1), np.inf
+            )
         # what the start is above the feed by is told apart, and may not become more
         share = np.where(t <= self.above[1], np.maximum(share, 1.0), share)
         out[on] = share * self.parameter(t)[1]

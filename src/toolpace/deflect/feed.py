@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.axispath.follow import FollowRun
 from toolpace.axispath.run import AxisRun
 from toolpace.deflect.aim import AimedOffRun
+from toolpace.deflect.course import Detour
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.planning.guarantee import DETOUR
-
-if TYPE_CHECKING:
-    from toolpace.deflect.detour import Detour
 
 STEP = 1e-6
 """Time by which joints are moved on to see the speed of the tip [s]: at speeds of 1 m/s and radii of 1 m the central
@@ -36,7 +32,9 @@ def tip_rates(machine: Machine, q: Floats) -> Floats:
     """(n, 3, m) how the tip moves with each joint, at joints (n, m)."""
     n, m = q.shape
     each = STEP * np.eye(m)
-    there = machine.forward((q[:, None] + each).reshape(-1, m))[0] - machine.forward((q[:, None] - each).reshape(-1, m))[0]
+    there = (
+        machine.forward((q[:, None] + each).reshape(-1, m))[0] - machine.forward((q[:, None] - each).reshape(-1, m))[0]
+    )
     rates: Floats = np.ascontiguousarray(there.reshape(n, m, 3).transpose(0, 2, 1)) / (2.0 * STEP)
     return rates
 
@@ -52,7 +50,7 @@ def feed_at(run: AxisRun, s: Floats) -> Floats:
 
 
 def fastest_braking(rates: Floats, start: Floats, t: Floats, limits: Limits, share: float) -> Floats:
-    """(n,) least speed of the tip [m/s] at times (n,): every joint brakes it with a share of its jerk from the start on.
+    """(n,) least speed of the tip [m/s] at times (n,): every joint brakes it with a share of its jerk at once.
 
     `rates` (n, 3, m) are those of the tip by the joints, `start` (3, m) the state. With the share 1 no motion within
     the limits of acceleration and jerk is slower along the direction in which the tip would go on.
@@ -69,7 +67,8 @@ def fastest_braking(rates: Floats, start: Floats, t: Floats, limits: Limits, sha
     less = np.where(np.isnan(less), np.inf, less)
     with np.errstate(invalid="ignore"):
         braked = np.where(along == 0.0, 0.0, np.abs(along) * less)
-    return np.maximum(speed - braked.sum(axis=1), 0.0)
+    left: Floats = np.maximum(speed - braked.sum(axis=1), 0.0)
+    return left
 
 
 def looks_at(times: Floats) -> Floats:

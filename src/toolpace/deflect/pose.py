@@ -11,7 +11,6 @@ from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.trajectory import Trajectory
 
-
 SAME_AXIS = 1e-5
 """Angle between two tool axes up to which they are the same: below what is measured, above rounding [rad]."""
 
@@ -40,7 +39,9 @@ def deflected_pose(
         return point
     if not (np.isfinite(axis_tolerance) and axis_tolerance >= 0.0):
         raise UsageError(f"deflection: axis_tolerance is {axis_tolerance!r}; give an angle in rad, 0 or more")
-    rotary = q[:, machine.rotary] if axis is None else rotary_near(machine, q[:, machine.rotary], axis, time, axis_tolerance)
+    rotary = (
+        q[:, machine.rotary] if axis is None else rotary_near(machine, q[:, machine.rotary], axis, time, axis_tolerance)
+    )
     try:
         pose = machine.joints_at(point[None, :], rotary)
         machine.check_travel(pose, standing.original.run.block_at(np.array([standing.original.run.s0])))

@@ -21,19 +21,18 @@ from toolpace.arrays import Floats
 from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
 from toolpace.deflect.aim import Aim
-from toolpace.deflect.bridge import Problem
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.detour import DetourRun
-from toolpace.deflect.direct import direct_law
+from toolpace.deflect.law.direct import direct_law
+from toolpace.deflect.law.timing import timing_of
 from toolpace.deflect.onward import Onward
 from toolpace.deflect.pose import SAME_AXIS, deflected_pose, measured, offset_in_words
 from toolpace.deflect.rejoin import rejoin_time
-from toolpace.deflect.search import shortest_detour
 from toolpace.deflect.standing import Standing, on_path
-from toolpace.deflect.timing import timing_of
+from toolpace.deflect.way_back.search import shortest_detour
+from toolpace.deflect.way_back.splines import Problem
 from toolpace.errors import InfeasibleError, UsageError, did_you_mean
 from toolpace.laws.law import TimeLaw
-from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.planning.planner import Planner
 from toolpace.trajectory import Trajectory
@@ -105,8 +104,8 @@ def replan(
     target = rejoin_time(wanted, deflection, rejoin, interval)
     offset = start[0] - standing.state()[0]
     if aim is standing.aim and target is None and np.abs(offset).max() <= IN_PLACE:
-        run: AxisRun = Onward(standing.current.run, standing.current.law, standing.local)
-        return _joined(trajectory, standing, run, Onward.rest(run), aim, timing.name, began)
+        rest = Onward(standing.current.run, standing.current.law, standing.local)
+        return _joined(trajectory, standing, rest, rest.rest(), aim, timing.name, began)
 
     problem = Problem(wanted, left, start, trajectory.limits, machine)
     detour = shortest_detour(problem, target, standing.lag)
@@ -158,7 +157,9 @@ def _joined(
         if share > 0.0:
             notes = (f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms",)
     path = AxisPath((run, *runs), trajectory.joints, trajectory.axis_path.machine)
-    return Trajectory(path, trajectory.limits, (law, *laws), planner, notes=notes, solve_seconds=clock.perf_counter() - began)
+    return Trajectory(
+        path, trajectory.limits, (law, *laws), planner, notes=notes, solve_seconds=clock.perf_counter() - began
+    )
 
 
 def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt.ArrayLike | None) -> None:

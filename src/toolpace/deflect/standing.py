@@ -44,7 +44,8 @@ class Standing:
         index, local = moment(trajectory, time)
         run, law = trajectory.axis_path.runs[index], trajectory.laws[index]
         if isinstance(run, Onward):
-            run, law, local = run.base, run.law, run.begin + local
+            law, local = run.law, run.begin + local
+            run = run.base
         current, clock, lag = CommandedMotion(run, law), local, 0.0
         followed = current
         if isinstance(run, DetourRun):

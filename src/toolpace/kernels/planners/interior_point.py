@@ -5,8 +5,8 @@ least: rows, coefficients strictly within u
       Newton's steps to the middle of what is left
   until the weight leaves little, or u is low enough, or is known to stay above 1
 
-Source: Boyd, Vandenberghe, Convex Optimization, 2004, section 11.3: in the middle at weight t the least is at most M / t
-away, M the number of rows.
+Source: Boyd, Vandenberghe, Convex Optimization, 2004, section 11.3: in the middle at weight t the least is at most
+M / t away, M the number of rows.
 """
 
 from __future__ import annotations
@@ -42,8 +42,9 @@ def count_rows(rows: Rows, with_tip: int) -> float:
 
 
 @jit()
-def direction(rows: Rows, y: Floats, late: float, u: float, weight: float, least_late: int, with_tip: int,
-              work: Work) -> float:
+def direction(
+    rows: Rows, y: Floats, late: float, u: float, weight: float, least_late: int, with_tip: int, work: Work
+) -> float:
     """Newton's step, to `work.slope` and `work.end_slope`; returns its decrement squared, or -1 where there is none."""
     for part in (work.band, work.border, work.corner):
         part[:] = 0.0
@@ -68,7 +69,7 @@ def direction(rows: Rows, y: Floats, late: float, u: float, weight: float, least
     work.band[:, -1] *= 1.0 + NARROW
     if solve_bordered(work.band, work.border, work.corner, work.slope, work.end_slope, work.spare):
         return -1.0
-    decrement = end_slope[0] * work.end_slope[0] + end_slope[1] * work.end_slope[1]
+    decrement: float = end_slope[0] * work.end_slope[0] + end_slope[1] * work.end_slope[1]
     for i in range(len(slope)):
         decrement += slope[i] * work.slope[i]
     return decrement
@@ -125,7 +126,8 @@ def least(rows: Rows, y: Floats, at: Floats, least_late: int, enough: float, gap
     steps, joints = rows.base.shape[1], y.shape[1]
     n = (steps - 3) * joints
     width = 4 * joints - 1 if with_tip else 3
-    work = Work(np.empty((n, width + 1)), np.empty((n, 2)), np.empty((2, 2)), np.empty(n), np.empty(2), np.empty((2, n)))
+    band, border, corner = np.empty((n, width + 1)), np.empty((n, 2)), np.empty((2, 2))
+    work = Work(band, border, corner, np.empty(n), np.empty(2), np.empty((2, n)))
     many = count_rows(rows, with_tip)
     span = rows.latest - rows.earliest if least_late else at[1]
     weight, total = many / span, 0

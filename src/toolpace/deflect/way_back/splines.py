@@ -1,7 +1,7 @@
 """Joint splines from the state that is found to the motion that is rejoined, in a given time.
 
-    late      by how much the rest of the motion comes later: the time taken, less what the commanded law takes
-    lead      where the end's motion is known exactly; from there its state goes on in a straight line with `late`
+late      by how much the rest of the motion comes later: the time taken, less what the commanded law takes
+lead      where the end's motion is known exactly; from there its state goes on in a straight line with `late`
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.deflect.commanded import CommandedMotion
-from toolpace.deflect.detour import Detour
+from toolpace.deflect.course import Detour
 from toolpace.deflect.feed import fastest_braking, feed_at, tip_rates
-from toolpace.deflect.mesh import PIECES, Mesh
+from toolpace.deflect.way_back.mesh import PIECES, Mesh
 from toolpace.kernels.planners.interior_point import least
 from toolpace.kernels.planners.joint_splines import Rows, most_used
 from toolpace.machine.limits import KINDS, Limits
@@ -126,7 +126,8 @@ def quintic(end: Floats, period: float, t: Floats, spread: Floats) -> Floats:
     x = (t / period)[:, None]
     value = x**3 * (c[0] + x * (c[1] + x * c[2]))
     bend: Floats = x * (6.0 * c[0] + x * (12.0 * c[1] + x * 20.0 * c[2])) / period**2
-    return value - spread[:, None] / 2.0 * bend
+    found: Floats = value - spread[:, None] / 2.0 * bend
+    return found
 
 
 def rows_of(
@@ -142,7 +143,9 @@ def rows_of(
     unit = scales(problem, period)
     low, high = problem.travel.T
     bounded = np.isfinite(high - low)
-    middle, half = (np.where(bounded, both, 1.0) for both in ((np.where(bounded, low, 0.0) + high) / 2.0, (high - low) / 2.0))
+    middle, half = (
+        np.where(bounded, both, 1.0) for both in ((np.where(bounded, low, 0.0) + high) / 2.0, (high - low) / 2.0)
+    )
     base, ratio = np.zeros((4, n, m)), np.zeros((4, m))
     at, square = mesh.places[:n, None], mesh.squares[:n, None]
     base[0] = np.where(bounded, (q + v * at + a / 2.0 * square - middle) / half, 0.0)
@@ -193,7 +196,9 @@ def allowed_speed(problem: Problem, detour: Detour, share: float) -> tuple[Float
     return np.where(within, np.maximum(feed, braked), feed), float(mesh.times[int(np.sum(within))]), rates
 
 
-def solved(rows: Rows, spline: Spline, *, with_tip: bool, least_late: int = 0, gap: float = 1e-2, enough: float = 0.0) -> Spline:
+def solved(
+    rows: Rows, spline: Spline, *, with_tip: bool, least_late: int = 0, gap: float = 1e-2, enough: float = 0.0
+) -> Spline:
     """The spline with least use of its rows, or, where it is within them, least (1) or most (-1) `late`, to a gap.
 
     Use below `enough` is as good as the least.

@@ -39,8 +39,8 @@ def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
             raise UsageError(f"replan: the planner '{DIRECT}' has no options, but {', '.join(options)} is given")
         return Timing(DIRECT, lambda run, limits, direct: direct)
     # their compiled code is loaded here, where it is used
-    from toolpace.deflect.genetic import genetic_law
-    from toolpace.deflect.planned import planned_law
+    from toolpace.deflect.law.genetic import genetic_law
+    from toolpace.deflect.law.planned import planned_law
     from toolpace.planning.genetic.planner import Genetic
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.second_order.planner import SecondOrder

@@ -14,12 +14,20 @@ from dataclasses import replace
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.deflect.bridge import (
-    ENOUGH, Problem, Spline, allowed_speed, detour_of, knots_of, rows_of, solved, with_feed,
-)  # fmt: skip
-from toolpace.deflect.detour import Detour
+from toolpace.deflect.course import Detour
 from toolpace.deflect.feed import tip_speed, tip_velocity
-from toolpace.deflect.mesh import FINER
+from toolpace.deflect.way_back.mesh import FINER
+from toolpace.deflect.way_back.splines import (
+    ENOUGH,
+    Problem,
+    Spline,
+    allowed_speed,
+    detour_of,
+    knots_of,
+    rows_of,
+    solved,
+    with_feed,
+)  # fmt: skip
 from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
@@ -188,7 +196,9 @@ def with_rows(
         with_tip = bool(np.isfinite(allowed).any())
         if with_tip:
             rows = with_feed(problem, rows, period, rates, allowed if tight is None else allowed * tight)
-    return solved(rows, start, with_tip=with_tip, least_late=least_late, gap=1e-3 if least_late else 1e-2, enough=enough)
+    return solved(
+        rows, start, with_tip=with_tip, least_late=least_late, gap=1e-3 if least_late else 1e-2, enough=enough
+    )
 
 
 def passing(spline: Spline, share: float) -> Detour | None:
@@ -255,4 +265,5 @@ def slower(spline: Spline, share: float) -> Floats:
     per = (len(ratio) - 1) // pieces
     worst = np.maximum(ratio[:-1].reshape(pieces, per).max(axis=1), ratio[1:].reshape(pieces, per).max(axis=1))
     worst = np.maximum(worst, np.maximum(np.append(worst[1:], 1.0), np.append(1.0, worst[:-1])))
-    return np.minimum(1.0 / (1.0 + 1.2 * np.maximum(worst - 1.0, 0.0)), 1.0)
+    less: Floats = 1.0 / (1.0 + 1.2 * np.maximum(worst - 1.0, 0.0))
+    return less

@@ -1,0 +1,1 @@
+"""The laws of a detour and of the way on."""
