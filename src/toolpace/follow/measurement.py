@@ -9,11 +9,13 @@ import numpy.typing as npt
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError
+from toolpace.kernels.follow.layout import AXIS, DEFLECTION, FORCE, MEASURED_AT, TIP
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Position of the tip, direction of the tool, or force on it, at a time; what is not given was not measured.
+    """Position of the tip or its deflection, direction of the tool, or force on it, at a time; what is not given was
+    not measured.
 
     Any figures are taken, nan and absurd ones too: a follower says what it made of them, and goes on.
     """
@@ -26,11 +28,19 @@ class Measurement:
     """(3,) unit vector from the tip to the spindle, in the workpiece frame."""
     force: npt.ArrayLike | None = None
     """(3,) force on the tool, in the workpiece frame [N]."""
+    deflection: npt.ArrayLike | None = None
+    """(3,) how far the tip was from where it was commanded `delay` before, correction and all, in the workpiece frame
+    [m]: what `tip` less that place would be, and taken in place of it."""
 
     def write(self, into: Floats) -> None:
-        """Write to an array (11,) as kernels/follow/layout.py has it. Raises UsageError for a wrong shape."""
-        into[0] = self.t
-        for at, name, value in ((1, "tip", self.tip), (4, "axis", self.axis), (7, "force", self.force)):
+        """Write to an array (13,) as kernels/follow/layout.py has it. Raises UsageError for a wrong shape."""
+        into[MEASURED_AT] = self.t
+        for at, name, value in (
+            (TIP, "tip", self.tip),
+            (AXIS, "axis", self.axis),
+            (FORCE, "force", self.force),
+            (DEFLECTION, "deflection", self.deflection),
+        ):
             if value is None:
                 into[at : at + 3] = np.nan
                 continue

@@ -30,6 +30,7 @@ from toolpace.kernels.follow.layout import (
     COMPLIANCE,
     CORRECTION,
     DEADBAND,
+    DEFLECTION,
     DELAY,
     DISPLACED,
     FILTER,
@@ -74,8 +75,8 @@ MOST_TILT = 0.5
 
 @jit()
 def take(piece: Floats, state: Floats, given: Floats) -> int:
-    """Take in what was measured (11,), nan where nothing was; returns what is to be said of it."""
-    by_tip = math.isfinite(given[TIP] + given[TIP + 1] + given[TIP + 2])
+    """Take in what was measured (13,), nan where nothing was; returns what is to be said of it."""
+    by_tip = math.isfinite(given[TIP] + given[TIP + 1] + given[TIP + 2]) or known_deflection(given)
     by_force = math.isfinite(given[FORCE] + given[FORCE + 1] + given[FORCE + 2])
     if not (math.isfinite(given[MEASURED_AT]) and (by_tip or by_force)):
         return NOT_A_NUMBER
@@ -96,6 +97,12 @@ def take(piece: Floats, state: Floats, given: Floats) -> int:
         return displace(piece, state, wanted, off)
     relax(piece, state, wanted, since, first)
     return 0
+
+
+@jit(inline=True)
+def known_deflection(given: Floats) -> bool:
+    """Whether what the tip is off by was measured itself."""
+    return math.isfinite(given[DEFLECTION] + given[DEFLECTION + 1] + given[DEFLECTION + 2])
 
 
 @jit()
@@ -131,8 +138,9 @@ def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> f
     tip, axis = state[SCRATCH + 5 : SCRATCH + 8], state[SCRATCH + 8 : SCRATCH + 11]
     q = state[SCRATCH : SCRATCH + 5]
     forward(chain, q.reshape((1, 5)), tip.reshape((1, 3)), axis.reshape((1, 3)))
+    direct = known_deflection(given)
     for d in range(3):
-        tip[d] = given[TIP + d] - tip[d]
+        tip[d] = given[DEFLECTION + d] if direct else given[TIP + d] - tip[d]
     off = math.sqrt(dot(tip, tip))
     first, second = 0.0, 0.0
     if piece[AIMS_AXIS] > 0.0 and math.isfinite(given[AXIS] + given[AXIS + 1] + given[AXIS + 2]):

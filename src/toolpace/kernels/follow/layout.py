@@ -45,8 +45,8 @@ CELL_COLUMNS = 3 * JOINTS + 2
 least from here until a correction has been slowed down."""
 
 # what goes in, nan where there is none
-MEASURED_AT, TIP, AXIS, FORCE, OVERRIDE = 0, 1, 4, 7, 10
-INPUTS = 11
+MEASURED_AT, TIP, AXIS, FORCE, DEFLECTION, OVERRIDE = 0, 1, 4, 7, 10, 13
+INPUTS = 14
 
 # state
 (
