@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cyclopts import App
 
-from toolpace.cli import exporting, options
+from toolpace.cli import exporting, options, playing
 from toolpace.cli.steps import Steps, new_console
 from toolpace.errors import UsageError
 from toolpace.version import __version__
@@ -27,6 +27,7 @@ Examples:
     toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and needs to
     toolpace verify part-plan         judge a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
+    toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 all is well; 1 a verification failed; 2 something in the input is
 wrong, and one line says what, where and how to cure it.
@@ -151,6 +152,32 @@ def export_command(
         toolpace export part-plan --to program --inverse-time
     """
     return exporting.run_export(directory, to, out, target)
+
+
+@app.command(name="follow", help_epilogue="")
+def follow_command(
+    law: playing.LawFile,
+    /,
+    *,
+    backlog: playing.Backlog = "20ms",
+    record: playing.RecordFile = None,
+    name: playing.ComponentName = "toolpace",
+    streamer: playing.StreamerNumber = 0,
+) -> int:
+    """Follow a plan live as a component of LinuxCNC's HAL: at any pace, corrected by the pins deflection-x, -y and -z.
+
+    LAW is what Follower.save wrote. The component is not realtime: it keeps the
+    queue of HAL's streamer full, which hands a row to the joints each servo
+    period, so that what is measured shows in the joints a backlog later. It ends
+    at SIGTERM (unloadusr) or Ctrl-C, after a stop on the path within the limits.
+    docs: from plan to machine.
+
+    For example:
+
+        toolpace follow part.law --backlog 10ms
+        toolpace follow part.law --record given.csv
+    """
+    return playing.run_follow(law, backlog, record, name, streamer)
 
 
 @app.command(name="inspect", help_epilogue="")

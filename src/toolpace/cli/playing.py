@@ -1,0 +1,41 @@
+"""The command `follow`: a law played into LinuxCNC's HAL."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from toolpace.cli import arguments
+from toolpace.cli.steps import new_console
+from toolpace.errors import UsageError
+
+LawFile = Annotated[str, Parameter(help="What Follower.save wrote.")]
+Backlog = Annotated[
+    str,
+    Parameter(help="How far the rows are ahead of the servo thread; the law's delay is this, drives and sensor."),
+]
+RecordFile = Annotated[str | None, Parameter(name="--record", help="Table of what is given, row by row (CSV).")]
+ComponentName = Annotated[str, Parameter(name="--name", help="Name of the component, before each of its pins.")]
+StreamerNumber = Annotated[int, Parameter(name="--streamer", help="Number of the streamer that takes the rows.")]
+STREAMERS = 8
+"""Most of them (streamer(9))."""
+
+
+def run_follow(law: str, backlog: str, record: str | None, name: str, streamer: int) -> int:
+    """Play a law until a signal asks to end."""
+    from toolpace.follow import Follower
+    from toolpace.hal import Component, Settings, hal_module
+
+    ahead = arguments.time_given("--backlog", backlog)
+    if not 0 <= streamer < STREAMERS:
+        raise UsageError(f"--streamer {streamer}: give 0 to {STREAMERS - 1}")
+    follower = Follower.load(law)
+    settings = Settings(name, streamer, ahead, None if record is None else Path(record))
+    component = Component(follower, hal_module(), settings)
+    console = new_console()
+    console.print(f"{law}: {follower.duration:.6g} s, component {name} is ready", highlight=False)
+    component.run()
+    console.print(f"{component.rows.given} rows were given, none too late", highlight=False)
+    return 0

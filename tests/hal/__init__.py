@@ -1,0 +1,1 @@
+"""The component of LinuxCNC's HAL, without LinuxCNC."""
