@@ -182,9 +182,10 @@ class Component:
         """Stand on the path within the limits, then let what waits be played; a second signal ends at once."""
         until = time.monotonic() + PATIENCE
         stands = not self.pins["playing"]
+        # from here on nothing is measured, nor missed: the correction settles where it goes to
+        self.follower.state[layout.MEASURED] = 0.0
         while not stands and time.monotonic() < until:
-            wanted = asked(self.pins)
-            point = self._turn(record, STANDING._replace(deflection=wanted.deflection))
+            point = self._turn(record, STANDING)
             stands = point is not None and self._stands(point)
         while self.pins["playing"] and self.rows.depth and time.monotonic() < until:
             time.sleep(self.follower.period)
