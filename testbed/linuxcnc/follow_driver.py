@@ -5,7 +5,6 @@ It homes, connects a sensor of its own with the component, disturbs what that sh
 doubles: joints, deflection) and `ended.json`.
 """
 
-import array
 import json
 import math
 import random

@@ -1,4 +1,4 @@
-"""The component plays what the follower gives, without a gap, from wherever the joints stand to wherever it is stopped."""
+"""The component plays what the follower gives, without a gap, from where the joints stand to where it is stopped."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def test_it_holds_goes_on_and_stops_for_a_correction_at_its_limit_until_told_to_
         pins["hold"] = 500 < period < 900
         if 800 < period < 900:
             stood.append(pins["pace"])
-        pins["deflection-x"] = 0.3 if 1000 < period and not stopped else 0.0
+        pins["deflection-x"] = 0.3 if period > 1000 and not stopped else 0.0
         if pins["status"] & Status.STOPPING and pins["pace"] == 0.0 and not stopped:
             stopped.append(period)
         pins["resume"] = bool(stopped) and period > stopped[0] + 400

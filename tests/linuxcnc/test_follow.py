@@ -1,4 +1,4 @@
-"""A plan followed by the real LinuxCNC, its motion module in between, while a sensor shows what nobody would wish for."""
+"""A plan followed by the real LinuxCNC and its motion module, while a sensor shows what nobody would wish for."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from testbed.linuxcnc.following import follow_law
 from toolpace.follow import Status
 from toolpace.units import DEGREE, MILLIMETRE
 
-PROGRAM = "G21 G90 G17 G94\nG0 X2 Y-1 Z2 A0 C0\nG1 Z1 F900\nX18 Y5 A8 C14 F700\nY15 A2\nG4 P0.2\nX10 A-3 C6\nM2\n"
+HEAD = "G21 G90 G17 G94\nG0 X2 Y-1 Z2 A0 C0\nG1 Z1 F900\n"
+PROGRAM = HEAD + "X18 Y5 A8 C14 F700\nY15 A2\nG4 P0.2\nX10 A-3 C6\nX2 Y2 A4 C-8 F500\nM2\n"
 UNITS = np.array([MILLIMETRE] * 3 + [DEGREE] * 2)
 BACKLOG, LAG = 180e-3, 5e-3
 """Tests share their computer, and none of its processes is realtime: rows for longer than one is kept waiting."""
@@ -39,7 +40,8 @@ def test_joints_are_what_step_gave_and_keep_the_limits_whatever_is_measured(tmp_
     status = np.bitwise_or.reduce(seen.given["status"].astype(int))
     # a disturbed run, to its end: drop-outs, nothing that is a number, and corrections of most of what may be
     assert status & Status.ENDED and status & Status.STALE and status & (Status.NOT_A_NUMBER | Status.ABSURD)
-    assert np.nanstd(seen.deflection) > 0.02 and not np.isfinite(seen.deflection).all()
+    believable = np.abs(seen.deflection) < 1.0
+    assert np.std(seen.deflection[believable]) > 0.02 and not believable.all()
     assert np.abs(seen.given["correction_0"]).max() > 0.04
     assert seen.given["pace"].max() == pytest.approx(1.2) and (seen.given["pace"][: len(given) // 2] == 0.0).any()
     # one shift in time, then every cycle is the row that it was given
