@@ -6,7 +6,8 @@ from pathlib import Path
 
 from cyclopts import App
 
-from toolpace.cli import exporting, options, playing
+from toolpace.cli import exporting, options
+from toolpace.cli.live import run as live
 from toolpace.cli.steps import Steps, new_console
 from toolpace.errors import UsageError
 from toolpace.version import __version__
@@ -156,13 +157,13 @@ def export_command(
 
 @app.command(name="follow", help_epilogue="")
 def follow_command(
-    law: playing.LawFile,
+    law: live.LawFile,
     /,
     *,
-    backlog: playing.Backlog = "20ms",
-    record: playing.RecordFile = None,
-    name: playing.ComponentName = "toolpace",
-    streamer: playing.StreamerNumber = 0,
+    backlog: live.Backlog = "20ms",
+    record: live.RecordFile = None,
+    name: live.ComponentName = "toolpace",
+    streamer: live.StreamerNumber = 0,
 ) -> int:
     """Follow a plan live as a component of LinuxCNC's HAL: at any pace, corrected by the pins deflection-x, -y and -z.
 
@@ -177,7 +178,7 @@ def follow_command(
         toolpace follow part.law --backlog 10ms
         toolpace follow part.law --record given.csv
     """
-    return playing.run_follow(law, backlog, record, name, streamer)
+    return live.run_follow(law, backlog, record, name, streamer)
 
 
 @app.command(name="inspect", help_epilogue="")

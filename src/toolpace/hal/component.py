@@ -19,7 +19,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError
-from toolpace.exporting.approach import approach
+from toolpace.exporting.linuxcnc.approach import approach
 from toolpace.follow import Follower, Measurement, SetPoint, Status
 from toolpace.hal.ending import asked_to_end, without_pauses
 from toolpace.hal.pins import JOINTS, Asked, asked, make_pins, position

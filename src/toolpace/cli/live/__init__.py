@@ -1,0 +1,1 @@
+"""The command `follow`: a plan followed live."""
