@@ -59,6 +59,11 @@ CASES: dict[str, Callable[[], tuple[Path, Machine]]] = {
 }
 
 
+def cases() -> dict[str, tuple[Path, Machine]]:
+    """Those that papers print."""
+    return {name: made() for name, made in CASES.items() if name != "demo"}
+
+
 @dataclass
 class Row:
     """What came of the deflections of one path and cause."""

@@ -12,7 +12,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import toolpace as tp
-from toolpace import deflect
 
 machine = tp.Machine.load("paper-ab")
 trajectory = tp.plan(tp.Path.paper_arc(), machine)
@@ -23,7 +22,7 @@ trajectory = tp.plan(tp.Path.paper_arc(), machine)
 time, measured = 2.5, np.array([0.059, 0.0568, 0.0589])
 commanded = trajectory.tip([time])[0][0]
 print(f"off by {1e3 * np.linalg.norm(measured - commanded):.3f} mm")
-again = deflect.replan(trajectory, time, deflection=measured)
+again = tp.replan(trajectory, time, deflection=measured)
 print(f"left to run: {trajectory.duration - time:.4f} s as planned, {again.duration:.4f} s by way of the detour")
 print(f"worst use of a limit {again.usage().worst:.5f}")
 
@@ -45,4 +44,21 @@ joint_b.legend()
 for panel in (distance, joint_b):
     panel.axvline(time, color="black", linestyle=":", linewidth=0.8)
     panel.grid(alpha=0.3)
+plt.show()
+
+# %%
+# The same measurement may mean something else: the joints are where they were commanded, and the tool bends by 0.1 mm.
+# Then the set-points go on without a jump, to a motion that is off the path by the opposite of it.
+
+bending = np.array([0.06e-3, -0.07e-3, 0.04e-3])
+straight = tp.replan(trajectory, time, deflection=commanded + bending, cause="bending")
+bent = straight.sample(1e-3)
+tips = bent.tip + bending
+radius, across = np.linalg.norm(tips, axis=1), (tips[:, 0] - tips[:, 1]) / np.sqrt(2.0)
+error = np.hypot(radius - 0.1, across)
+print(f"bent tip off the path: {1e6 * error[0]:.0f} um at first, {1e6 * error[200:].max():.3f} um after 0.2 s")
+figure, panel = plt.subplots(figsize=(8, 4), layout="constrained")
+panel.plot(1e3 * bent.t, 1e6 * error)
+panel.set(xlabel="time since the measurement [ms]", ylabel="bent tip off the path [µm]", xlim=(0, 200))
+panel.grid(alpha=0.3)
 plt.show()
