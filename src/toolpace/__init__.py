@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     from toolpace import deflect
     from toolpace.axispath.axispath import AxisPath
     from toolpace.axispath.run import AxisRun
+    from toolpace.bending.aim_off import AimedOff, aim_off
+    from toolpace.bending.compliance import Bending
+    from toolpace.bending.cutting_forces import CuttingForces
+    from toolpace.bending.tool_file import load_tool
+    from toolpace.cuttingtool import Coefficients, Cut, Cutter, CuttingTool, Engagement
     from toolpace.deflect.replanning import replan
     from toolpace.errors import ToolpaceError
     from toolpace.exporting import Exported, ReadBack, export
@@ -55,12 +60,20 @@ if TYPE_CHECKING:
     from toolpace.workers import Progress, Workers
 
 __all__ = [
+    "AimedOff",
     "AxisPath",
     "AxisRun",
+    "Bending",
     "ChainFile",
     "Check",
+    "Coefficients",
     "Controller",
+    "Cut",
+    "Cutter",
+    "CuttingForces",
+    "CuttingTool",
     "EndState",
+    "Engagement",
     "Exported",
     "Follower",
     "Genetic",
@@ -99,9 +112,11 @@ __all__ = [
     "Verification",
     "Workers",
     "__version__",
+    "aim_off",
     "apply_feed",
     "deflect",
     "export",
+    "load_tool",
     "plan",
     "program_time",
     "prove",
@@ -113,12 +128,20 @@ __all__ = [
 ]
 
 _HOME = {
+    "AimedOff": "bending.aim_off",
     "AxisPath": "axispath.axispath",
     "AxisRun": "axispath.run",
+    "Bending": "bending.compliance",
     "ChainFile": "machine.file",
     "Check": "judge",
+    "Coefficients": "cuttingtool",
     "Controller": "reading.controllers.controller",
+    "Cut": "cuttingtool",
+    "Cutter": "cuttingtool",
+    "CuttingForces": "bending.cutting_forces",
+    "CuttingTool": "cuttingtool",
     "EndState": "planning.endstate",
+    "Engagement": "cuttingtool",
     "Exported": "exporting",
     "Follower": "follow",
     "Genetic": "planning.genetic.planner",
@@ -156,8 +179,10 @@ _HOME = {
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "workers",
+    "aim_off": "bending.aim_off",
     "apply_feed": "reading",
     "export": "exporting",
+    "load_tool": "bending.tool_file",
     "plan": "planning.planner",
     "program_time": "timing.program",
     "prove": "planning.bound.prove",

@@ -33,6 +33,10 @@ FEEDS = {
     "in/s": INCH,
     "m/s": 1.0,
 }
+PRESSURES = {"MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "N/mm^2": 1e6, "N/mm²": 1e6, "kN/mm2": 1e9, "Pa": 1.0}
+EDGE_FORCES = {"N/mm": 1e3, "N/m": 1.0, "kN/m": 1e3}
+STIFFNESSES = {"N/um": 1e6, "N/µm": 1e6, "N/μm": 1e6, "N/mm": 1e3, "N/m": 1.0, "kN/mm": 1e6}
+SPINDLE_SPEEDS = {"rpm": 1.0 / MINUTE, "1/min": 1.0 / MINUTE, "rev/min": 1.0 / MINUTE, "1/s": 1.0}
 
 _QUANTITY = re.compile(r"\s*+([-+]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?)\s*+(\S*+)\s*+")
 _SHOWN = 40
@@ -64,18 +68,39 @@ def parse_percent(text: str) -> float:
     return _parse(text, {"%": 0.01}, "factor", "120%", positive=True)
 
 
+def parse_pressure(text: str) -> float:
+    """Pressure or modulus [Pa] of text such as `1800MPa`, `580GPa`, `1800N/mm2`; UsageError where it is none."""
+    return _parse(text, PRESSURES, "pressure", "1800MPa")
+
+
+def parse_edge_force(text: str) -> float:
+    """Force per length of an edge [N/m] of text such as `25N/mm`; UsageError where it is none, or negative."""
+    return _parse(text, EDGE_FORCES, "force per length", "25N/mm")
+
+
+def parse_stiffness(text: str) -> float:
+    """Stiffness [N/m] of text such as `12N/um`; UsageError where it is none, zero or negative."""
+    return _parse(text, STIFFNESSES, "stiffness", "12N/um", positive=True)
+
+
+def parse_spindle_speed(text: str) -> float:
+    """Turns of a spindle per second [1/s] of text such as `18000rpm`; UsageError where it is none."""
+    return _parse(text, SPINDLE_SPEEDS, "spindle speed", "18000rpm", positive=True)
+
+
 def _parse(text: str, units: dict[str, float], quantity: str, example: str, *, positive: bool = False) -> float:
     match = _QUANTITY.fullmatch(text)
     text = text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
     if match is None:
         raise UsageError(f"'{text}' is not a {quantity}: write a number and a unit, like {example}")
     number, unit = float(match[1]), match[2].lower()
+    factors = {name.lower(): factor for name, factor in units.items()}
     known = ", ".join(name for name in units if name.isascii())
     if not unit:
         raise UsageError(f"{quantity} '{text}' has no unit: write it like {example} (units: {known})")
-    if unit not in units:
+    if unit not in factors:
         raise UsageError(f"'{match[2][:_SHOWN]}' is not a unit of {quantity}: use one of {known}, like {example}")
-    value = number * units[unit]
+    value = number * factors[unit]
     if not math.isfinite(value) or value < 0 or (positive and value == 0):
         bound = "above zero" if positive else "zero or more"
         raise UsageError(f"{quantity} '{text}' must be {bound} and finite, like {example}")

@@ -57,13 +57,11 @@ def plan_command(
     prove: options.Prove = False,
     prove_within: options.ProveWithin = "60s",
     feed: options.Feed = None,
-    dt: options.TimeStep = "1ms",
+    bend: options.Bend = None,
     out: options.Out = None,
-    csv: options.Csv = False,
-    npz: options.Npz = "all",
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
-    no_report: options.NoReport = False,
+    files: options.Files = options.USUAL_FILES,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
     """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
@@ -79,6 +77,7 @@ def plan_command(
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
         toolpace plan part.mpf -m my-mill.toml --controller sinumerik --setup setup.toml
+        toolpace plan part.ngc -m xyzac-trunnion --bend tool.toml
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
     from toolpace.cli import arguments, job, summary
@@ -97,10 +96,11 @@ def plan_command(
         feed=arguments.feed_asked(feed),
         dialect=dialect,
         options=how,
-        dt=arguments.time_step(dt),
-        csv=csv,
-        npz=arguments.npz_wanted(npz),
-        report=not no_report,
+        tool=arguments.tool_named(bend),
+        dt=arguments.time_step(files.dt),
+        csv=files.csv,
+        npz=arguments.npz_wanted(files.npz),
+        report=not files.no_report,
     )
     console = new_console()
     record, verification = job.carry_out(task, Steps(console))

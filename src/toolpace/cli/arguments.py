@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
     from toolpace.cli.options import Reading
+    from toolpace.cuttingtool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.reading import ReadOptions
 
@@ -80,6 +81,15 @@ def tolerances(tip: str, axis: str) -> tuple[float, float]:
 def time_step(text: str) -> float:
     """The time between set-points [s]."""
     return _within("--dt", text, units.parse_time(text), TIME_STEPS, units.format_time)
+
+
+def tool_named(path: str | None) -> CuttingTool | None:
+    """The tool that bends, from its file; None where none is given."""
+    if path is None:
+        return None
+    from toolpace.bending.tool_file import load_tool
+
+    return load_tool(path)
 
 
 def npz_wanted(text: str) -> bool:

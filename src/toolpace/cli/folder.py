@@ -45,6 +45,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         machine = Machine.load(folder / write.MACHINE)
         setpoints = SetPoints.load(folder / write.SET_POINTS)
         options = read_as_planned(folder, record, reading)
+        tool = write.bent_tool(folder, record.bending)
         toolpath = None
         if program is not None:
             toolpath = read_source(Source.load(program), machine, record.dialect, options, feed=record.feed)
@@ -53,7 +54,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     with steps.step("verifying"):
         said = msgspec.to_builtins(record)
         record = msgspec.structs.replace(record, reading=write.reading_record(options))
-        found = verify_plan(setpoints, machine, toolpath, said, tip * MILLIMETRE, axis * DEGREE)
+        found = verify_plan(setpoints, machine, toolpath, said, tip * MILLIMETRE, axis * DEGREE, tool)
         table = folder / write.TABLE
         found = with_table(found, table, setpoints, machine) if table.exists() else found
         try:

@@ -3,7 +3,7 @@
 carry out a job:
   read the program                       ToolPath
   fit a smooth path within tolerances    Path
-  plan the motion along it               Trajectory
+  plan the motion along it               Trajectory; where the tool bends, both again and again until it is aimed off
   prove how close to the best it is      the same, with a higher lower bound; only where asked for
   sample it at equal times               SetPoints
   verify these by the program alone      Verification
@@ -20,8 +20,11 @@ from toolpace.cli.steps import Steps
 from toolpace.description import counted
 from toolpace.planning.guarantee import PROMISED
 from toolpace.reading.options import ReadOptions
+from toolpace.units import format_length
 
 if TYPE_CHECKING:
+    from toolpace.bending.aim_off import AimedOff
+    from toolpace.cuttingtool import CuttingTool
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.path.path import Path as SmoothPath
@@ -29,7 +32,7 @@ if TYPE_CHECKING:
     from toolpace.setpoints import SetPoints
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
-    from toolpace.write import PlanRecord
+    from toolpace.write import PlanRecord, PlanResult
 
 NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
@@ -58,22 +61,45 @@ class Job:
     csv: bool = False
     report: bool = True
     npz: bool = True
+    tool: CuttingTool | None = None
+    """The tool that bends, and is aimed off by it; None: it is stiff."""
     source: Source | None = None
     """The program, where it has been read already; else it is read from its file, once."""
 
 
 def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
+    from toolpace import write
+
     job = loaded(job)
     warm_up(steps)
     toolpath = read_program(job, steps)
     refuse_without_room(job, least_duration(toolpath), "the feeds of the program alone take")
-    path = fit_path(job, steps, toolpath)
-    trajectory = plan_motion(job, steps, path)
+    aimed = aimed_off(job, steps, toolpath)
+    path = fit_path(job, steps, toolpath) if aimed is None else aimed.path
+    trajectory = plan_motion(job, steps, path) if aimed is None else aimed.trajectory
+    trajectory = with_proof(job, steps, trajectory)
     refuse_without_room(job, trajectory.duration, "the motion takes")
     setpoints = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(job, steps, setpoints, toolpath)
-    record = write_results(job, steps, toolpath, path, trajectory, setpoints, verification)
+    result = write.PlanResult(
+        trajectory=trajectory,
+        machine=job.machine,
+        setpoints=setpoints,
+        toolpath=toolpath,
+        path=path,
+        verification=verification,
+        program=job.program,
+        program_bytes=job.source.data if job.source is not None else None,
+        dialect=job.dialect,
+        feed=job.feed,
+        options=job.options,
+        tip_tolerance=job.tip_tolerance,
+        axis_tolerance=job.axis_tolerance,
+        aimed=aimed,
+        step_s=dict(steps.seconds),
+    )
+    record = write_results(job, steps, result)
     return record, verification
 
 
@@ -136,21 +162,54 @@ def fit_path(job: Job, steps: Steps, toolpath: ToolPath) -> SmoothPath:
         return SmoothPath.fit(toolpath, job.tip_tolerance, job.axis_tolerance, job.machine, progress=step)
 
 
+def aimed_off(job: Job, steps: Steps, toolpath: ToolPath) -> AimedOff | None:
+    """The program aimed off by what its tool bends, and planned; None where it is stiff."""
+    if job.tool is None:
+        return None
+    from toolpace.axispath.travel import check_travel
+    from toolpace.bending.aim_off import aim_off, refuse_coarse
+
+    refuse_coarse(toolpath, job.tool, job.dt)
+    with steps.step("aiming off") as step:
+        aimed = aim_off(
+            toolpath, job.machine, job.tool, job.tip_tolerance, job.axis_tolerance, planner=job.planner, progress=step
+        )
+        check_travel(aimed.trajectory.axis_path, program_name(job))
+        aimed = replace(aimed, trajectory=with_cheap_bound(job, aimed.trajectory))
+        step.note = f"the tool bends by at most {format_length(aimed.largest)}, {counted(aimed.rounds, 'round')}"
+    return aimed
+
+
+def program_name(job: Job) -> str:
+    """Of the program, for messages."""
+    return job.source.name if job.source is not None else str(job.program)
+
+
 def plan_motion(job: Job, steps: Steps, path: SmoothPath) -> Trajectory:
-    """The fastest motion along it, and its lower bounds: of any motion where that is cheap, proved where asked for."""
+    """The fastest motion along a path."""
     from toolpace.axispath.axispath import AxisPath
     from toolpace.axispath.travel import check_travel
-    from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
-    from toolpace.planning.bound.prove import prove
     from toolpace.planning.planner import plan
 
     with steps.step("planning") as step:
         axis_path = AxisPath.follow(path, job.machine)
-        check_travel(axis_path, job.source.name if job.source is not None else str(job.program))
-        trajectory = plan(axis_path, job.machine, planner=job.planner, progress=step)
-        if job.prove_within is None and is_cheap(trajectory):
-            trajectory = with_continuous_bound(trajectory)
+        check_travel(axis_path, program_name(job))
+        trajectory = with_cheap_bound(job, plan(axis_path, job.machine, planner=job.planner, progress=step))
         step.note = f"{trajectory.mesh_points} mesh points"
+    return trajectory
+
+
+def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
+    """A motion with a lower bound of any motion, where that is cheap and none is to be proved."""
+    from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
+
+    return with_continuous_bound(trajectory) if job.prove_within is None and is_cheap(trajectory) else trajectory
+
+
+def with_proof(job: Job, steps: Steps, trajectory: Trajectory) -> Trajectory:
+    """A motion with its lower bound raised, where that was asked for; what there is to say of it is said."""
+    from toolpace.planning.bound.prove import prove
+
     for note in trajectory.notes[:NOTES]:
         steps.say(note)
     if len(trajectory.notes) > NOTES:
@@ -178,38 +237,14 @@ def verify_motion(job: Job, steps: Steps, setpoints: SetPoints, toolpath: ToolPa
     from toolpace.judge import verify
 
     with steps.step("verifying"):
-        return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt)
+        return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt, job.tool)
 
 
-def write_results(
-    job: Job,
-    steps: Steps,
-    toolpath: ToolPath,
-    path: SmoothPath,
-    trajectory: Trajectory,
-    setpoints: SetPoints,
-    verification: Verification,
-) -> PlanRecord:
+def write_results(job: Job, steps: Steps, result: PlanResult) -> PlanRecord:
     """The folder, whole or not at all."""
     from toolpace import write
 
     with steps.step(write.WRITING) as step:
-        result = write.PlanResult(
-            trajectory=trajectory,
-            machine=job.machine,
-            setpoints=setpoints,
-            toolpath=toolpath,
-            path=path,
-            verification=verification,
-            program=job.program,
-            program_bytes=job.source.data if job.source is not None else None,
-            dialect=job.dialect,
-            feed=job.feed,
-            options=job.options,
-            tip_tolerance=job.tip_tolerance,
-            axis_tolerance=job.axis_tolerance,
-            step_s=dict(steps.seconds),
-        )
         return write.write_folder(job.out, result, csv=job.csv, report=job.report, npz=job.npz, progress=step)
 
 

@@ -69,7 +69,25 @@ Npz = Annotated[
         " then be neither judged again nor exported."
     ),
 ]
+Bend = Annotated[
+    str | None,
+    Parameter(
+        help="A tool file (.toml: stiffness, cutting coefficients, engagement; docs: bending). The path is aimed off by"
+        " what the tool bends under the forces of its own cut, so that the bent tip is where the program says."
+    ),
+]
 NoReport = Annotated[bool, Switch, Parameter(help="Leave report.html out.")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Files:
+    """What is written beside plan.json, and in which steps of time."""
+
+    dt: TimeStep = "1ms"
+    csv: Csv = False
+    npz: Npz = "all"
+    no_report: NoReport = False
 
 
 @Parameter(name="*")
@@ -120,6 +138,7 @@ class Reading:
         return self != Reading()
 
 
+USUAL_FILES = Files()
 AS_WRITTEN = Reading()
 """Nothing but the program tells."""
 PlanFolder = Annotated[str, Parameter(help="The folder that `toolpace plan` wrote.")]

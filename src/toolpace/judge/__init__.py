@@ -14,6 +14,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from toolpace.cuttingtool import CuttingTool
 from toolpace.errors import UsageError
 from toolpace.judge.columns import column_checks
 from toolpace.judge.figures import Figures
@@ -42,6 +43,7 @@ def verify(
     tip_tolerance: float = 10e-6,
     axis_tolerance: float = 1e-3,
     dt: float = 1e-3,
+    tool: CuttingTool | None = None,
 ) -> Verification:
     """Judge set-points, or a trajectory sampled every `dt` [s], against the machine and, if given, the
     program.
@@ -52,13 +54,14 @@ def verify(
     derivatives; rest at both ends; travel; the tip and axis columns against forward kinematics. With a
     program: the distance to it and from it (tip within `tip_tolerance` [m], axis within `axis_tolerance`
     [rad], in order), the feed of each block, its least time, stops and dwells. With bare limits in place of a
-    machine, what needs kinematics is left out.
+    machine, what needs kinematics is left out. With a `tool` (a CuttingTool) the tip that is held against the
+    program is the bent one: how far the force of this motion bends it is worked out here anew.
 
     Time is linear in set-points and program points. Raises UsageError where the set-points do not fit the
     machine.
     """
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
-    return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt)[0]
+    return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt, tool)[0]
 
 
 def verify_plan(
@@ -68,13 +71,14 @@ def verify_plan(
     figures: Mapping[str, Any],
     tip_tolerance: float,
     axis_tolerance: float,
+    tool: CuttingTool | None = None,
 ) -> Verification:
     """Judge set-points as `verify` does, and the figures of their plan.json by them.
 
     Each figure is recomputed, or held against the others where only the planner can know it (judge/figures.py says
     which). Raises UsageError as `verify` does.
     """
-    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan)
+    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan, tool)
     if judged is None:
         return found
     checks = Figures(figures, points, machine, toolpath, found, judged.feed_use, judged.passages).checks()
@@ -88,6 +92,7 @@ def _judged(
     tip_tolerance: float,
     axis_tolerance: float,
     dt: float,
+    tool: CuttingTool | None,
 ) -> tuple[Verification, ProgramJudgement | None]:
     """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
     if not isinstance(machine, Limits):
@@ -116,9 +121,10 @@ def _judged(
         tip, axis = machine.forward(points.q)
         checks += tool_checks(points, machine, tip, axis)
         if toolpath is not None:
-            judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step)
+            judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step, tool)
             checks += judged.checks
-    return Verification(tuple(checks), step, len(points), judged.tip_deviation, judged.axis_deviation), judged
+    deviations = judged.tip_deviation, judged.axis_deviation
+    return Verification(tuple(checks), step, len(points), *deviations, judged.bending), judged
 
 
 def _names(points: SetPoints, machine: Machine) -> list[Check]:

@@ -25,13 +25,17 @@ SAME = 1e-9
 """Relative difference of figures that are worked out in the same way twice."""
 EARLY = 20
 """Set-points by which the begin of a place where time could be gained may lie in the block before or behind."""
+SAME_BENDING = 2e-6
+"""Difference of the most that a tool bends, worked out in two ways [m]."""
+MOST_CHANGE, MOST_ROUNDS = 1.0, 100
+"""Of bending that converged [um], and rounds that it took."""
 DEFAULT_TIP_MM, DEFAULT_AXIS_DEG = 0.01, 0.05
 """Tolerances that are taken where none are given; wider ones are pointed out."""
 
 RECOMPUTED = (
     "duration_s", "gap", "blocks", "stops", "usage", "limited_by", "tip_deviation_mm", "axis_deviation_deg", "machine",
     "dt_s", "set_points", "path_length_mm", "verified", "program_file", "lower_bound_of", "controller", "assumed",
-    "skipped", "operations", "cutting_s", "rapid_s", "dwell_s",
+    "skipped", "operations", "cutting_s", "rapid_s", "dwell_s", "bending",
 )  # fmt: skip
 IN_THE_VERDICT = ("tip_tolerance_mm", "axis_tolerance_deg", "feed", "dialect", "reading")
 """What was asked for: judged by, and said with the verdict."""
@@ -63,7 +67,7 @@ class Figures:
         dt = self.verification.dt
         usage = UsageFigures(self.said, self.points, self.machine, self.toolpath, self.feed_use, dt)
         found = self.of_time() + self.of_bounds() + self.of_counts() + usage.of_usage() + self.of_names()
-        found += self.of_reading()
+        found += self.of_reading() + self.of_bending()
         return found + self.of_deviations() + usage.of_shares() + self.of_places()
 
     def same(self, key: str, right: float, unit: str = "", share: float = SAME) -> Check:
@@ -143,6 +147,18 @@ class Figures:
         }
         checks = [wrong(key, f"found: {value!r:.200}", self.said[key] == value) for key, value in right.items()]
         return checks + OperationFigures(self.said, self.toolpath, self.passages, self.verification.dt).checks()
+
+    def of_bending(self) -> list[Check]:
+        """How far the tool bends, where the path is aimed off by it; how near that is known, after how many rounds."""
+        said = self.said["bending"]
+        if said is None:
+            return []
+        largest, right = float(said["largest_mm"]) * 1e-3, self.verification.bending
+        ok = abs(largest - right) <= SAME_BENDING
+        check = Check("plan.json bending largest_mm", largest, right, "m", ok, note=f"found: {right * 1e3:.6g} mm")
+        change, rounds = float(said["change_um"]), int(said["rounds"])
+        near = 0.0 <= change <= MOST_CHANGE and 0 <= rounds <= MOST_ROUNDS
+        return [check, wrong("bending change_um, rounds", f"{change:.3g} um, {rounds}", near)]
 
     def of_deviations(self) -> list[Check]:
         """How far the motion strays, and the tolerances it is judged by."""

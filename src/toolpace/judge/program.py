@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
+from toolpace.cuttingtool import CuttingTool
 from toolpace.judge.alignment import Alignment, BothWays, Lost, align
+from toolpace.judge.bending.bent import BentTool
 from toolpace.judge.operations import Passages
 from toolpace.judge.pace import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passing
@@ -33,6 +35,8 @@ class ProgramJudgement:
     """Of the tip; None where the program has no feeds, or the motion is not its."""
     passages: Passages | None = None
     """When it passes the points of the program; None where the motion is not its."""
+    bending: float = 0.0
+    """The most that the tool bends [m]."""
 
 
 def program_checks(
@@ -44,12 +48,21 @@ def program_checks(
     tip_tolerance: float,
     axis_tolerance: float,
     dt: float,
+    tool: CuttingTool | None = None,
 ) -> ProgramJudgement:
-    """Judge set-points, with their forward kinematics `tip` and `axis`, against the program."""
+    """Judge set-points, with their forward kinematics `tip` and `axis`, against the program.
+
+    With a tool that bends, it is the bent tip that must be where the program says; feeds are those of the tip itself.
+    """
     line, owner = program_line(toolpath, machine, tip_tolerance, axis_tolerance)
-    poses = np.hstack((tip / tip_tolerance, axis / axis_tolerance))
+    bent = BentTool(tool, machine, toolpath) if tool is not None else None
+    where: Floats | Lost = tip
+    if bent is not None:
+        where = bent.tips(points, tip, axis, line, owner, np.array([tip_tolerance, axis_tolerance]), dt)
+    there = tip if isinstance(where, Lost) else where
+    poses = np.hstack((there / tip_tolerance, axis / axis_tolerance))
     motion = motion_row(points, poses, machine.limits, dt)
-    found = align(motion.poses, line, 1.0 + GRACE, motion.allowance)
+    found = where if isinstance(where, Lost) else align(motion.poses, line, 1.0 + GRACE, motion.allowance)
     judge = _Judge(points, toolpath, motion, owner, tip_tolerance, axis_tolerance)
     if isinstance(found, Lost):
         return judge.lost(found)
@@ -61,7 +74,9 @@ def program_checks(
     checks += block_check(points, toolpath, motion, found.there, owner)
     worst_tip = max(float(way.tip.max()) for way in (found.there, found.back)) * tip_tolerance
     worst_axis = max(float(way.axis.max()) for way in (found.there, found.back)) * axis_tolerance
-    return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use, passing.passages())
+    bending = float(np.sqrt(((there - tip) ** 2).sum(axis=1)).max())
+    checks += [bent.check(bending)] if bent is not None else []
+    return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use, passing.passages(), bending)
 
 
 @dataclass(frozen=True)

@@ -91,6 +91,8 @@ class Verification(ByValue):
     """Largest distance between tip and program, both ways [m]; nan without a program."""
     axis_deviation: float = math.nan
     """Largest angle between tool axis and program at corresponding places [rad]; nan without a program."""
+    bending: float = 0.0
+    """The most that the tool bends by what it cuts, as far as a tool was given [m]."""
 
     def __repr__(self) -> str:
         worst = max(self.checks, key=lambda check: (not check.ok, check.ratio), default=None)

@@ -5,6 +5,15 @@ from __future__ import annotations
 from typing import Protocol
 
 
+class BendingFigures(Protocol):
+    """What a path is aimed off by."""
+
+    @property
+    def largest_mm(self) -> float: ...
+    @property
+    def rounds(self) -> int: ...
+
+
 class PlanFigures(Protocol):
     """Keys of plan.json that a report reads; what is not known is None."""
 
@@ -26,3 +35,5 @@ class PlanFigures(Protocol):
     def axis_deviation_deg(self) -> float | None: ...
     @property
     def axis_tolerance_deg(self) -> float | None: ...
+    @property
+    def bending(self) -> BendingFigures | None: ...

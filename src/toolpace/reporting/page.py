@@ -151,6 +151,10 @@ def _cards(
         shown = f"{blocks:,}".replace(",", "\u202f")
         cards.append(("Blocks", shown, f"{stops} stop{'' if stops == 1 else 's'} on the way", ""))
     cards += _deviations(verification, figures)
+    if figures is not None and figures.bending is not None:
+        bent, rounds = figures.bending.largest_mm * 1e3, figures.bending.rounds
+        note = f"at most, by what the tool bends; {rounds} round{'' if rounds == 1 else 's'}"
+        cards.append(("Aimed off", f"{bent:.2f} µm", note, ""))
     worst = trajectory.usage().worst
     cards.append(("Peak use of limits", percent(worst), "at any time, worst of all", ""))
     if figures is not None:

@@ -11,14 +11,16 @@ import msgspec
 
 from toolpace.errors import UsageError
 from toolpace.files import reason, sealed_files, whole_folder
+from toolpace.write.bent_tool import TOOL, bent_tool
 from toolpace.write.csv import write_csv
 from toolpace.write.how_read import CONTROLLER, SETUP, read_again, reading_record, write_how_read
 from toolpace.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.write.result import PlanResult, copy_name
 
 __all__ = [
-    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "SET_POINTS", "TABLE", "WRITING", "PlanRecord", "PlanResult",
-    "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv", "write_folder",
+    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "SET_POINTS", "TABLE", "TOOL", "WRITING", "PlanRecord",
+    "PlanResult", "bent_tool", "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv",
+    "write_folder",
 ]  # fmt: skip
 
 SET_POINTS = "setpoints.npz"
@@ -40,7 +42,8 @@ def write_folder(
     progress: Callable[[float], None] | None = None,
 ) -> PlanRecord:
     """Write machine.toml, a copy of the program (program.<ext>), controller.toml and setup.toml where it was read with
-    them, as asked setpoints.npz, setpoints.csv and report.html, and last plan.json; return what plan.json says.
+    them, tool.toml where it was aimed off for one, as asked setpoints.npz, setpoints.csv and report.html, and last
+    plan.json; return what plan.json says.
 
     `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which
     takes its place in one step. What is there already is replaced only where toolpace wrote all of it; where it is
@@ -57,6 +60,8 @@ def write_folder(
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
         write_how_read(folder, result.options)
+        if result.aimed is not None:
+            (folder / TOOL).write_bytes(result.aimed.tool.data)
         if csv:
             tell(0.1)
             write_csv(folder / TABLE, result.setpoints, result.machine)
@@ -102,4 +107,5 @@ def refuse_without_set_points(folder: Path, what: str) -> None:
 def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: bool = True) -> list[str]:
     """Names of the files of a plan, the one to look at last."""
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
+    how += [record.bending.tool_file] if record.bending is not None else []
     return [PLAN, *[SET_POINTS] * npz, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

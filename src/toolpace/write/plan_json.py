@@ -68,6 +68,21 @@ class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Null where it was not said."""
 
 
+class BendingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What the path was aimed off by, so that the bent tool is on the program."""
+
+    tool_file: str
+    """The figures of the tool, beside this file."""
+    sha256: str
+    """Of that file."""
+    largest_mm: float
+    """Most that the tool bends."""
+    change_um: float
+    """Most by which the bending of this motion differs from what the path is aimed off by."""
+    rounds: int
+    """How often it was planned with a shift."""
+
+
 class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """plan.json, key by key. What is not known is null. Keys may be added, never changed or taken away.
 
@@ -128,6 +143,8 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     rapid_s: float | None = None
     dwell_s: float | None = None
     """Their sums."""
+    bending: BendingRecord | None = None
+    """What the path is aimed off by; null where the tool is taken for stiff."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ...; of writing, the time until this file, the last."""
 

@@ -14,10 +14,12 @@ from toolpace.operations import operation_times
 from toolpace.reading.options import ReadOptions
 from toolpace.setpoints import SetPoints
 from toolpace.version import __version__
+from toolpace.write.bent_tool import bending_record
 from toolpace.write.how_read import reading_record
 from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, PlanRecord, UsageRecord
 
 if TYPE_CHECKING:
+    from toolpace.bending.aim_off import AimedOff
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.toolpath import ToolPath
@@ -70,6 +72,8 @@ class PlanResult:
     """[m]"""
     axis_tolerance: float | None = None
     """[rad]"""
+    aimed: AimedOff | None = None
+    """Where the path is aimed off by what the tool bends: by what, and for which tool."""
     step_s: Mapping[str, float] = field(default_factory=dict)
     """Times of the steps so far [s]."""
 
@@ -122,6 +126,7 @@ class PlanResult:
             open_places=[
                 OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
             ],
+            bending=bending_record(self.aimed) if self.aimed is not None else None,
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],

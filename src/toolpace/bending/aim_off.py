@@ -1,0 +1,144 @@
+"""A program aimed off by what its tool will bend, so that the bent tip goes where it was programmed.
+
+plan the program as it is
+repeat
+    bending of that motion at each place of the program           (prediction)
+    within a micrometre of what the path was aimed off by?  done
+    the program's places, shifted by the opposite; fit and plan   that is one round
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.axispath.axispath import AxisPath
+from toolpace.bending.cuts import cut_of_way
+from toolpace.bending.places import Places, places_of
+from toolpace.bending.prediction import predicted_bending
+from toolpace.cuttingtool import CuttingTool
+from toolpace.description import one_line
+from toolpace.errors import PathError, UsageError
+from toolpace.machine.machine import Machine, check_machine
+from toolpace.path.path import Path
+from toolpace.planning.planner import Planner, plan
+from toolpace.toolpath import ToolPath
+from toolpace.trajectory import Trajectory
+from toolpace.units import format_length, format_time
+
+CONVERGED = 1e-6
+"""Most that bending may differ from what the path is aimed off by [m]; a tenth of the tolerance where that is less."""
+RESERVE = 0.2
+"""Share of the tip tolerance that is left to what has not converged, and to what two ways to work it out differ by."""
+ROUNDS = 12
+"""Most rounds."""
+COARSE = 8
+"""Set-points over the length of a blend, at least."""
+STEEPEST = 0.05
+"""Most bending over the length of a blend: more, and the blend is a bend of the path."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AimedOff:
+    """A path that is aimed off, the motion along it, and by what."""
+
+    tool: CuttingTool
+    path: Path
+    trajectory: Trajectory
+    toolpath: ToolPath
+    """The program, as it was, with points put in: n."""
+    bending: Floats
+    """(n, 3) deflection at each of its points that the path is aimed off by [m], in the workpiece frame."""
+    rounds: int
+    """How often it was planned with a shift."""
+    change: float
+    """Most difference of the bending of this motion from that [m]."""
+
+    @property
+    def largest(self) -> float:
+        """The most that it is aimed off by [m]."""
+        return float(np.linalg.norm(self.bending, axis=1).max())
+
+    def __repr__(self) -> str:
+        return one_line(
+            self,
+            f"by at most {format_length(self.largest)}",
+            f"{self.rounds} rounds",
+            f"within {format_length(self.change)}",
+            f"{self.trajectory.duration:.6g} s",
+        )
+
+
+def aim_off(
+    toolpath: ToolPath,
+    machine: Machine,
+    tool: CuttingTool,
+    tip_tolerance: float = 10e-6,
+    axis_tolerance: float = 1e-3,
+    planner: str | Planner = "optimal",
+    progress: Callable[[float], None] | None = None,
+) -> AimedOff:
+    """Plan a program so that its tool, bent by the force of its own motion, is within the tolerances [m], [rad] of it.
+
+    Raises UsageError where nothing cuts, where the tool bends by so much that the blend is too short for it, and where
+    a round changes the bending by more than a micrometre for ever; ReachError and PathError as `Path.fit` does.
+    """
+    check_machine(machine, "aim_off")
+    cut = cut_of_way(tool, toolpath)
+    places = places_of(toolpath, machine, cut, tool.blend)
+    cut = cut[places.origin]
+    enough = min(CONVERGED, 0.5 * RESERVE * tip_tolerance)
+    bending = np.zeros((len(places.way), 3))
+    changes: list[float] = []
+    for round_ in range(ROUNDS + 1):
+        told = _share(progress, round_)
+        shifted, kept = places.shifted(-bending)
+        fitted = Path.fit(shifted, (1.0 - RESERVE) * tip_tolerance, axis_tolerance, machine, _share(told, 0))
+        path = places.of_program(fitted, kept)
+        trajectory = plan(AxisPath.follow(path, machine), machine, planner=planner, progress=_share(told, 1))
+        found = predicted_bending(places, kept, cut, tool, machine, fitted, trajectory)
+        check_small(found, places, tool)
+        changes.append(float(np.linalg.norm(found - bending, axis=1).max()))
+        if changes[-1] <= enough:
+            return AimedOff(tool, path, trajectory, places.toolpath, bending, round_, changes[-1])
+        bending = found
+    shown = ", ".join(f"{1e6 * change:.3g}" for change in changes[-4:])
+    raise PathError(
+        f"{tool.source}: aiming off does not converge: after {ROUNDS} rounds the bending still changes by {shown} um, "
+        f"and {1e6 * enough:.3g} um are enough; give a longer blend or a stiffer tool, or a wider --tip-tolerance"
+    )
+
+
+def refuse_coarse(toolpath: ToolPath, tool: CuttingTool, dt: float) -> None:
+    """Raise UsageError where set-points every `dt` [s] are too far apart to tell how bending builds up."""
+    cut = cut_of_way(tool, toolpath) >= 0
+    fed = toolpath.feed[cut & np.isfinite(toolpath.feed)]
+    most = tool.blend / COARSE
+    if len(fed) and dt * fed.max() > most:
+        raise UsageError(
+            f"--dt: at {fed.max() * 60e3:.4g} mm/min set-points are {format_length(dt * float(fed.max()))} apart, and "
+            f"bending builds up over {format_length(tool.blend)} (blend of {tool.source}); give at most "
+            f"{format_time(most / float(fed.max()))}, or a longer blend"
+        )
+
+
+def check_small(bending: Floats, places: Places, tool: CuttingTool) -> None:
+    """Raise UsageError where the tool bends by more than its blend can take."""
+    size = np.linalg.norm(bending, axis=1)
+    k = int(np.argmax(size))
+    if size[k] > STEEPEST * tool.blend:
+        raise UsageError(
+            f"{tool.source}: the tool bends by {format_length(float(size[k]))} in block {places.toolpath.block[k]}, "
+            f"and {STEEPEST:g} of its blend of {format_length(tool.blend)} is the most; check stiffness, coefficients "
+            "and depths, or give a longer blend"
+        )
+
+
+def _share(progress: Callable[[float], None] | None, part: int) -> Callable[[float], None] | None:
+    """What tells of one of the parts that follow each other, each half of what is left."""
+    if progress is None:
+        return None
+    return lambda share: progress(1.0 - 0.5**part * (1.0 - 0.5 * share))

@@ -1,0 +1,97 @@
+"""How far a force bends the tip of a tool: one compliance, three by three, in the tool frame."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Floats
+from toolpace.bending.frames import to_workpiece
+from toolpace.description import one_line
+from toolpace.equality import ByValue
+from toolpace.errors import UsageError
+from toolpace.machine.machine import Machine, check_machine
+
+SYMMETRIC = 1e-6
+"""Share of the largest entry by which a compliance may be lopsided, as measured figures are rounded."""
+SOFTEST = 1e-3
+"""Most of an entry [m/N]: a millimetre a newton is a slip of units."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Bending(ByValue):
+    """Static, linear bending: the tip goes by `compliance` times the force that acts on it.
+
+    Only the tip's place is told, not the turn of the tool's end. The tool frame is that of `bending/frames.py`: z from
+    the tip to the spindle, x and y fixed to the spindle housing. Raises UsageError for what no spring can be.
+    """
+
+    compliance: Floats
+    """(3, 3) symmetric, positive semidefinite [m/N]."""
+
+    def __post_init__(self) -> None:
+        matrix = np.array(self.compliance, dtype=float)
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+            raise UsageError(f"compliance of shape {matrix.shape}: give 3 x 3 finite numbers [m/N]")
+        largest = float(np.abs(matrix).max())
+        if largest > SOFTEST:
+            raise UsageError(f"compliance of {largest:g} m/N is more than {SOFTEST:g} m/N: check its unit")
+        if not np.allclose(matrix, matrix.T, rtol=0.0, atol=SYMMETRIC * largest):
+            raise UsageError(
+                "compliance is not symmetric: the tip goes as far along x by a force along y as along y by x"
+            )
+        matrix = 0.5 * (matrix + matrix.T)
+        if np.linalg.eigvalsh(matrix)[0] < -SYMMETRIC * largest:
+            raise UsageError("compliance has a direction in which the tip comes towards the force: check its signs")
+        matrix.flags.writeable = False
+        object.__setattr__(self, "compliance", matrix)
+
+    @classmethod
+    def cantilever(cls, diameter: float, length: float, youngs_modulus: float) -> Bending:
+        """A round bar clamped at one end: 3 E I / L^3 with I = pi d^4 / 64 across, E A / L along (m, m, Pa).
+
+        Flutes make a cutter softer than its diameter says: about 0.8 of it is the bar that bends alike (Kops and Vo,
+        Determination of the equivalent diameter of an end mill based on its compliance, CIRP Annals 39, 1990).
+        """
+        for name, value in (("diameter", diameter), ("length", length), ("youngs_modulus", youngs_modulus)):
+            if not (math.isfinite(value) and value > 0.0):
+                raise UsageError(f"cantilever: {name} is {value:g}; give a number above zero")
+        across = 3.0 * youngs_modulus * (math.pi * diameter**4 / 64.0) / length**3
+        along = youngs_modulus * (math.pi * diameter**2 / 4.0) / length
+        return cls.of_stiffness(across, across, along)
+
+    @classmethod
+    def of_stiffness(cls, x: float, y: float, z: float) -> Bending:
+        """Three springs along the axes of the tool frame [N/m]; inf where nothing gives."""
+        for name, value in (("x", x), ("y", y), ("z", z)):
+            if not value > 0.0:
+                raise UsageError(f"stiffness along {name} is {value:g} N/m; give a number above zero")
+        return cls(np.diag([1.0 / x, 1.0 / y, 1.0 / z]))
+
+    def __repr__(self) -> str:
+        shown = " ".join(f"{1e6 * value:.3g}" for value in np.diag(self.compliance))
+        return one_line(self, f"{shown} um/N along x, y, z of the tool")
+
+    def deflection(self, force: npt.ArrayLike, machine: Machine, q: npt.ArrayLike, frame: str = "workpiece") -> Floats:
+        """How far the tip bends [m], in the workpiece frame, in the shape of `force`.
+
+        force: (3,) or (n, 3) [N] that acts on the tool, measured or modelled, in `frame`: "workpiece", "bed" or "tool"
+        (bending/frames.py). q: joint positions (m,) for all, or (n, m). Raises UsageError where shapes do not fit.
+        """
+        check_machine(machine, "deflection")
+        forces, joints = np.asarray(force, dtype=float), np.atleast_2d(np.asarray(q, dtype=float))
+        rows = np.atleast_2d(forces)
+        if rows.ndim != 2 or rows.shape[1] != 3:
+            raise UsageError(f"deflection: force of shape {forces.shape}; give (3,) or (n, 3)")
+        if joints.shape[1] != len(machine.joints) or len(joints) not in (1, len(rows)):
+            raise UsageError(
+                f"deflection: joint positions of shape {joints.shape} for {len(rows)} forces and machine "
+                f"'{machine.name}'; give ({len(machine.joints)},) or ({len(rows)}, {len(machine.joints)})"
+            )
+        from_tool = to_workpiece(machine, joints, "tool")
+        to_tool = np.swapaxes(from_tool, 1, 2) @ to_workpiece(machine, joints, frame)
+        bent: Floats = np.einsum("nab,nb->na", from_tool @ self.compliance @ to_tool, rows)
+        return bent[0] if forces.ndim == 1 else bent

@@ -1,0 +1,161 @@
+"""Where the bent tip of each set-point is: the tip, and how far the force of the motion bends the tool there.
+
+Which way of the program a set-point is on tells whether it cuts. It is found by matching the motion with the program:
+at first within the tolerance and the most that the tool can bend at the feeds of the program, then again with the tip
+that this bends, within an eighth of it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Floats, Ints
+from toolpace.cuttingtool import Cut, CuttingTool
+from toolpace.judge.alignment import Lost, align
+from toolpace.judge.bending.forces import ForceTable
+from toolpace.judge.bending.turning import tool_in_workpiece
+from toolpace.judge.rows import motion_row
+from toolpace.judge.verification import Check
+from toolpace.machine.machine import Machine
+from toolpace.setpoints import SetPoints
+from toolpace.toolpath import ToolPath
+
+FINER = 8
+"""By how much less the tool may be off once it is known how it bends."""
+PARTS = 128
+"""Cells over the length of a blend."""
+STEEPEST = 0.05
+"""Most bending over the length of its blend."""
+SINES = math.sin(math.pi / 36.0), math.sin(math.pi / 12.0)
+"""Of the angle of 5 degrees between motion and tool axis up to which nothing is cut, and of 15, from which all is."""
+OVER = 1.05
+"""By how much the speed may be above the feed of the program where the force of the largest feed is asked for."""
+
+
+@dataclass(frozen=True)
+class BentTool:
+    """The tool in this program on this machine."""
+
+    tool: CuttingTool
+    machine: Machine
+    toolpath: ToolPath
+
+    def tips(
+        self, points: SetPoints, tip: Floats, axis: Floats, line: Floats, owner: Ints, tolerances: Floats, dt: float
+    ) -> Floats | Lost:
+        """Bent tips (n, 3) [m] of set-points with `tip` and `axis`; Lost where they are not this program's.
+
+        line, owner: the program, as `program_line` gives it in `tolerances` (2,) [m], [rad].
+        """
+        cuts, of_way = self.cuts()
+        tables = [
+            ForceTable(cut, self.tool.force, OVER * self.largest_chip(cut, of_way == k)) for k, cut in enumerate(cuts)
+        ]
+        give = float(np.linalg.norm(self.tool.compliance, ord=2))
+        most = give * max((float(np.linalg.norm(table.forces, axis=1).max()) for table in tables), default=0.0)
+        bent = tip
+        for slack in (most, most / FINER):
+            wide = np.array([tolerances[0] + slack, tolerances[1]])
+            scale = np.repeat(wide / tolerances, 3)
+            motion = motion_row(points, np.hstack([bent, axis]) / np.repeat(wide, 3), self.machine.limits, dt)
+            found = align(motion.poses, np.ascontiguousarray(line / scale), 1.0 + 1e-3, motion.allowance)
+            if isinstance(found, Lost):
+                return found
+            place = found.there.place[motion.row]
+            middle = np.floor(0.5 * (place[:-1] + place[1:])).astype(np.int64)
+            way = of_way[owner[np.minimum(middle + 1, len(owner) - 1)]]
+            bent = tip + self.deflection(points, bent, way, tables)
+        return bent
+
+    def cuts(self) -> tuple[list[Cut], Ints]:
+        """The cuts that there are, and which of them acts on the way to each point (n,); -1 for none."""
+        program, tool = self.toolpath, self.tool
+        moved = np.concatenate(([0.0], np.sqrt((np.diff(program.tip, axis=0) ** 2).sum(axis=1)))) > 0.0
+        fed = moved & ~program.rapid & (np.isfinite(program.feed) | (program.least_time > 0.0))
+        cuts: list[Cut] = []
+        of_way = np.full(len(program), -1, dtype=np.int64)
+        for k, operation in enumerate(program.operations):
+            cut = tool.operations.get(operation.name, tool.cut)
+            if cut is None or (tool.only and operation.tool not in tool.only):
+                continue
+            of_way[fed & (program.operation == k)] = len(cuts)
+            cuts.append(cut)
+        return cuts, of_way
+
+    def largest_chip(self, cut: Cut, ways: Floats) -> float:
+        """The largest feed per tooth that the program asks for on some ways (n,) [m]."""
+        program = self.toolpath
+        length = np.concatenate(([0.0], np.sqrt((np.diff(program.tip, axis=0) ** 2).sum(axis=1))))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            speed = np.minimum(program.feed, np.where(program.least_time > 0.0, length / program.least_time, np.inf))
+        speed = speed[ways.astype(bool) & np.isfinite(speed)]
+        return float(speed.max(initial=0.0)) / (cut.cutter.teeth * cut.spindle_speed)
+
+    def deflection(self, points: SetPoints, bent: Floats, way: Ints, tables: list[ForceTable]) -> Floats:
+        """(n, 3) [m] at each set-point, where the steps (n - 1,) are of the cuts `way`; blended."""
+        step = np.diff(bent, axis=0)
+        turn = tool_in_workpiece(self.machine, 0.5 * (points.q[:-1] + points.q[1:]))
+        spindle = turn[:, :, 2]
+        across = step - (step * spindle).sum(axis=1, keepdims=True) * spindle
+        length = np.sqrt((across**2).sum(axis=1))
+        whole_length = np.sqrt((step**2).sum(axis=1))
+        sine = length / np.where(whole_length > 0.0, whole_length, 1.0)
+        steps = np.diff(points.t)
+        give = np.zeros_like(step)
+        for k, table in enumerate(tables):
+            on = np.flatnonzero((way == k) & (sine > SINES[0]))
+            cutter = table.cut.cutter
+            force = table.at(length[on] / steps[on] / (cutter.teeth * table.cut.spindle_speed))
+            ahead = across[on] / length[on, None]
+            force *= np.minimum((sine[on, None] - SINES[0]) / (SINES[1] - SINES[0]), 1.0)
+            left = np.cross(spindle[on], ahead)
+            whole = force[:, :1] * ahead + force[:, 1:2] * left + force[:, 2:] * spindle[on]
+            in_tool = np.einsum("nba,nb->na", turn[on], whole) @ self.tool.compliance
+            give[on] = np.einsum("nab,nb->na", turn[on], in_tool)
+        way_of_tip = np.concatenate(([0.0], np.cumsum(whole_length)))
+        return blended(way_of_tip, give, self.tool.blend)
+
+    def check(self, largest: float) -> Check:
+        """Whether bending is small beside the length over which it builds up."""
+        limit = STEEPEST * self.tool.blend
+        note = "tip and program are compared with the tool bent by it"
+        return Check("bending of the tool", largest, limit, "m", largest <= limit, note=note)
+
+
+def blended(way: Floats, value: Floats, length: float) -> Floats:
+    """(n, 3) at places (n,) the mean of a value (n - 1, 3) of the ways between them under a quadratic B-spline.
+
+    It is worked out on a grid about each stretch of the way where there is any; elsewhere it is nothing.
+    """
+    found = np.zeros((len(way), value.shape[1]))
+    some = np.flatnonzero((value != 0.0).any(axis=1) & (np.diff(way) > 0.0))
+    if not len(some):
+        return found
+    apart = np.flatnonzero(way[some[1:]] > way[some[:-1] + 1] + 2.0 * length)
+    first, last = some[np.concatenate(([0], apart + 1))], some[np.concatenate((apart, [len(some) - 1]))]
+    whole = np.concatenate((np.zeros((1, value.shape[1])), np.cumsum(value * np.diff(way)[:, None], axis=0)))
+    cell = length / PARTS
+    weight = np.diff(_share_before(np.arange(-PARTS // 2, PARTS // 2 + 1) / PARTS))
+    for a, b in zip(first, last):
+        low, high = way[a] - length, way[b + 1] + length
+        edges = low + cell * np.arange(int(np.ceil((high - low) / cell)) + 2)
+        part = slice(np.searchsorted(way, low), np.searchsorted(way, high, side="right"))
+        near = slice(max(a - 1, 0), b + 2)
+        for c in range(value.shape[1]):
+            mean = np.diff(np.interp(edges, way[near], whole[near, c])) / cell
+            # an edge between two cells has as many of them on both sides
+            at_edges = np.convolve(mean, weight)[PARTS // 2 - 1 :][: len(edges)]
+            found[part, c] = np.interp(way[part], edges, at_edges)
+    return found
+
+
+def _share_before(x: Floats) -> Floats:
+    """Share of a quadratic B-spline of length 1 about 0 that lies before x."""
+    u = 3.0 * np.clip(x, -0.5, 0.5)
+    outer = (1.5 - np.abs(u)) ** 3 / 6.0
+    inner = 0.5 + 0.75 * u - u**3 / 3.0
+    found: Floats = np.where(np.abs(u) <= 0.5, inner, np.where(u < 0.0, outer, 1.0 - outer))
+    return found

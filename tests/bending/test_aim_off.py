@@ -1,0 +1,161 @@
+"""A program aimed off by what its tool bends: the right way, by the right amount, and found right by the judge."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from tests.support.bending import PROGRAM
+from toolpace.bending import aim_off as module
+from toolpace.errors import PathError, UsageError
+
+MACHINE = tp.Machine.load("xyzac-trunnion")
+TOOL = tp.CuttingTool(
+    tp.Bending.cantilever(4e-3, 40e-3, 580e9).compliance,
+    tp.Cut(
+        tp.Cutter(4e-3, 2, np.radians(30.0)),
+        tp.Coefficients(800e6, 300e6, 200e6, 15e3, 12e3),
+        tp.Engagement("down", 8e-3, 0.15e-3),
+        300.0,
+    ),
+    blend=4e-3,
+)
+
+
+@pytest.fixture(scope="module")
+def toolpath():
+    return tp.read_text(PROGRAM, MACHINE, name="slot.nc")
+
+
+@pytest.fixture(scope="module")
+def aimed(toolpath):
+    return tp.aim_off(toolpath, MACHINE, TOOL)
+
+
+def at(aimed, x, y):
+    """What it is aimed off by where the tip is programmed at x, y [m]."""
+    tip = aimed.toolpath.tip
+    return aimed.bending[np.argmin(np.linalg.norm(tip - [x, y, 0.0], axis=1))]
+
+
+def test_along_a_straight_line_it_is_the_force_at_the_feed(aimed):
+    """In the middle of the first line: ahead is x, left is y, at the feed of the program; by hand."""
+    forces = tp.CuttingForces(TOOL.cut).feed_forward(np.array([0.025 / (2 * 300.0)]))[0]
+    right = TOOL.compliance @ forces
+    np.testing.assert_allclose(at(aimed, 0.02, 0.0), right, rtol=2e-3)
+    # along y ahead is y, and left is -x
+    np.testing.assert_allclose(at(aimed, 0.04, 0.015), TOOL.compliance @ forces[[1, 0, 2]] * [-1, 1, 1], rtol=2e-3)
+    assert right[1] > 40e-6 and aimed.largest < 1.5 * np.linalg.norm(right)
+
+
+def test_the_tool_stands_where_the_bent_tip_is_right(aimed):
+    points = aimed.trajectory.sample(1e-3)
+    k = np.argmin(np.linalg.norm(points.tip - [0.02, 0.0, 0.0], axis=1))
+    bent = points.tip[k] + at(aimed, 0.02, 0.0)
+    assert abs(bent[1]) < 10e-6 and abs(bent[2]) < 10e-6 and abs(points.tip[k][1]) > 40e-6
+
+
+def test_rapids_and_plunges_bend_nothing(aimed, toolpath):
+    places = aimed.toolpath
+    far = places.tip[:, 2] > TOOL.blend
+    assert far.sum() > 3 and not aimed.bending[far].any()
+    assert places.rapid.any() and toolpath.rapid.any()
+
+
+def test_the_judge_finds_the_bent_tip_on_the_program(aimed, toolpath):
+    found = tp.verify(aimed.trajectory, MACHINE, toolpath, tool=TOOL)
+    assert found.ok and found.tip_deviation <= 10e-6
+    assert found.bending == pytest.approx(aimed.largest, abs=1e-6)
+
+
+def test_a_stiff_tool_or_a_softer_one_would_miss(aimed, toolpath):
+    for tool in (None, replace(TOOL, compliance=1.5 * TOOL.compliance), replace(TOOL, force="peak")):
+        found = tp.verify(aimed.trajectory, MACHINE, toolpath, tool=tool)
+        assert not found.ok and any(check.what.startswith("tip") for check in found.findings)
+
+
+def test_as_planned_the_bent_tool_misses(toolpath):
+    plain = tp.plan(tp.Path.fit(toolpath, machine=MACHINE), MACHINE)
+    assert tp.verify(plain, MACHINE, toolpath).ok
+    found = tp.verify(plain, MACHINE, toolpath, tool=TOOL)
+    assert not found.ok and found.tip_deviation > 40e-6
+
+
+def test_it_converges_to_a_micrometre_and_says_so(aimed):
+    assert aimed.change <= 1e-6 and aimed.rounds >= 1
+    assert repr(aimed).startswith("<AimedOff by at most 0.0") and len(repr(aimed)) <= 120
+
+
+def test_the_path_has_the_blocks_of_the_program(aimed, toolpath):
+    entries = np.concatenate([run.entry for run in aimed.path.runs])
+    assert (np.diff(entries) > 0).all() and entries[-1] == len(toolpath) - 1
+    for run in aimed.path.runs:
+        np.testing.assert_array_equal(run.block, toolpath.block[run.entry])
+        np.testing.assert_array_equal(run.feed, toolpath.feed[run.entry])
+    assert aimed.trajectory.axis_path.runs[-2].dwell == 0.1
+
+
+def test_slopes_of_the_shift_are_those_of_the_blend(aimed):
+    step = np.linalg.norm(np.diff(aimed.toolpath.tip, axis=0), axis=1)
+    slope = np.linalg.norm(np.diff(aimed.bending, axis=0), axis=1)[step > 0.0] / step[step > 0.0]
+    assert slope.max() <= 4.5 * aimed.largest * 1.2 / TOOL.blend
+
+
+def test_forces_over_time_bend_about_what_it_is_aimed_off_by(aimed):
+    """Simulated: the tip of the straight line swings with the teeth about the place where it was programmed."""
+    forces = tp.CuttingForces(TOOL.cut).over_time(np.linspace(0.0, 1.0 / 300.0, 3000, endpoint=False), 0.025)
+    swing = tp.Bending(TOOL.compliance).deflection(forces, MACHINE, np.zeros(5), "tool") - at(aimed, 0.02, 0.0)
+    assert np.abs(swing.mean(axis=0)).max() < 0.5e-6 and swing[:, 1].max() - swing[:, 1].min() > 10e-6
+
+
+@pytest.mark.parametrize("name", ["xyzbc-head", "xyzac-head"])
+def test_tools_in_heads_and_cutter_location_data(name):
+    """Tool axes in place of rotary joints, a spring that is softer one way than the other, and tilted tools."""
+    machine = tp.Machine.load(name)
+    u = np.linspace(0.0, 1.0, 30)
+    axis = np.stack([0.3 * u, 0.1 - 0.1 * u, np.ones(30)], axis=1)
+    axis /= np.linalg.norm(axis, axis=1)[:, None]
+    table = np.column_stack([40.0 * u, 8.0 * np.sin(3.0 * u), 2.0 * u, axis, np.full(30, 1500.0)])
+    rows = [",".join(f"{each:.6f}" for each in row) for row in table]
+    toolpath = tp.read_text(
+        "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]\n" + "\n".join(rows) + "\n", machine, dialect="csv"
+    )
+    tool = replace(TOOL, compliance=np.diag([3e-6, 1e-6, 1e-8]))
+    found = tp.aim_off(toolpath, machine, tool)
+    judged = tp.verify(found.trajectory, machine, toolpath, tool=tool)
+    assert judged.ok and judged.bending > 20e-6
+    assert not tp.verify(found.trajectory, machine, toolpath, tool=TOOL).ok
+
+
+def test_other_tools_and_named_operations(toolpath):
+    only = replace(TOOL, only=("1",))
+    cut = module.cut_of_way(only, toolpath)
+    np.testing.assert_array_equal(cut >= 0, module.cut_of_way(TOOL, toolpath) >= 0)
+    with pytest.raises(UsageError, match=r"slot.nc has no tool '2'; .*1"):
+        module.cut_of_way(replace(TOOL, only=("2",)), toolpath)
+    with pytest.raises(UsageError, match="has no operation 'FINISH'"):
+        module.cut_of_way(replace(TOOL, operations={"FINISH": TOOL.cut}), toolpath)
+    name = toolpath.operations[int(toolpath.operation[-3])].name
+    with pytest.raises(UsageError, match=r"nothing of slot\.nc cuts"):
+        module.cut_of_way(replace(TOOL, operations={name: None}), toolpath)
+    assert set(module.cut_of_way(replace(TOOL, operations={name: TOOL.cut}), toolpath)) == {-1, 1}
+
+
+def test_what_cannot_be_aimed_off_is_one_error(toolpath, monkeypatch):
+    with pytest.raises(UsageError, match="have no feed"):
+        tp.aim_off(tp.apply_feed(toolpath, "none"), MACHINE, TOOL)
+    with pytest.raises(UsageError, match=r"bends by .* in block \d+, and 0.05 of its blend"):
+        tp.aim_off(toolpath, MACHINE, replace(TOOL, compliance=10.0 * TOOL.compliance))
+    with pytest.raises(UsageError, match=r"set-points are .* apart"):
+        module.refuse_coarse(toolpath, TOOL, 0.1)
+    module.refuse_coarse(toolpath, TOOL, 0.01)
+    swing = iter(range(100))
+    monkeypatch.setattr(
+        module, "predicted_bending", lambda places, *rest: np.full((len(places.way), 3), 1e-5 * ((next(swing) + 1) % 2))
+    )
+    monkeypatch.setattr(module, "ROUNDS", 2)
+    with pytest.raises(PathError, match=r"does not converge: after 2 rounds .* 17.3 um, and 1 um are enough"):
+        tp.aim_off(toolpath, MACHINE, TOOL)
