@@ -25,17 +25,11 @@ class Places:
     """The points of a program and those between, at which bending is told."""
 
     toolpath: ToolPath
-    """As it is programmed, with its rotary joints, of n points."""
+    """As it is programmed, of n points."""
     origin: Ints
     """(n,) point of the program that each is or leads to."""
     way: Floats
     """(n,) way of the tip up to each [m]."""
-
-    @property
-    def rotary(self) -> Floats:
-        """(n, 2) rotary joints, nearest the workpiece first [rad]."""
-        assert self.toolpath.rotary is not None
-        return self.toolpath.rotary
 
     def shifted(self, shift: Floats) -> tuple[ToolPath, Ints]:
         """The tool path with its tips moved by (n, 3) [m], and the places that its points are (k,).
@@ -53,7 +47,7 @@ class Places:
             block=path.block[kept],
             stop=path.stop[kept],
             dwell=path.dwell[kept],
-            rotary=self.rotary[kept],
+            rotary=None if path.rotary is None else path.rotary[kept],
             rapid=path.rapid[kept],
             operation=path.operation[kept],
         )
@@ -130,7 +124,7 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         axis[~own] = great_circle(a, b, u[~own])
     begins = np.concatenate([[True], own[:-1]])
     part = share - np.where(begins, 0.0, np.concatenate([[0.0], share[:-1]]))
-    dense = replace(
+    return replace(
         toolpath,
         tip=tip,
         axis=axis,
@@ -142,6 +136,5 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         rapid=toolpath.rapid[origin],
         operation=toolpath.operation[origin],
         rotary=rotary,
-        rotary_joints=tuple(machine.geometry.rotary_joints),
+        rotary_joints=() if rotary is None else tuple(machine.geometry.rotary_joints),
     )
-    return dense if rotary is not None else replace(dense, rotary=machine.choose_rotary(dense))

@@ -1,7 +1,7 @@
 """How far the tool bends at each place of a program while a motion cuts it.
 
 of a motion along the path:
-  when each place is passed                  the law of each run
+  when each place is passed                  the law of each run; the joints there
   speed of the tip on the way to each        across the tool axis: what makes chips
   force of the cut, along feed and normal    cutting_forces
   deflection, in the workpiece frame         compliance, turned with the machine
@@ -27,6 +27,7 @@ from toolpace.bending.places import Places
 from toolpace.cuttingtool import CuttingTool
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
+from toolpace.path.run import PathRun
 from toolpace.trajectory import Trajectory
 
 PLUNGE, ACROSS = math.sin(math.radians(5.0)), math.sin(math.radians(15.0))
@@ -41,17 +42,11 @@ def predicted_bending(
     cut: (n,) which of the tool's cuts acts on the way to each place, -1 for none. path: fitted to the places
     `kept` (k,), whose parameter the trajectory follows.
     """
-    duration = passing_times(places, kept, path, trajectory)
+    duration, rotary = passages(places, kept, path, trajectory, machine)
     step = np.diff(places.toolpath.tip, axis=0)
     at = np.flatnonzero((cut[1:] >= 0) & (duration > 0.0))
     bent = np.zeros((len(step), 3))
-    bent[at] = bending_of_ways(
-        step[at] / duration[at, None],
-        0.5 * (places.rotary[at] + places.rotary[at + 1]),
-        cut[1:][at],
-        tool,
-        machine,
-    )
+    bent[at] = bending_of_ways(step[at] / duration[at, None], rotary[at], cut[1:][at], tool, machine)
     return blended(places.way, bent, tool.blend)
 
 
@@ -75,19 +70,27 @@ def bending_of_ways(velocity: Floats, rotary: Floats, cut: Ints, tool: CuttingTo
     return found
 
 
-def passing_times(places: Places, kept: Ints, path: Path, trajectory: Trajectory) -> Floats:
-    """(n - 1,) how long the motion is on the way to each place but the first [s]; 0 where it has no way."""
-    duration = np.zeros(len(places.way) - 1)
-    for run, law in zip(path.runs, trajectory.laws):
-        # a kept place that no block leads to stands where the one before it does
-        point = np.arange(run.entry[0] - 1, run.entry[-1] + 1)
-        s = run.block_start[np.searchsorted(run.entry, point, side="right")]
-        at = np.arange(kept[point[0]], kept[point[-1]] + 1)
-        cell = np.clip(np.searchsorted(kept[point], at, side="right") - 1, 0, len(point) - 2)
-        here, there = kept[point[cell]], kept[point[cell + 1]]
-        whole = places.way[there] - places.way[here]
-        share = np.where(at == there, 1.0, (places.way[at] - places.way[here]) / np.where(whole > 0.0, whole, 1.0))
-        passed = law.times_at(s[cell] + share * (s[cell + 1] - s[cell]))
+def passages(places: Places, kept: Ints, path: Path, trajectory: Trajectory, machine: Machine) -> tuple[Floats, Floats]:
+    """Of the way to each place but the first: how long the motion is on it (n - 1,) [s], 0 where it has no way, and
+    where its rotary joints are in its middle (n - 1, 2) [rad]."""
+    duration, rotary = np.zeros(len(places.way) - 1), np.zeros((len(places.way) - 1, 2))
+    for run, joints, law in zip(path.runs, trajectory.axis_path.runs, trajectory.laws):
+        at, s = parameters(places, kept, run)
+        passed = law.times_at(s)
         passed[0], passed[-1] = 0.0, law.duration
         duration[at[:-1]] = np.diff(passed)
-    return duration
+        rotary[at[:-1]] = joints.evaluate(0.5 * (s[:-1] + s[1:]))[0][:, machine.rotary]
+    return duration, rotary
+
+
+def parameters(places: Places, kept: Ints, run: PathRun) -> tuple[Ints, Floats]:
+    """The places (k,) that a run goes along, both ends too, and its parameters there."""
+    # a kept place that no block leads to stands where the one before it does
+    point = np.arange(run.entry[0] - 1, run.entry[-1] + 1)
+    s = run.block_start[np.searchsorted(run.entry, point, side="right")]
+    at = np.arange(kept[point[0]], kept[point[-1]] + 1)
+    cell = np.clip(np.searchsorted(kept[point], at, side="right") - 1, 0, len(point) - 2)
+    here, there = kept[point[cell]], kept[point[cell + 1]]
+    whole = places.way[there] - places.way[here]
+    share = np.where(at == there, 1.0, (places.way[at] - places.way[here]) / np.where(whole > 0.0, whole, 1.0))
+    return at, s[cell] + share * (s[cell + 1] - s[cell])
