@@ -159,3 +159,19 @@ def test_what_cannot_be_aimed_off_is_one_error(toolpath, monkeypatch):
     monkeypatch.setattr(module, "ROUNDS", 2)
     with pytest.raises(PathError, match=r"does not converge: after 2 rounds .* 17.3 um, and 1 um are enough"):
         tp.aim_off(toolpath, MACHINE, TOOL)
+
+
+def test_what_swings_for_ever_is_met_half_way(toolpath, monkeypatch):
+    """Bending that answers each shift by the opposite of it, about 10 micrometres: plain rounds would never end."""
+    shifts = []
+    shifted = module.Places.shifted
+
+    def told(places, shift, kept):
+        shifts.append(shift)
+        return shifted(places, shift, kept)
+
+    monkeypatch.setattr(module.Places, "shifted", told)
+    monkeypatch.setattr(module, "predicted_bending", lambda *rest: 20e-6 + shifts[-1])
+    aimed = tp.aim_off(toolpath, MACHINE, TOOL)
+    np.testing.assert_allclose(aimed.bending, 10e-6, atol=1e-6)
+    assert module.SETTLED < aimed.rounds < module.ROUNDS

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from toolpace.bending.blending import blended
-from toolpace.bending.thinning import CHUNK, STRAIGHT, needed
+from toolpace.bending.thinning import CHUNK, needed
 from toolpace.judge.bending.bent import blended as judged
 
 LENGTH = 4e-3
@@ -71,8 +71,8 @@ def test_few_places_are_kept_and_between_them_it_is_straight():
     value[:, 1] = 1e-3 * way
     fixed = np.zeros(5000, dtype=bool)
     fixed[[7, 8, 2500]] = True
-    kept = needed(way, value, fixed)
+    kept = needed(way, value, fixed, 1e-7)
     straight = np.stack([np.interp(way, way[kept], column) for column in value[kept].T], axis=1)
-    assert np.linalg.norm(straight - value, axis=1).max() <= STRAIGHT
+    assert np.linalg.norm(straight - value, axis=1).max() <= 1e-7
     assert {0, 7, 8, 2500, 4999} <= set(kept.tolist()) and 5000 / CHUNK < len(kept) < 1500
     assert (np.diff(kept) > 0).all()

@@ -31,14 +31,14 @@ class Places:
     way: Floats
     """(n,) way of the tip up to each [m]."""
 
-    def shifted(self, shift: Floats) -> tuple[ToolPath, Ints]:
-        """The tool path with its tips moved by (n, 3) [m], and the places that its points are (k,).
+    def needed(self, shift: Floats, straight: float) -> Ints:
+        """The places (k,) that a path shifted by (n, 3) [m] takes, to be within `straight` [m] between them."""
+        return needed(self.way, shift, np.append(np.diff(self.origin) > 0, True), straight)
 
-        Of the places put in only those are points of it that it takes.
-        """
+    def shifted(self, shift: Floats, kept: Ints) -> ToolPath:
+        """The tool path of the places `kept` (k,), with its tips moved by `shift` (n, 3) [m]."""
         path = self.toolpath
-        kept = needed(self.way, shift, np.append(np.diff(self.origin) > 0, True))
-        thin = replace(
+        return replace(
             path,
             tip=path.tip[kept] + shift[kept],
             axis=path.axis[kept],
@@ -51,7 +51,6 @@ class Places:
             rapid=path.rapid[kept],
             operation=path.operation[kept],
         )
-        return thin, kept
 
     def of_program(self, path: Path, kept: Ints) -> Path:
         """A path that was fitted to the places `kept`, as one of the program's points: one block for each way of it."""

@@ -6,14 +6,12 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 
-STRAIGHT = 1e-7
-"""By how much a value may be off the straight line between two of the places that are kept [m]."""
 CHUNK = 64
 """Of so many places one is kept in any case; a power of two."""
 
 
-def needed(way: Floats, value: Floats, fixed: Bools) -> Ints:
-    """The places (k,) of n along a way [m] between which a value (n, d) is straight to STRAIGHT.
+def needed(way: Floats, value: Floats, fixed: Bools, straight: float) -> Ints:
+    """The places (k,) of n along a way [m] between which a value (n, d) is within `straight` of a straight line.
 
     All that are `fixed` are among them, both ends too. Between two of these, or in a CHUNK, every place is kept, or
     every second, fourth, ...: as few as do.
@@ -31,5 +29,5 @@ def needed(way: Floats, value: Floats, fixed: Bools) -> Ints:
         share = (way - way[before]) / np.where(whole > 0.0, whole, 1.0)
         off = value - value[before] - share[:, None] * (value[after] - value[before])
         worst = np.maximum.reduceat(np.sqrt((off**2).sum(axis=1)), corners[:-1])
-        stride[(worst <= STRAIGHT) & (stride == wider // 2)] = wider
+        stride[(worst <= straight) & (stride == wider // 2)] = wider
     return np.flatnonzero(corner | ((at - first) % stride[chunk] == 0))
