@@ -175,3 +175,33 @@ def test_what_swings_for_ever_is_met_half_way(toolpath, monkeypatch):
     aimed = tp.aim_off(toolpath, MACHINE, TOOL)
     np.testing.assert_allclose(aimed.bending, 10e-6, atol=1e-6)
     assert module.SETTLED < aimed.rounds < module.ROUNDS
+
+
+HEAD = "G21 G90 G17\nS18000 M3\nG0 X0 Y0 Z20 A0 C0\n"
+PROGRAMS = {
+    "pocket in lines": "G1 Z0 F4000\n" + "".join(f"X{40 * (k % 2 == 0)} Y{k}\nY{k + 1}\n" for k in range(8)),
+    "back and forth on one line": "G1 Z0 F2000\nX20\nX0\nX20\nX0\n",
+    "arcs": "G1 Z0 F2500\nG2 X20 Y0 I10 J0\nG3 X40 Y0 I10 J0\nG2 X0 Y0 I-20 J0\n",
+    "ramps": "G1 X0 Y0 Z5 F2000\n" + "".join(f"X{30 * (k % 2 == 0)} Z{4 - k}\n" for k in range(4)),
+    "holes, and a slot": "".join(f"G0 X{10 * k}\nZ2\nG1 Z-10 F500\nG0 Z2\n" for k in range(3)) + "G1 Z0 X40 F2000\n",
+    "shorter than the blend": "G1 Z0 F1500\nX2\n",
+    "inverse time": "G1 Z0 F2000\nG93\nX20 A10 F40\nX30 Y10 C30 F40\nX0 A0 C0 F30\nG94\n",
+    "turns in place, in the cut": "G1 Z0 F2000\nX20\nC90\nX0\nA20\nY20\n",
+}
+LOPSIDED = replace(
+    TOOL,
+    compliance=np.diag([1e-6, 3e-6, 1e-8]),
+    force="peak",
+    cut=replace(TOOL.cut, cutter=replace(TOOL.cut.cutter, runout=3e-6)),
+)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize(("name", "tool"), zip(PROGRAMS, 4 * (TOOL, LOPSIDED)), ids=list(PROGRAMS))
+def test_programs_of_every_kind_are_aimed_off_and_found_right(name, tool):
+    toolpath = tp.read_text(f"{HEAD}{PROGRAMS[name]}G0 Z40\nM30\n", MACHINE)
+    tool = replace(tool, blend=6e-3)
+    aimed = tp.aim_off(toolpath, MACHINE, tool)
+    found = tp.verify(aimed.trajectory, MACHINE, toolpath, tool=tool)
+    assert found.ok, found.findings
+    assert aimed.rounds <= 3 and found.bending == pytest.approx(aimed.largest, abs=2e-6) and aimed.largest > 30e-6
