@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from tests.hal.fake import FakeHal
+from tests.support.hal import FakeHal
 from toolpace.cli import main
 from toolpace.errors import UsageError
 from toolpace.follow import Follower, Status
