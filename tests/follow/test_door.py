@@ -27,7 +27,7 @@ def follower() -> tp.Follower:
 
 def test_lengths_of_the_page_are_those_of_the_kernel():
     text = PAGE.read_text(encoding="utf-8")
-    assert f"`STATE` = {layout.STATE} " in text and (layout.INPUTS, layout.OUTPUTS) == (11, 45)
+    assert f"`STATE` = {layout.STATE} " in text and (layout.INPUTS, layout.OVERRIDE, layout.OUTPUTS) == (14, 13, 45)
 
 
 def test_a_law_is_the_same_from_its_file(follower: tp.Follower, tmp_path: Path):
