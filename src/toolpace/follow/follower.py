@@ -84,7 +84,10 @@ class Follower:
 
     @property
     def feed_excess(self) -> float:
-        """Share of the feed by which a correction may make the tip faster, for a moment."""
+        """Share of the feed by which a correction that moves may make the tip faster, for a moment.
+
+        Where a table turns, one that stands adds its length times the rate of turning, which is not counted here.
+        """
         turning = 2.0 if self.piece[layout.MOST_TURN] > 0.0 else 0.0
         return (math.sqrt(3.0) + turning) * float(self.piece[layout.FEED_SHARE])
 
