@@ -60,7 +60,7 @@ def least_period(problem: Problem, rejoin: float | None, wish: float, behind: fl
     period = max(SHORTEST, problem.guess)
     for tried in range(TRIES):
         found = joints_alone(problem, period, rejoin, wish, behind)
-        if found.used <= 1.0:
+        if found.used <= DETOUR:
             high, best = period, found
         else:
             low = period
@@ -71,7 +71,7 @@ def least_period(problem: Problem, rejoin: float | None, wish: float, behind: fl
         if low > 0.0 and np.isfinite(high):
             period = float(np.sqrt(low * high))
         else:
-            period *= min(step * 0.97, 0.85) if found.used <= 1.0 else max(step * 1.02, 1.1 + 0.05 * tried)
+            period *= min(step * 0.97, 0.85) if found.used <= DETOUR else max(step * 1.02, 1.1 + 0.05 * tried)
     return best
 
 
