@@ -16,7 +16,7 @@ from benchmarks.running_means import beside_the_tracker
 from benchmarks.tables import Table
 from testbed.followed.cases import CASES, RESERVES, case
 from testbed.followed.holds import PLACES, hold_times
-from testbed.followed.plant import Plant, critical, followed, grows, largest_root
+from testbed.followed.plant import Plant, below, critical, followed, grows, largest_root
 from toolpace.arrays import Floats
 from toolpace.follow import Follower
 from toolpace.machine.machine import Machine
@@ -29,14 +29,6 @@ TURN = 10
 """Set-points of a turn of the spindle: what runout does is none in a mean over it."""
 SLOW = 20.0
 """What the drives can be asked to follow is below this [Hz]."""
-
-
-def below(error: Floats, frequency: float, period: float) -> Floats:
-    """The part of an error (n, 3) below a frequency [Hz], without lag."""
-    from scipy.signal import butter, sosfiltfilt
-
-    part: Floats = sosfiltfilt(butter(4, frequency, fs=1.0 / period, output="sos"), error, axis=0)
-    return part
 
 
 def figures_of(error: Floats, plant: Plant, period: float) -> list[float]:

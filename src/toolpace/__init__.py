@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from toolpace.deflect.replanning import replan
     from toolpace.errors import ToolpaceError
     from toolpace.exporting import Exported, ReadBack, export
-    from toolpace.follow import Follower, Measurement
+    from toolpace.follow import Follower, Measurement, SetPoint, Status
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.laws.law import Probe, TimeLaw
     from toolpace.machine.file import ChainFile, JointFile, MachineFile
@@ -100,9 +100,11 @@ __all__ = [
     "ReadBack",
     "Sampled",
     "SecondOrder",
+    "SetPoint",
     "SetPoints",
     "SetUp",
     "Sign",
+    "Status",
     "TimeLaw",
     "Tool",
     "ToolPath",
@@ -168,9 +170,11 @@ _HOME = {
     "ReadBack": "exporting",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
+    "SetPoint": "follow",
     "SetPoints": "setpoints",
     "SetUp": "reading.coordinates.setup",
     "Sign": "reading.controllers.controller",
+    "Status": "follow",
     "TimeLaw": "laws.law",
     "Tool": "reading.coordinates.setup",
     "ToolPath": "toolpath",

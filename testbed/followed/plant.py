@@ -171,3 +171,11 @@ def grows(follower: Follower, gain: float, late: int, known: int, rho: float, to
     first, last = size[LONG // 16 : LONG // 4].max(), size[-LONG // 4 :].max()
     # what has grown beyond what the tracker follows at once has grown
     return bool(last > LARGE or last > max(first, 1e-15))
+
+
+def below(error: Floats, frequency: float, period: float) -> Floats:
+    """The part of an error (n, 3) below a frequency [Hz], without lag."""
+    from scipy.signal import butter, sosfiltfilt
+
+    part: Floats = sosfiltfilt(butter(4, frequency, fs=1.0 / period, output="sos"), error, axis=0)
+    return part

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbed.followed.__main__ import campaign
+from testbed.followed.campaign import campaign
 from testbed.followed.cases import case
 from testbed.followed.disturbed import disturbed
 from testbed.followed.drive import driven

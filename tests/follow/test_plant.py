@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.following import below
 from testbed.followed.cases import case
-from testbed.followed.plant import Plant, critical, followed, grows, largest_root
+from testbed.followed.plant import Plant, below, critical, followed, grows, largest_root
 from toolpace.arrays import Floats
 from toolpace.follow import Follower
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from typing import TYPE_CHECKING
 
@@ -20,9 +21,7 @@ __all__ = ["follow_report", "limit_shares", "report", "write_report"]
 def __getattr__(name: str) -> object:
     """What speaks of followed runs is loaded when it is asked for."""
     if name in ("follow_report", "limit_shares"):
-        from toolpace.reporting import followed
-
-        return getattr(followed, name)
+        return getattr(importlib.import_module("toolpace.reporting.followed"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

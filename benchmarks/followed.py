@@ -1,6 +1,6 @@
 """Follow plans with all that may be measured and asked for, and judge every set-point.
 
-python -m testbed.followed --runs 2000 --seed 0
+python -m benchmarks.followed --runs 2000 --seed 0
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import time
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,36 +15,11 @@ import numpy as np
 
 from benchmarks.machine import written_by
 from benchmarks.tables import Table
-from testbed.followed.cases import CASES, RESERVES, case
-from testbed.followed.disturbed import disturbed, figures
-from testbed.followed.drive import driven
-from testbed.followed.judge import Verdict, judged
+from testbed.followed.campaign import campaign
+from testbed.followed.cases import CASES
+from testbed.followed.judge import Verdict
 from toolpace.arrays import Floats
-from toolpace.follow import Follower, Status
-
-RUNS_EACH = 10
-"""Runs with one set of figures."""
-SHORTEST, LONGEST = 5.0, 20.0
-"""Time of a run in which anything happens [s]."""
-CALM = 60.0
-"""Time after that in which the path must be gone through [s]."""
-
-
-def campaign(
-    runs: int, seed: int, names: tuple[str, ...] = tuple(CASES), each: int = RUNS_EACH, longest: float = LONGEST
-) -> Iterator[tuple[str, int, int, float, Verdict]]:
-    """Name, seed, number, seconds of each run, and the verdict."""
-    for group in range(-(-runs // each)):
-        random = np.random.default_rng([seed, group])
-        followed = case(names[group % len(names)], float(random.choice(RESERVES)))
-        chosen = figures(random)
-        follower = Follower(followed.trajectory, followed.machine, **chosen)
-        for number in range(min(each, runs - group * each)):
-            seconds = random.uniform(min(SHORTEST, longest), longest)
-            count = int(seconds / follower.period)
-            happens = disturbed(random, count, follower.period, chosen["max_correction"])
-            out = driven(follower, happens, CALM)
-            yield followed.name, group, number, len(out) * follower.period, judged(follower, followed, out)
+from toolpace.follow import Status
 
 
 @dataclass
@@ -85,7 +59,7 @@ HEADS = [
 
 def main() -> None:
     """The command."""
-    parser = argparse.ArgumentParser(prog="python -m testbed.followed", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.followed", description=__doc__)
     parser.add_argument("--runs", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--write", type=Path, default=None, help="write the table to this file")
@@ -106,7 +80,7 @@ def main() -> None:
     print(words)
     if given.write is not None:
         given.write.write_text(
-            page(table, words, f"python -m testbed.followed --runs {given.runs} --seed {given.seed}")
+            page(table, words, f"python -m benchmarks.followed --runs {given.runs} --seed {given.seed}")
         )
 
 
