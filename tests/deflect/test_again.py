@@ -175,3 +175,21 @@ def test_far_from_the_pole_an_axis_is_met_beyond_the_tolerance():
         pose = deflect.deflected_pose(old, 2.0, tip, axis=wanted)
         error = np.linalg.norm(MACHINE.forward(pose[None])[1][0] - wanted)
         assert (error < 1e-9) == met and error < 1e-5
+
+
+@pytest.mark.parametrize("joint", [0, 1, 4])
+def test_a_way_back_keeps_within_travel(joint):
+    """Where it would swing out of a travel that ends just beyond the path, it takes another way."""
+    old, time = arc(), 1.4
+    found = old.tip([time])[0][0] + [1.5e-3, -1e-3, 5e-4]
+    free = deflect.replan(old, time, found).axis_path.runs[0].detour
+    path = old.at(np.linspace(time, old.duration, 3000)).q[:, joint]
+    start = free.knots[0, 0, joint]
+    low, high = min(path.min(), start), max(path.max(), start)
+    narrow = Machine.from_toml(MACHINE.to_toml(), "narrow")
+    travel = narrow.travel.copy()
+    travel[joint] = low - 2e-5, high + 2e-5
+    object.__setattr__(narrow, "travel", travel)
+    kept = deflect.replan(old, time, found, narrow).axis_path.runs[0].detour
+    q = kept.motion(np.linspace(0.0, kept.duration, 4000))[0][:, joint]
+    assert low - 2.1e-5 <= q.min() and q.max() <= high + 2.1e-5
