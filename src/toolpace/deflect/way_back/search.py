@@ -15,7 +15,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.deflect.course import Detour
-from toolpace.deflect.feed import tip_speed, tip_velocity
+from toolpace.deflect.feed import feed_at, tip_speed, tip_velocity
 from toolpace.deflect.way_back.mesh import FINER
 from toolpace.deflect.way_back.splines import (
     ENOUGH,
@@ -41,6 +41,8 @@ LEAP = 0.6
 """Factor by which a time is shortened that leaves room, until one is found that does not."""
 FIRST_STRETCH, STRETCHES, MOST_STRETCH = 1.01, 9, 2.5
 """The first multiple of it that is tried, how many more, and the largest step from one to the next."""
+SLOW = 5.0
+"""By how much more time, as an exponent, goes with how much less use of the limits where the feed binds."""
 LOSS = 0.3
 """Part of a detour's time that may be lost beyond what the deflection asks for at once."""
 BRAKING = (0.9, 0.6, 0.3)
@@ -105,13 +107,14 @@ def with_pieces(problem: Problem, rejoin: float | None, lag: float) -> Detour | 
     soonest = least_period(problem, rejoin, wish, max(-ahead, 0.0))
     if soonest is None:
         return None
+    fed = np.isfinite(feed_at(problem.commanded.run, problem.commanded.place(np.array([problem.left])))[0])
     for share in BRAKING:
         period = FIRST_STRETCH * soonest.period
         for tried in range(STRETCHES):
-            found, used = way_back(problem, soonest, period, rejoin, wish, share)
+            found, used = way_back(problem, soonest, period, rejoin, wish, share, alone=not (fed and tried))
             if found is not None:
                 return found
-            period *= float(np.clip(used, 1.06 + 0.04 * tried, MOST_STRETCH))
+            period *= float(np.clip(np.exp(SLOW * min(used - 1.0, 1.0)), 1.06 + 0.04 * tried, MOST_STRETCH))
     return None
 
 
@@ -128,17 +131,22 @@ def lead_of(problem: Problem) -> float:
 
 
 def way_back(
-    problem: Problem, near: Spline, period: float, rejoin: float | None, wish: float, share: float
+    problem: Problem, near: Spline, period: float, rejoin: float | None, wish: float, share: float, *, alone: bool
 ) -> tuple[Detour | None, float]:
-    """A detour in a given time, or None where none is found to pass, and the least use of the limits that was found."""
+    """A detour in a given time, or None where none is found to pass, and the least use of the limits that was found.
+
+    `alone` is whether a way of least use by the joints alone is tried first, which costs least.
+    """
     rest = problem.commanded.law.duration - problem.left
     free = rejoin is None and period - wish < rest
     lead = wish if free else problem.left + period - rejoin if rejoin is not None else period - rest
     rows, y = rows_of(problem, period, lead, (lead, lead))
-    spline = solved(rows, Spline.begun(problem, period, lead, y), with_tip=False)
-    found = passing(spline, share)
-    if found is not None:
-        return found, spline.used
+    spline = Spline.begun(problem, period, lead, y)
+    if alone or problem.machine is None:
+        spline = solved(rows, spline, with_tip=False)
+        found = passing(spline, share)
+        if found is not None:
+            return found, spline.used
     if not free:
         return at_place(spline, share)
     return with_loss(spline, near.lead + near.late, wish, share)
