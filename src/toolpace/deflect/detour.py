@@ -34,7 +34,7 @@ class DetourRun(AxisRun):
     def __init__(self, detour: Detour, machine: Machine | None, lag: float = 0.0) -> None:
         """`lag` is what earlier detours on the same run have lost [s]."""
         commanded = detour.commanded
-        self.detour, self.machine, self.rest_of, self.lag = detour, machine, commanded.run, lag + detour.lost
+        self.detour, self.machine, self.rest_of, self.lag = detour, machine, commanded.run, lag
         place, self.v, self.a, _ = map(float, commanded.law.at(np.array([detour.rejoin]))[:, 0])
         length, span = commanded.run.s1 - commanded.run.s0, detour.duration
         self.ends_here = bool(commanded.still(np.array([self.v]))[0])

@@ -49,7 +49,8 @@ class Standing:
         current, clock, lag = CommandedMotion(run, law), local, 0.0
         followed = current
         if isinstance(run, DetourRun):
-            followed, clock, lag = run.detour.commanded, rejoined_clock(run, law, local), run.lag
+            followed, clock = run.detour.commanded, rejoined_clock(run, law, local)
+            lag = run.lag + run.detour.lost * min(local / run.detour.duration, 1.0)
         aim = followed.run.aim if isinstance(followed.run, AimedOffRun) else None
         original = on_path(followed)
         return cls(index, current, local, original, clock / (aim.pace if aim else 1.0), aim, lag)
