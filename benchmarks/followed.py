@@ -91,11 +91,12 @@ def page(table: Table, words: str, command: str) -> str:
         f"{written_by(command)}\n\n"
         "Random figures of the follower (reserve 0.02 to 0.4, period 0.5 to 4 ms, delay to 20 ms, both causes, gain\n"
         "to 1.6, filter, deadband, wait), random measurements (noise, steps, bang-bang, nan, absurd, late, out of\n"
-        "order, from the future, none for a while; of tip, axis and force) and a random override with holds. All is\n"
-        "judged by differences of the set-points: velocity, acceleration and jerk over the whole limits, the speed of\n"
-        "the tip over feed times pace and the stated excess, set-points less their correction over what is stated of\n"
-        "the path. A run that has not gone through its path must say why it stands. Where joints are found displaced\n"
-        "the state jumps, and no difference is taken across.\n\n"
+        "order, from the future, none for a while; of tip, deflection, axis and force) and a random override with\n"
+        "holds. All is judged by differences of the set-points: velocity, acceleration and jerk over the whole\n"
+        "limits, the speed of the tip over feed times override, or pace where that is behind, and the stated excess,\n"
+        "set-points less their correction over what is stated of the path. A run that has not gone through its path\n"
+        "must say why it stands. Where joints are found displaced the state jumps, and no difference is taken\n"
+        "across.\n\n"
         f"{table.markdown()}\nRuns in which a status was said: {words}.\n"
     )
 

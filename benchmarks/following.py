@@ -19,12 +19,13 @@ from testbed.followed.holds import PLACES, hold_times
 from testbed.followed.plant import Plant, below, critical, followed, grows, largest_root
 from toolpace.arrays import Floats
 from toolpace.follow import Follower
+from toolpace.follow.figures import Figures
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
 from toolpace.trajectory import Trajectory
 
-GAINS, DELAYS, RHOS = (0.05, 0.1), (0, 2, 4, 6, 8, 10), (0.0, 0.3, 0.6, 0.9)
+GAINS, DELAYS, RHOS = (0.05, Figures.gain, 0.1), (0, 2, 4, 6, 8, 10), (0.0, 0.3, 0.6, 0.9)
 TURN = 10
 """Set-points of a turn of the spindle: what runout does is none in a mean over it."""
 SLOW = 20.0

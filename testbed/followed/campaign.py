@@ -34,4 +34,10 @@ def campaign(
             count = int(seconds / follower.period)
             happens = disturbed(random, count, follower.period, chosen["max_correction"])
             out = driven(follower, happens, CALM)
-            yield followed.name, group, number, len(out) * follower.period, judged(follower, followed, out)
+            yield (
+                followed.name,
+                group,
+                number,
+                len(out) * follower.period,
+                judged(follower, followed, happens.override, out),
+            )

@@ -10,7 +10,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 
 PERIODS = (5e-4, 1e-3, 2e-3, 4e-3)
-TIP, AXIS, FORCE, BEND_WITH_COMMAND = 1, 2, 4, 8
+TIP, AXIS, FORCE, BEND_WITH_COMMAND, DEFLECTION = 1, 2, 4, 8, 16
 """What is measured, as a sum; and whether the tip is off from the set-point rather than from the path."""
 ODD = (np.nan, np.inf, -np.inf, 1e300, 1e160, 10.0, 1e-320)
 
@@ -63,7 +63,7 @@ def disturbed(random: np.random.Generator, count: int, period: float, most: floa
     off[:, 6:] = size * 1e7 * shape(random, count, period)
     odd = random.random(count) < random.choice([0.0, 0.01, 0.3])
     off[odd] = random.choice(ODD, (int(odd.sum()), 9))
-    what = np.full(count, random.choice([TIP, TIP, TIP | AXIS, FORCE, TIP | AXIS | FORCE]))
+    what = np.full(count, random.choice([TIP, DEFLECTION, TIP | AXIS, FORCE, TIP | AXIS | FORCE, DEFLECTION | AXIS]))
     what += BEND_WITH_COMMAND if random.random() < 0.5 else 0
     what[dropped(random, count, period)] = 0
     what[random.random(count) < random.choice([0.0, 0.1, 0.9])] = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from testbed.followed.disturbed import AXIS, BEND_WITH_COMMAND, FORCE, TIP, Disturbed
+from testbed.followed.disturbed import AXIS, BEND_WITH_COMMAND, DEFLECTION, FORCE, TIP, Disturbed
 from toolpace.arrays import Floats, Ints
 from toolpace.follow import Follower
 from toolpace.kernels.follow import layout as at
@@ -59,6 +59,8 @@ def _drive(
                     given[4 + d] = axis[d] + off[i, 3 + d]
                 if what[i] & FORCE:
                     given[7 + d] = off[i, 6 + d]
+                if what[i] & DEFLECTION:
+                    given[10 + d] = off[i, d]
         step(piece, state, given, out[i])
         if int(out[i, STATUS]) & ENDED:
             left -= 1

@@ -43,8 +43,8 @@ class Verdict:
         return bool(kept and (self.ended or self.reason & (Status.STOPPING | Status.HELD)))
 
 
-def judged(follower: Follower, case: Case, out: Floats) -> Verdict:
-    """The verdict on a run (n, OUTPUTS) from rest at the start of the plan."""
+def judged(follower: Follower, case: Case, override: Floats, out: Floats) -> Verdict:
+    """The verdict on a run (n, OUTPUTS) from rest at the start of the plan; override (k,) is 1 after its end."""
     status = out[:, at.STATUS].astype(np.int64)
     q, own = out[:, at.Q : at.Q + 5], out[:, at.OUT_CORRECTION : at.OUT_CORRECTION + 5]
     if not np.isfinite(out).all():
@@ -64,7 +64,7 @@ def judged(follower: Follower, case: Case, out: Floats) -> Verdict:
     said = Status(int(np.bitwise_or.reduce(status)))
     return Verdict(
         used,
-        feed_used(follower, case, whole[2:], out, jumped[3:]),
+        feed_used(follower, case, whole[2:], override, out),
         beyond,
         float(np.abs(q - own - path).max()) / stated,
         bool(status[-1] & Status.ENDED),
@@ -83,11 +83,12 @@ def worst(q: Floats, jumped: Bools, order: int, period: float, limit: Floats) ->
     return float((np.maximum(difference - rounding, 0.0) / (period**order * limit)).max())
 
 
-def feed_used(follower: Follower, case: Case, q: Floats, out: Floats, jumped: Bools) -> float:
-    """Most speed of the tip over what is allowed: feed times pace and the stated excess of the feed."""
+def feed_used(follower: Follower, case: Case, q: Floats, override: Floats, out: Floats) -> float:
+    """Most speed of the tip over what is allowed: feed times override, or pace where that is behind, and the stated
+    excess of the feed."""
     tip = case.machine.forward(q)[0]
     speed = np.linalg.norm(np.diff(tip, axis=0), axis=1) / follower.period
-    speed[jumped] = 0.0
+    speed[(out[:, at.STATUS].astype(np.int64) & Status.JUMPED) > 0] = 0.0
     time = np.concatenate([[0.0], out[:, at.PATH_TIME]])
     # the spline through the samples blends over half a sample and more: at the border of two blocks either feed holds
     reach = 4.0 * float(follower.piece[at.STEP]) * follower.pace
@@ -95,6 +96,8 @@ def feed_used(follower: Follower, case: Case, q: Floats, out: Floats, jumped: Bo
     feed = np.maximum(*ends)
     feed = np.maximum(feed[1:], feed[:-1])
     pace = np.concatenate([[1.0], out[:, at.OUT_PACE]])
-    pace = np.maximum(pace[1:], pace[:-1]) * follower.pace
+    asked = np.ones(len(out))
+    asked[: len(override)] = np.clip(np.nan_to_num(override[: len(out)]), 0.0, 1.2)
+    pace = np.maximum(np.maximum(pace[1:], pace[:-1]), asked) * follower.pace
     allowed = feed * (pace + follower.feed_excess) + 2.0 * SEEN / follower.period
     return float((speed / allowed).max())

@@ -33,9 +33,8 @@ def test_the_judge_sees_a_correction_or_a_pace_that_goes_too_far(table: int, fig
     follower = Follower(followed.trajectory, followed.machine, gain=1.0, max_correction=1e-3)
     follower.piece[table : table + 15] *= figure
     random = np.random.default_rng(3)
-    verdicts = [
-        judged(follower, followed, driven(follower, disturbed(random, 4000, 1e-3, 1e-3), 20.0)) for _ in range(6)
-    ]
+    runs = [disturbed(random, 4000, 1e-3, 1e-3) for _ in range(6)]
+    verdicts = [judged(follower, followed, run.override, driven(follower, run, 20.0)) for run in runs]
     assert not all(verdict.fine for verdict in verdicts)
 
 

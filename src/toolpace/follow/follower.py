@@ -54,7 +54,9 @@ class Follower:
         pace = pace_within(trajectory, machine, 1.0 - checked.reserve)
         samples = samples_of(trajectory, machine, checked.period / SAMPLES_A_PERIOD, pace)
         self._take(law_of(samples, machine, checked, pace))
-        self.off_the_plan = float(np.abs(np.diff(samples.q, 2, axis=0)).max(initial=0.0)) / 6.0
+        second, third = (float(np.abs(np.diff(samples.q, k, axis=0)).max(initial=0.0)) for k in (2, 3))
+        # between samples a second derivative is larger by what it changes from one to the next
+        self.off_the_plan = (second + third) / 6.0
         """Most that the path followed leaves the plan by [m or rad]."""
 
     @classmethod
@@ -84,12 +86,16 @@ class Follower:
 
     @property
     def feed_excess(self) -> float:
-        """Share of the feed by which a correction that moves may make the tip faster, for a moment.
+        """Share of the feed by which a correction may make the tip faster than feed times override.
 
-        Where a table turns, one that stands adds its length times the rate of turning, which is not counted here.
+        For a moment while it moves, and by up to 2 percent for as long as it stands on a table that turns: for more
+        than that the pace is lowered, ahead of the turning. Where joints are found displaced on a table that turns,
+        the displacement is carried at once, until the pace has come down.
         """
+        from toolpace.kernels.follow.step import LEAST
+
         turning = 2.0 if self.piece[layout.MOST_TURN] > 0.0 else 0.0
-        return (math.sqrt(3.0) + turning) * float(self.piece[layout.FEED_SHARE])
+        return (math.sqrt(3.0) + turning) * float(self.piece[layout.FEED_SHARE]) + LEAST
 
     def reset(self) -> None:
         """Go back to the start of the path, without correction."""

@@ -21,13 +21,13 @@ LEAST_FEED = 1e-5
 def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) -> Floats:
     """The piece of a path; `pace` is that of the plan at which it was sampled."""
     count, m = samples.q.shape
-    spline = np.concatenate([np.column_stack([samples.q, samples.s])[[0, *range(count), -1, -1]]])
+    spline = np.column_stack([samples.q, samples.s])[[0, *range(count), -1, -1]]
     share = TO_CORRECTION * figures.reserve
     limits = np.stack([machine.limits.velocity, machine.limits.acceleration, machine.limits.jerk])
     own = share * limits
     own[0] = np.minimum(own[0], fastest(own[1], machine, figures))
     brakes = braking_time(own[:, machine.linear])
-    cells = cells_of(samples, spline[:, :m], brakes)
+    cells = cells_of(samples, spline[:, :m], brakes, turning_workpiece(machine))
     piece = np.zeros(layout.PATH + spline.size + cells.size)
     head = {
         layout.IS_PIECE: layout.MAGIC,
@@ -56,7 +56,6 @@ def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) ->
         layout.WAIT: figures.wait,
         layout.AXIS_TOLERANCE: figures.axis_tolerance,
         layout.RHO: figures.rho,
-        layout.AIMS_AXIS: float(figures.max_turn > 0.0),
     }
     for at, value in head.items():
         piece[at] = value
@@ -71,8 +70,11 @@ def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) ->
     return piece
 
 
-def cells_of(samples: Samples, control: Floats, brakes: float) -> Floats:
-    """(k, CELL_COLUMNS) of the cells, from control points (n + 3, m); a correction is slowed down in `brakes` [s]."""
+def cells_of(samples: Samples, control: Floats, brakes: float, table: list[int]) -> Floats:
+    """(k, CELL_COLUMNS) of the cells, from control points (n + 3, m).
+
+    A correction is slowed down in `brakes` [s]; the joints of `table` turn the workpiece.
+    """
     peaks, h = [], samples.step
     for order in (1, 2, 3):
         difference = np.abs(np.diff(control, order, axis=0)) / h**order
@@ -82,10 +84,22 @@ def cells_of(samples: Samples, control: Floats, brakes: float) -> Floats:
         peaks.append(_most(on_span[: len(samples.q) - 1]))
     feed = -_most(-np.minimum(samples.feed[:-1], samples.feed[1:])[:, None])
     feed = np.maximum(feed, LEAST_FEED)
-    soon = feed.copy()
-    for ahead in range(1, int(np.ceil(1.2 * brakes / (CELL_SAMPLES * h))) + 2):
-        soon[:-ahead] = np.minimum(soon[:-ahead], feed[ahead:])
-    return np.concatenate([*peaks, feed, soon], axis=1)
+    ahead = int(np.ceil(1.2 * brakes / (CELL_SAMPLES * h))) + 2
+    turning = peaks[0][:, table].sum(axis=1, keepdims=True) / feed
+    return np.concatenate([*peaks, feed, -_most_ahead(-feed, ahead), _most_ahead(turning, ahead)], axis=1)
+
+
+def _most_ahead(values: Floats, cells: int) -> Floats:
+    """(k, 1) largest of values (k, 1) in each cell and the next ones, `cells` in all."""
+    most = values.copy()
+    for ahead in range(1, cells):
+        most[:-ahead] = np.maximum(most[:-ahead], values[ahead:])
+    return most
+
+
+def turning_workpiece(machine: Machine) -> list[int]:
+    """The rotary joints that carry the workpiece."""
+    return [j for j in machine.rotary if machine.joints[j] in machine.file.chain.workpiece]
 
 
 def _most(values: Floats) -> Floats:

@@ -41,6 +41,8 @@ LEAP = 0.6
 """Factor by which a time is shortened that leaves room, until one is found that does not."""
 FIRST_STRETCH, STRETCHES, MOST_STRETCH = 1.01, 9, 2.5
 """The first multiple of it that is tried, how many more, and the largest step from one to the next."""
+SOON = 4.0
+"""Multiple of it up to which all ways of braking are tried before longer ones are."""
 SLOW = 5.0
 """By how much more time, as an exponent, goes with how much less use of the limits where the feed binds."""
 LOSS = 0.3
@@ -108,13 +110,16 @@ def with_pieces(problem: Problem, rejoin: float | None, lag: float) -> Detour | 
     if soonest is None:
         return None
     fed = np.isfinite(feed_at(problem.commanded.run, problem.commanded.place(np.array([problem.left])))[0])
-    for share in BRAKING:
-        period = FIRST_STRETCH * soonest.period
-        for tried in range(STRETCHES):
-            found, used = way_back(problem, soonest, period, rejoin, wish, share, alone=not (fed and tried))
-            if found is not None:
-                return found
-            period *= float(np.clip(np.exp(SLOW * min(used - 1.0, 1.0)), 1.06 + 0.04 * tried, MOST_STRETCH))
+    reached = dict.fromkeys(BRAKING, (FIRST_STRETCH * soonest.period, 0))
+    for most in (SOON * soonest.period, np.inf):
+        for share, (period, tried) in reached.items():
+            while tried < STRETCHES and period <= most:
+                found, used = way_back(problem, soonest, period, rejoin, wish, share, alone=not (fed and tried))
+                if found is not None:
+                    return found
+                period *= float(np.clip(np.exp(SLOW * min(used - 1.0, 1.0)), 1.06 + 0.04 * tried, MOST_STRETCH))
+                tried += 1
+            reached[share] = period, tried
     return None
 
 

@@ -22,7 +22,6 @@ from toolpace.kernels.follow.jerk_limited import stop
 from toolpace.kernels.follow.layout import (
     ABSURD,
     AIM,
-    AIMS_AXIS,
     AXIS,
     AXIS_TOLERANCE,
     BELIEVABLE,
@@ -143,7 +142,7 @@ def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> f
         tip[d] = given[DEFLECTION + d] if direct else given[TIP + d] - tip[d]
     off = math.sqrt(dot(tip, tip))
     first, second = 0.0, 0.0
-    if piece[AIMS_AXIS] > 0.0 and math.isfinite(given[AXIS] + given[AXIS + 1] + given[AXIS + 2]):
+    if piece[MOST_TURN] > 0.0 and math.isfinite(given[AXIS] + given[AXIS + 1] + given[AXIS + 2]):
         first, second = turns_for(piece, state, given, axis)
         if math.isnan(first):
             return math.inf

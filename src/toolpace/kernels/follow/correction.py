@@ -11,6 +11,7 @@ from toolpace.kernels.follow.jerk_limited import approach
 from toolpace.kernels.follow.layout import (
     AIM,
     CORRECTION,
+    FEED,
     FEED_SHARE,
     FEED_SOON,
     JOINTS,
@@ -21,9 +22,13 @@ from toolpace.kernels.follow.layout import (
     SHARE,
     TAU,
     TIP_PER_LINEAR,
+    TURNING_SOON,
 )
 from toolpace.kernels.follow.path import cell_at
 from toolpace.kernels.jit import jit
+
+MOST_SHARE = 0.9
+"""Share of the pace up to which the feed takes it off: the tool always goes on."""
 
 
 @jit()
@@ -41,15 +46,26 @@ def correct(piece: Floats, state: Floats) -> None:
 
 
 @jit()
-def speed_of_correction(piece: Floats, state: Floats) -> float:
-    """Most that the correction now adds to the speed of the tip [m/s]."""
+def feed_of_correction(piece: Floats, state: Floats) -> float:
+    """Share of the pace that keeps the feed: the correction moves, and carried by a turning workpiece it adds to the
+    speed of the tip in proportion to the pace."""
+    cell = cell_at(piece, state[TAU])
+    moving = motion_of_tip(piece, state, 1) / piece[cell + FEED]
+    carried = motion_of_tip(piece, state, 0) * piece[cell + TURNING_SOON]
+    share: float = min(moving + carried / (1.0 + carried), MOST_SHARE)
+    return share
+
+
+@jit()
+def motion_of_tip(piece: Floats, state: Floats, order: int) -> float:
+    """Most motion of the tip [m] or speed [m/s] for the correction's value or its derivative of first order."""
     place = piece[PLACE : PLACE + 5].view(np.int64)
     linear, turning = 0.0, 0.0
     for k in range(JOINTS):
-        speed = state[CORRECTION + 4 * place[k] + 1]
+        own = state[CORRECTION + 4 * place[k] + order]
         if k < 2:
-            turning += abs(speed) * piece[LEVER]
+            turning += abs(own) * piece[LEVER]
         else:
-            linear += speed * speed
-    speed_of_tip: float = math.sqrt(linear) * piece[TIP_PER_LINEAR] + turning
-    return speed_of_tip
+            linear += own * own
+    motion: float = math.sqrt(linear) * piece[TIP_PER_LINEAR] + turning
+    return motion

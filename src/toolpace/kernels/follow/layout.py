@@ -1,12 +1,13 @@
 """Where everything lies in the three flat arrays of a follower: its piece, its state, and what goes in and out.
 
 All are float64 and little-endian, so that control code in any language can hold them. The piece is made once and never
-changes: a head, tables, the path and the cells. The state is what a step reads and writes; zeros are a fresh one.
+changes: a head, tables, the path and the cells. The state is what a step reads and writes; a fresh one is zeros, but
+for PACE, GOAL and FINAL, which are 1.
 """
 
 from __future__ import annotations
 
-MAGIC, VERSION = 1953525106.0, 1.0
+MAGIC, VERSION = 1953525106.0, 2.0
 """First two figures of every piece."""
 JOINTS = 5
 
@@ -14,11 +15,11 @@ JOINTS = 5
 (
     IS_PIECE, HAS_VERSION, SAMPLES, STEP, CELLS, CELL, DURATION, PERIOD, DELAY, GAIN, MOST, MOST_TURN, DEADBAND, FILTER,
     HOLD, FADE, PATIENCE, BELIEVABLE, CAUSE, FEED_SHARE, TIP_PER_LINEAR, LEVER, NOMINAL, WAIT, AXIS_TOLERANCE,
-    AIMS_AXIS, RHO,
-) = range(27)  # fmt: skip
+    RHO,
+) = range(26)  # fmt: skip
 """Counts and times [s] of samples and cells, then the figures of follow/figures.py in SI units; FEED_SHARE: of the
 feed, for each joint's correction; TIP_PER_LINEAR, LEVER: most motion of the tip for one of a linear and a rotary joint;
-NOMINAL: pace of the plan at which it was sampled; AIMS_AXIS: whether measured axes count."""
+NOMINAL: pace of the plan at which it was sampled; MOST_TURN: 0 where measured axes do not count."""
 HEAD = 32
 BENDING, DISPLACED = 0.0, 1.0
 """What CAUSE can be."""
@@ -39,10 +40,11 @@ LOW = ROOM + 3 * JOINTS
 PATH = LOW + 2 * JOINTS
 """(SAMPLES + 3, 6) control points of a uniform cubic B-spline: joints, and the parameter of the path."""
 COLUMNS = JOINTS + 1
-FEED, FEED_SOON = 3 * JOINTS, 3 * JOINTS + 1
-CELL_COLUMNS = 3 * JOINTS + 2
-"""A cell: peaks of |velocity|, |acceleration| and |jerk| of each joint (3, 5); least feed [m/s], and
-least from here until a correction has been slowed down."""
+FEED, FEED_SOON, TURNING_SOON = 3 * JOINTS, 3 * JOINTS + 1, 3 * JOINTS + 2
+CELL_COLUMNS = 3 * JOINTS + 3
+"""A cell: peaks of |velocity|, |acceleration| and |jerk| of each joint (3, 5); least feed [m/s],
+and least from here until a correction has been slowed down; most that the workpiece turns over the feed, as far ahead
+[1/m]."""
 
 # what goes in, nan where there is none
 MEASURED_AT, TIP, AXIS, FORCE, DEFLECTION, OVERRIDE = 0, 1, 4, 7, 10, 13
@@ -50,15 +52,15 @@ INPUTS = 14
 
 # state
 (
-    NOW, STEPS, TAU, PACE, CHANGE, BEND, WANTED, GOAL, FINAL, WAY, MEASURED, LAST_MEASURED, LAST_JUMP, FULL, FULL_FOR,
+    NOW, STEPS, TAU, PACE, CHANGE, BEND, GOAL, FINAL, WAY, MEASURED, LAST_MEASURED, LAST_JUMP, FULL, FULL_FOR,
     STOPPED, NEEDED, TAKEN_OFF,
-) = range(18)  # fmt: skip
+) = range(17)  # fmt: skip
 """Time [s] and number of the set-point that was given last; time of the path, pace and its two derivatives; the pace
-asked for, the one committed to and the one that it ends with; which way of changing it is tried; whether anything was
+committed to and the one that it ends with; which way of changing it is tried; whether anything was
 measured and when; when the joints were last found displaced; whether the correction is at its limit and for how long
 [s]; whether that has stopped the tool; share of the pace that a correction needed of late, and what is taken off it."""
 SEGMENTS = 7
-COMMITTED = 18
+COMMITTED = 17
 """(7, 2) duration [s] and second derivative of the pace [1/s^2] of what is committed to."""
 CANDIDATE = COMMITTED + 2 * SEGMENTS
 """The same of what is looked at."""

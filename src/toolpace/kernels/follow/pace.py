@@ -36,7 +36,6 @@ from toolpace.kernels.follow.layout import (
     SAMPLES,
     SEGMENTS,
     TAU,
-    WANTED,
     WAY,
 )
 from toolpace.kernels.jit import jit
@@ -144,7 +143,6 @@ def commit(piece: Floats, state: Floats, wanted: float) -> None:
         return
     period = piece[PERIOD]
     # the ways are gone through in turn whatever is wanted meanwhile: noise in it keeps none from being tried
-    state[WANTED] = wanted
     index = int(state[WAY])
     goal = wanted
     if wanted > 1.0:

@@ -16,7 +16,7 @@ import numpy as np
 
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.follow.aim import take
-from toolpace.kernels.follow.correction import correct, speed_of_correction
+from toolpace.kernels.follow.correction import correct, feed_of_correction
 from toolpace.kernels.follow.layout import (
     AIM,
     AT,
@@ -29,7 +29,6 @@ from toolpace.kernels.follow.layout import (
     ENDED,
     FADE,
     FADED,
-    FEED,
     FULL,
     FULL_FOR,
     HELD,
@@ -65,7 +64,7 @@ from toolpace.kernels.follow.layout import (
     Q,
 )
 from toolpace.kernels.follow.pace import commit, keep_pace
-from toolpace.kernels.follow.path import cell_at, place_on_path
+from toolpace.kernels.follow.path import place_on_path
 from toolpace.kernels.jit import jit
 
 NOTCHES = 16.0
@@ -135,7 +134,7 @@ def wanted_pace(piece: Floats, state: Floats, override: float) -> tuple[float, i
     asked = min(max(override, 0.0), MOST_OVERRIDE) if not math.isnan(override) else 0.0
     if state[STOPPED] > 0.0:
         return 0.0, 0
-    needed = speed_of_correction(piece, state) / piece[cell_at(piece, state[TAU]) + FEED]
+    needed = feed_of_correction(piece, state)
     lag = 0.0
     place = piece[PLACE : PLACE + 5].view(np.int64)
     for k in range(2, JOINTS):
