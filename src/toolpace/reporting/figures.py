@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 
@@ -12,6 +13,13 @@ class BendingFigures(Protocol):
     def largest_mm(self) -> float: ...
     @property
     def rounds(self) -> int: ...
+
+
+class RoundFigures(Protocol):
+    """A path that was fitted on the way."""
+
+    @property
+    def duration_s(self) -> float: ...
 
 
 class PlanFigures(Protocol):
@@ -35,5 +43,13 @@ class PlanFigures(Protocol):
     def axis_deviation_deg(self) -> float | None: ...
     @property
     def axis_tolerance_deg(self) -> float | None: ...
+    @property
+    def tip_at_tolerance(self) -> float | None: ...
+    @property
+    def axis_at_tolerance(self) -> float | None: ...
+    @property
+    def effort(self) -> str: ...
+    @property
+    def rounds(self) -> Sequence[RoundFigures]: ...
     @property
     def bending(self) -> BendingFigures | None: ...

@@ -6,8 +6,6 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.resources import files
-from string import Template
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,9 +15,8 @@ from toolpace.errors import UsageError
 from toolpace.files import whole_file
 from toolpace.machine.limits import KINDS
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.reporting.policy import with_policy
 from toolpace.reporting.series import extremes
-from toolpace.version import __version__
+from toolpace.reporting.shell import whole_page
 
 if TYPE_CHECKING:
     from toolpace.follow import SetPoint
@@ -67,22 +64,13 @@ def limit_shares(setpoints: Sequence[SetPoint], machine: Machine) -> dict[str, F
 
 
 def _page(setpoints: Sequence[SetPoint], machine: Machine, errors: Mapping[str, Floats], title: str) -> str:
-    from plotly.offline import get_plotlyjs
-
-    here = files("toolpace.reporting")
     used = limit_shares(setpoints, machine)
-    page = Template(here.joinpath("followed.html").read_text(encoding="utf-8")).substitute(
-        title=escape(title),
-        machine=escape(machine.name),
-        cards=_cards(setpoints, used, errors),
-        version=escape(__version__),
-        points=f"{len(setpoints):,}".replace(",", " "),
-        css=here.joinpath("page.css").read_text(encoding="utf-8"),
-        script=here.joinpath("followed.js").read_text(encoding="utf-8"),
-        data=_data(setpoints, machine, used, errors),
-        plotly=get_plotlyjs(),
-    )
-    return with_policy(page)
+    fields = {
+        "machine": escape(machine.name),
+        "cards": _cards(setpoints, used, errors),
+        "points": f"{len(setpoints):,}".replace(",", " "),
+    }
+    return whole_page("toolpace.reporting", "followed", title, fields, _data(setpoints, machine, used, errors))
 
 
 def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Mapping[str, Floats]) -> str:

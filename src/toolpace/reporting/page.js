@@ -11,11 +11,14 @@
   const blocks = new Int32Array(bytes(data.blocks.data));
   const missing = -32768;
 
+  const present = new Set(data.channels.map((c) => c.panel));
+  const off = present.has("deviation");
   const panels = phone
     ? { feed: [0.84, 1], strip: [0.795, 0.82], velocity: [0.54, 0.76], acceleration: [0.27, 0.5], jerk: [0, 0.23] }
-    : { feed: [0.83, 1], strip: [0.775, 0.803], velocity: [0.53, 0.745], acceleration: [0.265, 0.48], jerk: [0, 0.215] };
-  const axes = { feed: "y", strip: "y2", velocity: "y3", acceleration: "y4", jerk: "y5" };
-  const present = new Set(data.channels.map((c) => c.panel));
+    : off ? { feed: [0.86, 1], strip: [0.81, 0.835], deviation: [0.68, 0.78], velocity: [0.465, 0.645], acceleration: [0.235, 0.42], jerk: [0, 0.19] }
+      : { feed: [0.83, 1], strip: [0.775, 0.803], velocity: [0.53, 0.745], acceleration: [0.265, 0.48], jerk: [0, 0.215] };
+  if (phone && off) Object.assign(panels, { deviation: [0.68, 0.76], velocity: [0.46, 0.645], acceleration: [0.235, 0.42], jerk: [0, 0.19] });
+  const axes = { feed: "y", strip: "y2", velocity: "y3", acceleration: "y4", jerk: "y5", deviation: "y6" };
 
   const blockAt = (t) => blocks[Math.min(blocks.length - 1, Math.round((t / data.end) * (blocks.length - 1)))];
   const figure = (v) => Number(v.toPrecision(4)).toString();
@@ -34,7 +37,10 @@
       if (v[i] === missing) { y.push(null); text.push(""); return; }
       const value = v[i] * channel.scale;
       y.push(value);
-      text.push(channel.panel === "feed"
+      text.push(channel.panel === "deviation"
+        ? `${channel.name} off the program: ${figure(value * channel.peak)} ${channel.unit} (${(100 * value).toFixed(0)} % of the tolerance)` +
+          `<br>${t.toFixed(3)} s, block ${blockAt(t)}`
+        : channel.panel === "feed"
         ? `${channel.name}: ${figure(value)} mm/min<br>${t.toFixed(3)} s, block ${blockAt(t)}`
         : `${channel.panel} of ${channel.name}: ${(100 * value).toFixed(1)} %<br>${figure(value * channel.peak)} ${channel.unit}` +
           `<br>${t.toFixed(3)} s, block ${blockAt(t)}`);
@@ -59,14 +65,15 @@
   const seen = new Set();
   const traces = data.channels.map((c) => {
     const drawn = thinned(c, 0, data.end, stretches());
-    const feed = c.panel === "feed", cap = feed && c.name !== "tip speed";
-    const named = feed || !seen.has(c.name);
-    if (!feed) seen.add(c.name);
+    const feed = c.panel === "feed", cap = feed && c.name !== "tip speed", strays = c.panel === "deviation";
+    const named = feed || (!strays && !seen.has(c.name));
+    if (!feed && !strays) seen.add(c.name);
     return {
       type: "scatter", mode: "lines", ...drawn, hoverinfo: "text", yaxis: axes[c.panel], xaxis: "x",
-      name: c.name, legendgroup: feed ? c.name : "joint " + c.name, showlegend: named, connectgaps: false,
+      name: c.name, legendgroup: feed || strays ? c.name : "joint " + c.name, showlegend: named, connectgaps: false,
       fill: feed && !cap ? "tozeroy" : "none", fillcolor: "rgba(20,163,127,0.13)",
       line: cap ? { color: "#66748a", width: 1, shape: "hv" }
+        : strays ? { color: c.joint === -1 ? "#17202e" : "#98a3b3", width: 1 }
         : { color: feed ? "#14a37f" : data.joint_colours[c.joint], width: feed ? 1.4 : 1.25 },
     };
   });
@@ -92,7 +99,8 @@
     zerolinecolor: line, anchor: "x", automargin: false,
   });
   const titles = { feed: "Speed of the tip, mm/min", strip: "What limits", velocity: "Velocity, share of the limit",
-    acceleration: "Acceleration, share of the limit", jerk: "Jerk, share of the limit" };
+    acceleration: "Acceleration, share of the limit", jerk: "Jerk, share of the limit",
+    deviation: "Off the program, share of the tolerance: tip (dark), tool axis (light)" };
   const limitLine = (name, y) => ({ type: "line", xref: "paper", x0: 0, x1: 1, yref: axes[name], y0: y, y1: y,
     line: { color: "#c92a3f", width: 1.4, dash: "5px,4px" }, opacity: 0.75, layer: "above" });
   const kinds = ["velocity", "acceleration", "jerk"].filter((k) => present.has(k));
@@ -106,7 +114,9 @@
       anchor: "x" },
     yaxis2: { domain: panels.strip, range: [-0.5, 0.5], fixedrange: true, showticklabels: false, ticks: "", showgrid: false, zeroline: false, anchor: "x" },
     yaxis3: panelAxis("velocity"), yaxis4: panelAxis("acceleration"), yaxis5: panelAxis("jerk"),
-    shapes: kinds.flatMap((k) => [limitLine(k, 1), limitLine(k, -1)]),
+    ...(off ? { yaxis6: { domain: panels.deviation, range: [0, 1.08], tickvals: [0, 0.5, 1], ticktext: ["0", "", "100 %"], fixedrange: true,
+      gridcolor: "#f0f2f6", zerolinecolor: line, anchor: "x" } } : {}),
+    shapes: [...kinds.flatMap((k) => [limitLine(k, 1), limitLine(k, -1)]), ...(off ? [limitLine("deviation", 1)] : [])],
     annotations: Object.keys(panels).filter((k) => k === "strip" || present.has(k)).map((k) => ({
       text: titles[k], xref: "paper", x: 0, xanchor: "left", yref: "paper", y: panels[k][1], yanchor: "bottom", yshift: 1,
       showarrow: false, font: { size: phone ? 11 : 12, color: ink } })),

@@ -6,8 +6,6 @@ import json
 import math
 from collections.abc import Mapping
 from html import escape
-from importlib.resources import files
-from string import Template
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,12 +14,11 @@ from toolpace.machine.limits import KINDS
 from toolpace.reporting.figures import PlanFigures
 from toolpace.reporting.limiting import NOTHING, binding, limit_names
 from toolpace.reporting.operations import operations_section
-from toolpace.reporting.policy import with_policy
 from toolpace.reporting.scene import scene_data, stations
-from toolpace.reporting.series import blocks_over_time, channels, encoded, feed_cap, packed
+from toolpace.reporting.series import blocks_over_time, channels, deviations, encoded, feed_cap, packed
+from toolpace.reporting.shell import whole_page
 from toolpace.reporting.words import NEUTRAL, colours, duration, four_digits, joint_colour, limit_words, percent
 from toolpace.setpoints import SetPoints
-from toolpace.version import __version__
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
@@ -48,37 +45,29 @@ def report_page(
     figures: PlanFigures | None,
 ) -> str:
     """The whole HTML text."""
-    from plotly.offline import get_plotlyjs
-
     machine = trajectory.axis_path.machine
     units = ["rad" if r else "m" for r in machine.is_rotary] if machine is not None else [""] * len(setpoints.joints)
     source = toolpath.source if toolpath is not None else ""
     program = (figures.program if figures is not None else "") or source or "motion"
     where = (figures.machine if figures is not None else "") or (machine.name if machine is not None else "")
     title = f"{program} on {where}" if where else program
-    here = files("toolpace.reporting")
     palette = colours(setpoints.joints)
-    page = Template(here.joinpath("page.html").read_text(encoding="utf-8")).substitute(
-        title=escape(title),
-        program=escape(program),
-        machine=escape(where),
-        verdict=_verdict(verification),
-        cards=_cards(trajectory, setpoints, toolpath, verification, figures),
-        insight=_insight(trajectory.limited_by()),
-        bars=_bars(trajectory.limited_by(), palette),
-        open_places=_open_places(trajectory),
-        usage=_usage(trajectory, units),
-        operations=operations_section(trajectory, toolpath),
-        checks=_checks(verification),
-        version=escape(__version__),
-        planner=escape(trajectory.planner),
-        points=f"{len(setpoints):,}".replace(",", " "),
-        css=here.joinpath("page.css").read_text(encoding="utf-8"),
-        script=here.joinpath("page.js").read_text(encoding="utf-8"),
-        data=_data(trajectory, setpoints, toolpath, units, palette),
-        plotly=get_plotlyjs(),
-    )
-    return with_policy(page)
+    fields = {
+        "program": escape(program),
+        "machine": escape(where),
+        "verdict": _verdict(verification),
+        "cards": _cards(trajectory, setpoints, toolpath, verification, figures),
+        "insight": _insight(trajectory.limited_by()),
+        "bars": _bars(trajectory.limited_by(), palette),
+        "open_places": _open_places(trajectory),
+        "usage": _usage(trajectory, units),
+        "operations": operations_section(trajectory, toolpath),
+        "checks": _checks(verification),
+        "planner": escape(trajectory.planner),
+        "points": f"{len(setpoints):,}".replace(",", " "),
+    }
+    data = _data(trajectory, setpoints, toolpath, units, palette, figures)
+    return whole_page("toolpace.reporting", "page", title, fields, data)
 
 
 def _data(
@@ -87,15 +76,19 @@ def _data(
     toolpath: ToolPath | None,
     units: list[str],
     palette: Mapping[str, str],
+    figures: PlanFigures | None,
 ) -> str:
     """All that the script draws, as JSON that cannot end the element it stands in."""
     columns = min(STRIP, 4 * len(setpoints))
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
+    curves = channels(setpoints, trajectory.limits, units, toolpath)
+    if figures is not None:
+        curves += deviations(trajectory, setpoints.t, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
     data: dict[str, object] = {
         "end": float(setpoints.t[-1]),
         "duration": float(trajectory.duration),
         "joints": list(setpoints.joints),
-        "channels": [packed(channel) for channel in channels(setpoints, trajectory.limits, units, toolpath)],
+        "channels": [packed(channel) for channel in curves],
         "blocks": blocks_over_time(setpoints),
         "limits": [limit_words(name) for name in limit_names(setpoints.joints)],
         "colours": list(palette.values()),
@@ -135,7 +128,7 @@ def _cards(
         note = f"this motion is at most {percent(trajectory.gap)} slower than any on its mesh"
         if trajectory.continuous_bound > 0.0:
             unmeshed = trajectory.duration / trajectory.continuous_bound - 1.0
-            note += f"; than any motion at all, {percent(unmeshed)}"
+            note += f"; than any motion at all on this path, {percent(unmeshed)}"
         cards.append(("Best on this mesh", duration(bound), note, ""))
     if setpoints.has_tool:
         steps = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
@@ -151,6 +144,8 @@ def _cards(
         shown = f"{blocks:,}".replace(",", "\u202f")
         cards.append(("Blocks", shown, f"{stops} stop{'' if stops == 1 else 's'} on the way", ""))
     cards += _deviations(verification, figures)
+    if figures is not None:
+        cards += _rounds(figures)
     if figures is not None and figures.bending is not None:
         bent, rounds = figures.bending.largest_mm * 1e3, figures.bending.rounds
         note = f"at most, by what the tool bends; {rounds} round{'' if rounds == 1 else 's'}"
@@ -178,6 +173,7 @@ def _deviations(verification: Verification | None, figures: PlanFigures | None) 
     if tip is not None:
         allowed = figures.tip_tolerance_mm if figures is not None else None
         note = f"of {allowed * 1e3:.4g} µm allowed" if allowed else "from the program"
+        note += _near(figures.tip_at_tolerance if figures is not None else None)
         cards.append(("Tip deviation", f"{tip * 1e3:.2f} µm", note, ""))
     axis = _worse(
         figures.axis_deviation_deg if figures is not None else None,
@@ -187,8 +183,26 @@ def _deviations(verification: Verification | None, figures: PlanFigures | None) 
     if axis is not None:
         allowed = figures.axis_tolerance_deg if figures is not None else None
         note = f"of {allowed:.4g}° allowed" if allowed else "from the program"
+        note += _near(figures.axis_at_tolerance if figures is not None else None)
         cards.append(("Axis deviation", f"{axis:.4f}°", note, ""))
     return cards
+
+
+def _near(share: float | None) -> str:
+    """On how much of the way a tolerance is used, where that is known."""
+    return "" if share is None else f"; nine tenths of it used on {percent(share)} of the way"
+
+
+def _rounds(figures: PlanFigures) -> list[tuple[str, str, str, str]]:
+    """What each round of pace and fit came to."""
+    if len(figures.rounds) < 2:
+        return []
+    first = figures.rounds[0].duration_s
+    best = min(each.duration_s for each in figures.rounds)
+    steps = " → ".join(f"{each.duration_s:.2f}" for each in figures.rounds)
+    return [
+        ("Gained by rounds of pace and fit", percent(1.0 - best / first), f"effort {figures.effort}: {steps} s", "")
+    ]
 
 
 def _worse(told: float | None, judged: float | None, scale: float) -> float | None:

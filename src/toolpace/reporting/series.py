@@ -12,6 +12,7 @@ from toolpace.arrays import Floats
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
+from toolpace.trajectory import Trajectory
 
 MOST = 40_000
 """Points of each channel in the file; a browser thins them again to what its screen can show."""
@@ -29,9 +30,9 @@ class Channel:
 
     name: str
     panel: str
-    """"feed", "velocity", "acceleration" or "jerk"."""
+    """"feed", "deviation", "velocity", "acceleration" or "jerk"."""
     joint: int
-    """Number of the joint; -1 for the tip."""
+    """Number of the joint; -1 for the tip, -2 for the tool axis."""
     values: Floats
     """(n,) in what the panel shows: a share of the limit, or mm/min."""
     peak: float = 1.0
@@ -88,6 +89,24 @@ def channels(setpoints: SetPoints, limits: Limits, units: list[str], toolpath: T
                 unit = {"m": "mm", "rad": "°"}.get(units[j], "") + per[kind]
                 found.append(Channel(joint, kind, j, values[:, j] / limit, limit * scale, unit))
     return found
+
+
+def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg: float | None) -> list[Channel]:
+    """Curves of how far the path is off the program at times t (n,), as shares of the tolerances [mm], [deg]; none
+    where that is not known. The largest that was found in the piece of the path that is passed."""
+    found = [run.deviations() for run in trajectory.axis_path.runs]
+    known = [each for each in found if each is not None]
+    if len(known) < len(found) or tip_mm is None or axis_deg is None:
+        return []
+    s = trajectory.parameter(np.minimum(t, trajectory.duration))
+    breaks = np.concatenate([known[0][0][:1], *(each[0][1:] for each in known)])
+    piece = np.clip(np.searchsorted(breaks, s, side="right") - 1, 0, len(breaks) - 2)
+    channels = []
+    for k, (name, tolerance, unit) in enumerate((("tip", tip_mm * 1e3, "µm"), ("tool axis", axis_deg, "°"))):
+        off = np.concatenate([each[1 + k] for each in known])[piece]
+        share = off * (1e6 if k == 0 else 180.0 / np.pi) / tolerance
+        channels.append(Channel(name, "deviation", -1 - k, share, tolerance, unit))
+    return channels
 
 
 def extremes(values: Floats, most: int = MOST) -> Floats:
