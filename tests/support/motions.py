@@ -192,6 +192,9 @@ class Run:
     def entries(self):
         return np.zeros(1), np.zeros(0, dtype=np.int64)
 
+    def deviations(self):
+        return None
+
 
 class AxisPath:
     """Both stretches on the machine."""

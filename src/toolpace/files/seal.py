@@ -1,8 +1,8 @@
 """By what a folder is known as one that toolpace wrote, and nobody has changed since.
 
-Its main file (plan.json, study.json, export.json) ends with a seal: the checksums of all other files, and one of
-itself, taken with zeros in place of that checksum. A folder that holds anything else, or anything changed, is not
-toolpace's to replace.
+Its main file (plan.json, study.json, export.json, time.json, inspect.json) ends with a seal: the checksums of all other
+files, and one of itself, taken with zeros in place of that checksum. A folder that holds anything else, or anything
+changed, is not toolpace's to replace.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import json
 import os
 from pathlib import Path
 
-MAIN = ("plan.json", "study.json", "export.json")
+MAIN = ("plan.json", "study.json", "export.json", "time.json", "inspect.json", "setup.json")
 """Files that can bear a seal."""
 KEY = "seal"
 _OPEN = "0" * 64

@@ -68,6 +68,18 @@ class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Null where it was not said."""
 
 
+class RoundRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A path that was fitted on the way, and how fast it may be passed with limits held at the nodes."""
+
+    duration_s: float
+    power: float
+    """Of the pace in the weight of its roughness; 0 for the first."""
+    kept: bool
+    """Whether it was the fastest so far."""
+    axis_tolerance_deg: float
+    """Of the tool axis, that it was fitted within: at most the one asked for."""
+
+
 class BendingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What the path was aimed off by, so that the bent tool is on the program."""
 
@@ -145,6 +157,14 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Their sums."""
     bending: BendingRecord | None = None
     """What the path is aimed off by; null where the tool is taken for stiff."""
+    effort: str = "low"
+    """How much was done for a path that may be passed fast: low, normal or high."""
+    rounds: list[RoundRecord] = []
+    """The first path and each fitted for the pace of those before it; empty where it was fitted once."""
+    tip_at_tolerance: float | None = None
+    """Share of the path's length where the tip is off by more than nine tenths of its tolerance."""
+    axis_at_tolerance: float | None = None
+    """The same of the tool axis."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ...; of writing, the time until this file, the last."""
 

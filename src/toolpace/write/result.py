@@ -16,16 +16,19 @@ from toolpace.setpoints import SetPoints
 from toolpace.version import __version__
 from toolpace.write.bent_tool import bending_record
 from toolpace.write.how_read import reading_record
-from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, PlanRecord, UsageRecord
+from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, PlanRecord, RoundRecord, UsageRecord
 
 if TYPE_CHECKING:
     from toolpace.bending.aim_off import AimedOff
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
+    from toolpace.planning.program_plan import Round
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
 
 
+NEARLY = 0.9
+"""Share of a tolerance from which it counts as used."""
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
 
 
@@ -57,6 +60,10 @@ class PlanResult:
     setpoints: SetPoints
     toolpath: ToolPath | None = None
     path: Fitted | None = None
+    effort: str = "low"
+    """How much was done for a fast path."""
+    rounds: Sequence[Round] = ()
+    """What came of it."""
     verification: Verification | None = None
     program: Path | None = None
     """The file of the program; a copy of it goes beside the plan."""
@@ -127,6 +134,13 @@ class PlanResult:
                 OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
             ],
             bending=bending_record(self.aimed) if self.aimed is not None else None,
+            effort=self.effort,
+            rounds=[
+                RoundRecord(each.duration, each.power, each.kept, math.degrees(each.axis_tolerance))
+                for each in self.rounds
+            ],
+            tip_at_tolerance=share_at_tolerance(trajectory, 0, self.tip_tolerance),
+            axis_at_tolerance=share_at_tolerance(trajectory, 1, self.axis_tolerance),
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
@@ -150,6 +164,17 @@ class PlanResult:
             rapid_s=sum(each.rapid for each in times) if times else None,
             dwell_s=sum(each.dwell for each in times) if times else None,
         )
+
+
+def share_at_tolerance(trajectory: Trajectory, which: int, tolerance: float | None) -> float | None:
+    """Share of the path's length where the tip (0) or the axis (1) is off by nearly its tolerance; None: not known."""
+    found = [run.deviations() for run in trajectory.axis_path.runs]
+    known = [each for each in found if each is not None]
+    if tolerance is None or len(known) < len(found):
+        return None
+    length = sum(float(breaks[-1] - breaks[0]) for breaks, _, _ in known)
+    near = sum(float((breaks[1:] - breaks[:-1])[off[which] > NEARLY * tolerance].sum()) for breaks, *off in known)
+    return near / length
 
 
 def copy_name(program: Path) -> str:

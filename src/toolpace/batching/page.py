@@ -1,0 +1,126 @@
+"""The page of a batch: what came of it in a few figures, and a table with a row a job that can be sorted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from html import escape
+from typing import TypeVar
+from urllib.parse import quote
+
+from toolpace.batching.row import BAD, ERROR, GOOD, WAITING, BatchRow
+from toolpace.batching.work import INSPECTED, TIMED
+from toolpace.description import counted
+from toolpace.reporting.shell import whole_page
+from toolpace.reporting.words import duration, limit_words, percent
+
+RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspect": INSPECTED}
+"""What a row leads to, in the folder of its job."""
+HEADINGS = (
+    ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("Gap", "n"),
+    ("Limited by", ""), ("Blocks", "n"), ("Tip", "n"), ("Axis", "n"), ("Feed", ""), ("Took", "n"), ("Error", ""),
+)  # fmt: skip
+OPTIONAL = {"Optimum", "Gap", "Feed", "Error", "Limited by", "Machine"}
+"""Columns that are left out where no row has anything in them."""
+Number = TypeVar("Number", int, float)
+Cell = tuple[str, float | None, str]
+"""HTML, the figure that it is sorted by or None for words, and its class."""
+
+
+def batch_page(rows: Sequence[BatchRow]) -> str:
+    """The whole HTML text."""
+    table = [_cells(row) for row in rows]
+    shown = [k for k, (name, _) in enumerate(HEADINGS) if name not in OPTIONAL or any(cells[k][0] for cells in table)]
+    head = "".join(f'<th class="{HEADINGS[k][1]}">{HEADINGS[k][0]}</th>' for k in shown)
+    done = sum(row.verdict != WAITING for row in rows)
+    fields = {
+        "lead": f"{counted(len(rows), 'job')}, {done} of them ended",
+        "verdict": _badge(rows),
+        "cards": _cards(rows),
+        "head": head,
+        "rows": "\n".join(f"<tr>{''.join(_html(cells[k]) for k in shown)}</tr>" for cells in table),
+    }
+    return whole_page("toolpace.batching", "page", "Batch", fields)
+
+
+def _badge(rows: Sequence[BatchRow]) -> str:
+    wrong = sum(not row.ok for row in rows)
+    waiting = sum(row.verdict == WAITING for row in rows)
+    if not wrong:
+        return '<span class="badge good">all is well</span>'
+    if waiting == wrong:
+        return f'<span class="badge quiet">{waiting} not run yet</span>'
+    return f'<span class="badge bad">{wrong - waiting} of {len(rows)} not well</span>'
+
+
+def _cards(rows: Sequence[BatchRow]) -> str:
+    times = [row.duration_s for row in rows if row.duration_s is not None]
+    cards = [("Jobs done", str(sum(row.ok for row in rows)), f"of {len(rows)}", "big")]
+    cards += [
+        (label, str(count), note, "")
+        for label, count, note in (
+            ("Failed", sum(row.verdict in BAD for row in rows), "a verification did"),
+            ("Errors", sum(row.verdict == ERROR for row in rows), "no result, and the reason in the table"),
+            ("Not run", sum(row.verdict == WAITING for row in rows), "the same command goes on with them"),
+            ("Found", sum(row.found for row in rows), "done by a batch before"),
+        )
+        if count
+    ]
+    if times:
+        cards.append(("Time, all together", duration(sum(times)), f"of {counted(len(times), 'motion')}", ""))
+    gaps = [row.gap for row in rows if row.gap is not None]
+    if gaps:
+        cards.append(("Largest gap", percent(max(gaps)), "above the bound on its mesh", ""))
+    took = sum(row.seconds for row in rows)
+    if took:
+        cards.append(("Computed in", duration(took), "sum over all workers", ""))
+    return "\n".join(
+        f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
+        f'<div class="note">{escape(note)}</div></div>'
+        for label, value, note, kind in cards
+    )
+
+
+def _cells(row: BatchRow) -> list[Cell]:
+    """In the order of the headings."""
+    verdict = "good" if row.verdict in GOOD else "quiet" if row.verdict == WAITING else "bad"
+    limits = ", ".join(
+        f"{limit_words(name)} {percent(share)}"
+        for name, share in sorted(row.limited_by.items(), key=lambda item: -item[1])[:2]
+        if share >= 0.01
+    )
+    return [
+        (_linked(row), None, ""),
+        (escape(row.machine), None, ""),
+        (escape(row.verdict), None, verdict),
+        _figure(row.duration_s, duration),
+        _figure(row.optimum_s, duration),
+        _figure(row.gap, percent),
+        (escape(limits), None, ""),
+        _figure(row.blocks, str),
+        _figure(row.tip_tolerance_mm, lambda value: f"{1e3 * value:.4g} µm"),
+        _figure(row.axis_tolerance_deg, lambda value: f"{value:.4g}°"),
+        (escape(row.feed or ""), None, ""),
+        ("found", 0.0, "n quiet") if row.found else _figure(row.seconds or None, duration),
+        (escape(row.error), None, "why"),
+    ]
+
+
+def _figure(value: Number | None, show: Callable[[Number], str]) -> Cell:
+    if value is None:
+        return "", math.inf, "n"
+    return escape(show(value)), float(value), "n"
+
+
+def _linked(row: BatchRow) -> str:
+    """The program, leading to what came of it."""
+    if not row.folder:
+        return escape(row.program)
+    target = quote(f"{row.folder}/{RESULTS[row.what]}")
+    return f'<a href="{escape(target)}">{escape(row.program)}</a>'
+
+
+def _html(cell: Cell) -> str:
+    text, value, kind = cell
+    by = "" if value is None else ' data-value=""' if math.isinf(value) else f' data-value="{value!r}"'
+    return f'<td class="{kind}"{by}>{text}</td>'

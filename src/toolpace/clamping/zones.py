@@ -1,0 +1,40 @@
+"""Forbidden zones: boxes of joint positions where the machine must not be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats
+
+
+@dataclass(frozen=True)
+class Zone:
+    """Joint positions between bounds; a joint that is not named may be anywhere."""
+
+    name: str
+    bounds: Mapping[str, tuple[float, float]]
+    """Lowest and highest position by joint [m or rad], inf where there is no end."""
+
+    def entered(self, joints: tuple[str, ...], q: Floats) -> Bools:
+        """(n - 1,) which of the straight ways between joint positions q (n, joints) enter it: by slabs."""
+        first, last = np.zeros(len(q) - 1), np.ones(len(q) - 1)
+        for joint, (low, high) in self.bounds.items():
+            at, way = q[:-1, joints.index(joint)], np.diff(q[:, joints.index(joint)])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ends = np.stack([(low - at) / way, (high - at) / way])
+            stands = np.abs(way) < 1e-15
+            inside = (at >= low) & (at <= high)
+            ends[:, stands] = np.where(inside[stands], [[-math.inf], [math.inf]], [[math.inf], [-math.inf]])
+            first, last = np.maximum(first, ends.min(axis=0)), np.minimum(last, ends.max(axis=0))
+            # what stands outside of a slab is outside of the box
+            last[stands & ~inside] = -math.inf
+        return np.asarray(first <= last)
+
+
+def is_angle(joint: str) -> bool:
+    """Whether the positions of a joint are angles, by its name, as a file of choices has them."""
+    return joint[:1] in ("A", "B", "C")

@@ -1,0 +1,88 @@
+"""Whether a machine can follow a program as `plan` would have it: the points, and near the ends of travel the fit.
+
+A smooth path swings about the points of the program: by a hundredth of a millimetre where the tool only moves, and by
+millimetres where it stands near the pole far out, since a table that turns a little there moves all of it. So what
+comes close to the end of travel is fitted, some thousand points of it, and what is far from it is not, to be quick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.units import DEGREE, MILLIMETRE
+
+if TYPE_CHECKING:
+    from toolpace.arrays import Bools
+    from toolpace.reading.inspection import Candidate
+    from toolpace.toolpath import ToolPath
+
+NEAR = 0.02
+"""Share of its travel from the end of which a joint is close to it."""
+AROUND = 40
+"""Points before and behind those that are close, so that the fit has its way there."""
+MOST_FITTED = 5000
+"""Points that are fitted for one machine, lest a program that works next to the ends take as long as to plan it."""
+
+
+def follow_as_planned(machine: Candidate, toolpath: ToolPath) -> None:
+    """Raise ReachError where the machine cannot follow the program, or the smooth path leaves its travel."""
+    from toolpace.axispath.axispath import AxisPath
+    from toolpace.axispath.travel import check_travel
+    from toolpace.errors import PathError
+    from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
+    from toolpace.machine.machine import Machine
+    from toolpace.path.path import Path
+
+    assert isinstance(machine, Machine)
+    tolerances = DEFAULT_TIP_MM * MILLIMETRE, DEFAULT_AXIS_DEG * DEGREE
+    rotary = machine.choose_rotary(toolpath)
+    q = machine.joints_at(toolpath.tip, rotary)
+    low, high = machine.travel.T
+    room = NEAR * np.where(np.isfinite(high - low), high - low, 0.0)
+    close = ((q - low < room) | (high - q < room)).any(axis=1)
+    posted = replace(toolpath, rotary=rotary, rotary_joints=tuple(machine.geometry.rotary_joints))
+    fitted = 0
+    for first, last in _stretches(close):
+        part = _part(posted, first, min(last, first + MOST_FITTED - fitted))
+        fitted += len(part)
+        try:
+            path = Path.fit(part, *tolerances, machine)
+        except PathError:
+            continue  # nothing moves there, or no path fits, which `plan` will say
+        check_travel(AxisPath.follow(path, machine), toolpath.source)
+        if fitted >= MOST_FITTED:
+            return
+
+
+def _stretches(close: Bools) -> list[tuple[int, int]]:
+    """First and last point of each stretch about the points (n,) that are close; what touches is one."""
+    points = np.flatnonzero(close)
+    heads = np.flatnonzero(np.diff(points, prepend=-np.inf) > 2 * AROUND)
+    ends = [*heads[1:], len(points)]
+    last = len(close) - 1
+    return [
+        (max(int(points[head]) - AROUND, 0), min(int(points[end - 1]) + AROUND, last)) for head, end in zip(heads, ends)
+    ]
+
+
+def _part(toolpath: ToolPath, first: int, last: int) -> ToolPath:
+    """The points from `first` to `last` as a path of their own."""
+    part = slice(first, last + 1)
+    stop = toolpath.stop[part].copy()
+    stop[[0, -1]] = True
+    return replace(
+        toolpath,
+        tip=toolpath.tip[part],
+        axis=toolpath.axis[part],
+        feed=toolpath.feed[part],
+        least_time=toolpath.least_time[part],
+        block=toolpath.block[part],
+        stop=stop,
+        dwell=toolpath.dwell[part],
+        rotary=None if toolpath.rotary is None else toolpath.rotary[part],
+        rapid=toolpath.rapid[part],
+        operation=toolpath.operation[part],
+    )

@@ -1,0 +1,289 @@
+"""From a program to a folder of results, step by step.
+
+carry out a job:
+  read the program                       ToolPath
+  fit a path within tolerances           Path; with effort, again and again, as it may be passed the fastest
+  plan the motion along it               Trajectory; where the tool bends, both again and again until it is aimed off
+  prove how close to the best it is      the same, with a higher lower bound; only where asked for
+  sample it at equal times               SetPoints
+  verify these by the program alone      Verification
+  write all of it                        the folder
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from toolpace.description import counted
+from toolpace.jobs.steps import Steps
+from toolpace.planning.guarantee import PROMISED
+from toolpace.reading.options import ReadOptions
+from toolpace.units import format_length, format_time
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from toolpace.bending.aim_off import AimedOff
+    from toolpace.cuttingtool import CuttingTool
+    from toolpace.judge import Verification
+    from toolpace.machine.machine import Machine
+    from toolpace.planning.program_plan import FittedProgram, ProgramPlan, Round
+    from toolpace.reading import Source
+    from toolpace.setpoints import SetPoints
+    from toolpace.toolpath import ToolPath
+    from toolpace.trajectory import Trajectory
+    from toolpace.write import PlanRecord, PlanResult
+
+NOTES = 3
+"""Notes of a plan on what is left above its bound that are shown: each is of one run."""
+TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
+"""Between which tolerances lie [m], [rad]: programs are rounded to more, and beyond nothing of a part is left."""
+TIME_STEPS = (1e-9, 60.0)
+"""Between which the time between set-points lies [s]."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a plan depends on, checked."""
+
+    program: Path
+    machine: Machine
+    out: Path
+    tip_tolerance: float
+    """[m]"""
+    axis_tolerance: float
+    """[rad]"""
+    planner: str = "optimal"
+    effort: str = "normal"
+    """How much is done for a path that may be passed fast: low, normal or high."""
+    prove_within: float | None = None
+    """Time for raising the lower bound [s]; None: it stays as it is found with the plan."""
+    feed: str | None = None
+    dialect: str | None = None
+    options: ReadOptions = field(default_factory=ReadOptions)
+    """How the program is read, beside these two."""
+    dt: float = 1e-3
+    """[s]"""
+    csv: bool = False
+    report: bool = True
+    npz: bool = True
+    tool: CuttingTool | None = None
+    """The tool that bends, and is aimed off by it; None: it is stiff."""
+    source: Source | None = None
+    """The program, where it has been read already; else it is read from its file, once."""
+
+
+def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
+    """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
+    from toolpace import write
+
+    job = loaded(job)
+    warm_up(steps)
+    toolpath = read_program(job, steps)
+    refuse_without_room(job, toolpath.least_duration, "the feeds of the program alone take")
+    aimed = aimed_off(job, steps, toolpath)
+    planned = plan_motion(job, steps, fit_path(job, steps, toolpath)) if aimed is None else program_plan_of(aimed)
+    trajectory = with_proof(job, steps, planned.trajectory)
+    refuse_without_room(job, trajectory.duration, "the motion takes")
+    setpoints = sample_motion(job, steps, trajectory, toolpath)
+    verification = verify_motion(job, steps, setpoints, toolpath)
+    result = write.PlanResult(
+        trajectory=trajectory,
+        machine=job.machine,
+        setpoints=setpoints,
+        toolpath=toolpath,
+        path=planned.path,
+        effort=planned.effort,
+        rounds=planned.rounds,
+        verification=verification,
+        program=job.program,
+        program_bytes=job.source.data if job.source is not None else None,
+        dialect=job.dialect,
+        feed=job.feed,
+        options=job.options,
+        tip_tolerance=job.tip_tolerance,
+        axis_tolerance=job.axis_tolerance,
+        aimed=aimed,
+        step_s=dict(steps.seconds),
+    )
+    record = write_results(job, steps, result)
+    return record, verification
+
+
+def refuse_without_room(job: Job, duration: float, what: str) -> None:
+    """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
+    from toolpace.errors import UsageError
+    from toolpace.files import free_disk
+    from toolpace.setpoints import refuse_too_many
+
+    joints = len(job.machine.joints)
+    # A curve may cut corners, so half of the time is what is sure.
+    refuse_too_many(0.5 * duration, job.dt, joints, what + " more than")
+    row = 8 * (4 * joints + 8)
+    share = job.npz + 2.5 * job.csv
+    # Of a table every figure has about 20 characters; a report has at most 20 MB.
+    wanted = 0.5 * duration / job.dt * row * share + 5e6
+    free = free_disk(job.out)
+    if wanted > free:
+        raise UsageError(
+            f"--out {job.out}: the results take more than {wanted / 1e9:.3g} GB, and {free / 1e9:.3g} GB are free "
+            "there; give a longer --dt, or a folder on another disk"
+        )
+
+
+def loaded(job: Job) -> Job:
+    """The job with its program in memory, and its controller known: what is planned, judged and kept is what was read
+    now."""
+    from toolpace.reading import Source
+    from toolpace.reading.languages import with_controller
+
+    source = job.source if job.source is not None else Source.load(job.program)
+    return replace(job, source=source, options=with_controller(source, job.dialect, job.options)[0])
+
+
+def read_program(job: Job, steps: Steps) -> ToolPath:
+    """The program as a tool path that the machine can reach all points of."""
+    from toolpace.reading import read_source
+
+    assert job.source is not None
+    with steps.step("reading") as step:
+        toolpath = read_source(job.source, job.machine, job.dialect, job.options, feed=job.feed)
+        skipped = sum(toolpath.skipped.values())
+        step.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
+    return toolpath
+
+
+def fit_path(job: Job, steps: Steps, toolpath: ToolPath) -> FittedProgram:
+    """A path within the tolerances that may be passed fast."""
+    from toolpace.planning.program_plan import effort_for, fit_program
+
+    with steps.step("fitting") as step:
+        effort = effort_for(job.effort, job.planner)
+        fitted = fit_program(toolpath, job.machine, job.tip_tolerance, job.axis_tolerance, effort=effort, progress=step)
+        step.note = rounds_in_words(fitted.rounds)
+    return fitted
+
+
+def rounds_in_words(rounds: Sequence[Round]) -> str:
+    """ "4 rounds, 23.2 s, then 20.1, 19.9, 19.8, 19.9": what each made of it; empty where the path was fitted once."""
+    if len(rounds) < 2:
+        return ""
+    return f"{counted(len(rounds) - 1, 'round')}: {' > '.join(format_time(each.duration) for each in rounds)}"
+
+
+def plan_motion(job: Job, steps: Steps, fitted: FittedProgram) -> ProgramPlan:
+    """The fastest motion along a path."""
+    from toolpace.axispath.travel import check_travel
+    from toolpace.planning.program_plan import plan_fitted
+
+    with steps.step("planning") as step:
+        planned = plan_fitted(
+            fitted, job.machine, planner=job.planner, progress=step,
+            check=lambda axis_path: check_travel(axis_path, program_name(job)),
+        )  # fmt: skip
+        planned = replace(planned, trajectory=with_cheap_bound(job, planned.trajectory))
+        step.note = f"{planned.trajectory.mesh_points} mesh points"
+    return planned
+
+
+def program_plan_of(aimed: AimedOff) -> ProgramPlan:
+    """A program that is aimed off, with its path fitted once in each of the rounds that takes."""
+    from toolpace.planning.program_plan import ProgramPlan
+
+    return ProgramPlan(aimed.path, aimed.trajectory, "low", ())
+
+
+def aimed_off(job: Job, steps: Steps, toolpath: ToolPath) -> AimedOff | None:
+    """The program aimed off by what its tool bends, and planned; None where it is stiff."""
+    if job.tool is None:
+        return None
+    from toolpace.axispath.travel import check_travel
+    from toolpace.bending.aim_off import aim_off, refuse_coarse
+
+    refuse_coarse(toolpath, job.tool, job.dt)
+    with steps.step("aiming off") as step:
+        aimed = aim_off(
+            toolpath, job.machine, job.tool, job.tip_tolerance, job.axis_tolerance, planner=job.planner, progress=step
+        )
+        check_travel(aimed.trajectory.axis_path, program_name(job))
+        aimed = replace(aimed, trajectory=with_cheap_bound(job, aimed.trajectory))
+        step.note = f"the tool bends by at most {format_length(aimed.largest)}, {counted(aimed.rounds, 'round')}"
+    return aimed
+
+
+def program_name(job: Job) -> str:
+    """Of the program, for messages."""
+    return job.source.name if job.source is not None else str(job.program)
+
+
+def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
+    """A motion with a lower bound of any motion, where that is cheap and none is to be proved."""
+    from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
+
+    return with_continuous_bound(trajectory) if job.prove_within is None and is_cheap(trajectory) else trajectory
+
+
+def with_proof(job: Job, steps: Steps, trajectory: Trajectory) -> Trajectory:
+    """A motion with its lower bound raised, where that was asked for; what there is to say of it is said."""
+    from toolpace.planning.bound.prove import prove
+
+    for note in trajectory.notes[:NOTES]:
+        steps.say(note)
+    if len(trajectory.notes) > NOTES:
+        steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
+    if job.prove_within is not None:
+        with steps.step("proving") as step:
+            before = trajectory.gap
+            trajectory = prove(trajectory, within=job.prove_within, progress=step)
+            step.note = f"gap {before:.3%}, now {trajectory.gap:.3%}"
+    return trajectory
+
+
+def sample_motion(job: Job, steps: Steps, trajectory: Trajectory, toolpath: ToolPath) -> SetPoints:
+    """Set-points at equal times, within travel; the use of the limits between them is looked at on the way."""
+    with steps.step("sampling") as step:
+        setpoints = trajectory.sample(job.dt)
+        job.machine.check_travel(setpoints.q, setpoints.block, toolpath.source)
+        trajectory.usage()
+        step.note = f"{len(setpoints)} set-points"
+    return setpoints
+
+
+def verify_motion(job: Job, steps: Steps, setpoints: SetPoints, toolpath: ToolPath) -> Verification:
+    """The judge's word on the set-points."""
+    from toolpace.judge import verify
+
+    with steps.step("verifying"):
+        return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt, job.tool)
+
+
+def write_results(job: Job, steps: Steps, result: PlanResult) -> PlanRecord:
+    """The folder, whole or not at all."""
+    from toolpace import write
+
+    with steps.step(write.WRITING) as step:
+        return write.write_folder(job.out, result, csv=job.csv, report=job.report, npz=job.npz, progress=step)
+
+
+def warm_up(steps: Steps) -> None:
+    """On the first run of all, compile what the job will need, and say so."""
+    from toolpace.kernels import warm
+
+    if warm.is_warm():
+        return
+    with steps.step("compiling", "first run on this computer, may take a minute; kept for later runs") as tell:
+        warm.warm_up(tell)
+
+
+def written(job: Job, record: PlanRecord) -> list[str]:
+    """Names of the files of its folder, the one to look at last."""
+    from toolpace.write import written_files
+
+    return written_files(job.program, record, csv=job.csv, report=job.report, npz=job.npz)
+
+
+def exit_code(record: PlanRecord, verification: Verification) -> int:
+    """0 where the motion passed, and kept every limit at any time too, not only at the set-points; else 1."""
+    return 0 if verification.ok and record.usage.worst <= PROMISED else 1

@@ -1,0 +1,141 @@
+"""How long a program takes on a control, and how long it needs to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from toolpace.errors import ToolpaceError, printable
+from toolpace.jobs import job
+from toolpace.jobs.steps import Steps
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+    from toolpace.operations import OperationTime
+    from toolpace.reading import ReadOptions, Source
+    from toolpace.timing.program_time import ProgramTime
+
+KINDS = ("cutting", "rapid", "dwell", "tool_change")
+"""What time goes to."""
+
+
+@dataclass(frozen=True)
+class Timed:
+    """What was found of one program."""
+
+    program: str
+    error: str = ""
+    control: str = ""
+    """Empty for cutter-location data and tables, which are for none."""
+    model: str = ""
+    blocks: int = 0
+    time: ProgramTime | None = None
+    best: tuple[OperationTime, ...] = ()
+    """The parts of the optimum."""
+    optimum: float | None = None
+    """[s], with the tool changes; None where it was not asked for."""
+    assumed: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What all programs of one call have in common."""
+
+    machine: Machine
+    options: ReadOptions
+    model: str | None
+    """In place of the controller's own."""
+    feed: str | None
+    dialect: str | None
+    tolerances: tuple[float, float]
+    """Of tip [m] and axis [rad], for the optimum."""
+    optimum: bool
+
+
+def timed_or_wrong(program: str, asked: Asked, steps: Steps) -> Timed:
+    """The time of one program, or what is wrong with it."""
+    try:
+        return timed(program, asked, steps)
+    except ToolpaceError as error:
+        return Timed(program, str(error))
+
+
+def timed(program: str, asked: Asked, steps: Steps, source: Source | None = None) -> Timed:
+    """The time of one program, which may have been loaded before. Raises ToolpaceError."""
+    from toolpace.reading import Findings, Source
+    from toolpace.reading.languages import with_controller
+    from toolpace.timing.program import figures_for, moves_of
+    from toolpace.timing.program_time import of_operations, time_of_moves
+
+    source = source if source is not None else Source.load(program)
+    options, found = with_controller(source, asked.dialect, asked.options)
+    figures, findings = figures_for(options, asked.model), Findings()
+    with steps.step("moves", program) as step:
+        moves = moves_of(source, asked.machine, options, asked.feed, asked.dialect, findings)
+        step.note = f"{moves.blocks} blocks, {len(moves)} moves"
+    best: tuple[OperationTime, ...] = ()
+    planned = asked.optimum or figures.model == "ideal"
+    waits_only = len(moves) < 2
+    if planned and not waits_only:
+        best = optimum_of(source, replace(asked, options=options), steps)
+    change = options.setup.tool_change
+    if figures.model == "ideal" and not waits_only:
+        time = of_operations(best, moves, change)
+    else:
+        time = time_of_moves(moves, asked.machine, figures, change)
+    least = sum(each.time for each in best) + time.sum("tool_change") if best else None
+    return Timed(
+        program,
+        control=found.controller.name if found.controller is not None else "",
+        model=figures.model,
+        blocks=moves.blocks,
+        time=time,
+        best=best,
+        optimum=time.total if planned and waits_only else least,
+        assumed=findings.assumptions,
+    )
+
+
+def optimum_of(source: Source, asked: Asked, steps: Steps) -> tuple[OperationTime, ...]:
+    """The parts of the fastest motion along the program. Raises ToolpaceError."""
+    from toolpace.operations import operation_times
+
+    tip, axis = asked.tolerances
+    task = job.Job(
+        program=Path(source.name), machine=asked.machine, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
+        feed=asked.feed, dialect=asked.dialect, options=asked.options, source=source,
+    )  # fmt: skip
+    job.warm_up(steps)
+    toolpath = job.read_program(task, steps)
+    trajectory = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath)).trajectory
+    return tuple(operation_times(trajectory, toolpath))
+
+
+def time_record(found: Timed, machine: str) -> dict[str, object]:
+    """An entry of JSON, times in seconds; what could not be timed has an `error` and no times."""
+    entry: dict[str, object] = {"program": printable(found.program), "machine": machine}
+    time = found.time
+    if time is None:
+        return entry | {"error": printable(found.error), "total_s": None, "optimum_s": None}
+    entry |= {"controller": found.control, "model": found.model, "blocks": found.blocks}
+    entry |= {"total_s": time.total, "optimum_s": found.optimum}
+    entry |= {f"{kind}_s": time.sum(kind) for kind in KINDS}
+    tools: dict[str, float] = {}
+    for part in time.parts:
+        tools[part.tool] = tools.get(part.tool, 0.0) + part.time
+    entry["tools"] = [{"tool": printable(tool), "total_s": seconds} for tool, seconds in tools.items()]
+    best = {(each.name, each.tool): each.time for each in found.best}
+    entry["operations"] = [
+        {
+            "name": printable(part.name),
+            "tool": printable(part.tool),
+            "total_s": part.time,
+            **{f"{kind}_s": getattr(part, kind) for kind in KINDS},
+            "stops": part.stops,
+            "optimum_s": best.get((part.name, part.tool)),
+        }
+        for part in time.parts
+    ]
+    entry["assumed"] = [printable(sentence) for sentence in found.assumed]
+    return entry

@@ -1,0 +1,134 @@
+"""What a search for a set-up leaves on disk: one folder, whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toolpace.clamping.found import sheet_of, with_sheet
+from toolpace.files import whole_folder
+from toolpace.reading.setup_file import setup_text
+from toolpace.reporting.place_map import map_svg
+from toolpace.reporting.set_up_page import set_up_page
+from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.version import __version__
+from toolpace.write.cldata import cldata_text
+
+if TYPE_CHECKING:
+    from toolpace.clamping.confirmed import PlannedSetUp
+    from toolpace.clamping.found import FoundSetUp
+    from toolpace.machine.machine import Machine
+    from toolpace.reading.coordinates.setup import SetUp
+
+RECORD, PAGE, MAP, SHEET, MACHINE, PROGRAM = (
+    "setup.json", "setup.html", "map.svg", "setup.toml", "machine.toml", "program.apt",
+)  # fmt: skip
+"""Names of its files."""
+
+
+def write_set_up(
+    directory: str | os.PathLike[str],
+    found: FoundSetUp,
+    program: str,
+    setup: SetUp | None = None,
+    others: Sequence[tuple[str, FoundSetUp | str]] = (),
+) -> list[str]:
+    """Write the folder and return the names of its files, the page last.
+
+    setup.toml is the set-up sheet of the best set-up, machine.toml the machine with it, program.apt the program as tips
+    and tool axes for it, setup.html the page, map.svg the map where there is one, setup.json all figures. `setup` is
+    the sheet that the program was read with; `others` are all machines that were searched. Raises UsageError.
+    """
+    best = found.best[0]
+    sheet = sheet_words(program) + setup_text(sheet_of(best.machine, setup))
+    with whole_folder(directory, seal=RECORD) as folder:
+        texts = {
+            SHEET: sheet,
+            MACHINE: with_sheet(best.machine, setup).to_toml(),
+            PROGRAM: cldata_text(found.toolpath, f"{program}: tips and tool axes, for any clamping"),
+            PAGE: set_up_page(found, program, sheet, others),
+            RECORD: json.dumps(record(found, program, others), indent=2, allow_nan=False) + "\n",
+        }
+        if found.places is not None:
+            texts[MAP] = map_svg(found.places) + "\n"
+        for name, text in texts.items():
+            (folder / name).write_text(text, encoding="utf-8")
+    return [name for name in (RECORD, MAP, SHEET, MACHINE, PROGRAM, PAGE) if name in texts]
+
+
+def sheet_words(program: str) -> str:
+    """The head of the set-up sheet."""
+    shown = program if program.isprintable() else ascii(program)
+    return (
+        f"# Set-up sheet of {shown}, as found by `toolpace setup`.\n"
+        "# [part] tells where the zero of the part is and how its X and Z point, in the bed's frame with every joint\n"
+        "# at zero. Work offsets are left out: measure them when the part is clamped.\n\n"
+    )
+
+
+def record(found: FoundSetUp, program: str, others: Sequence[tuple[str, FoundSetUp | str]]) -> dict[str, Any]:
+    """All figures, in mm, deg and s."""
+    best, given, places = found.best[0], found.given, found.places
+    return {
+        "program": program,
+        "machine": best.machine.name,
+        "duration_s": best.duration,
+        "lower_bound_s": best.lower_bound,
+        "given_duration_s": None if given is None else given.duration,
+        "given_error": found.why,
+        "gain": None if given is None else found.gain,
+        "trials": found.trials,
+        "seed": found.seed,
+        "search_s": found.seconds,
+        "set_ups": [_set_up(each) for each in found.best],
+        "limited_by": {"before": {} if given is None else dict(given.limited_by), "after": dict(best.limited_by)},
+        "map": None
+        if places is None
+        else {
+            "x_mm": _list(places.x / MILLIMETRE),
+            "y_mm": _list(places.y / MILLIMETRE),
+            "seconds": [[None if math.isnan(each) else float(each) for each in row] for row in places.seconds],
+        },
+        "machines": [_machine(name, each) for name, each in others],
+        "toolpace_version": __version__,
+    }
+
+
+def _set_up(each: PlannedSetUp) -> dict[str, Any]:
+    chain = each.machine.file.chain
+    return {
+        "duration_s": each.duration,
+        "lower_bound_s": each.lower_bound,
+        **{f"{name}_deg": angle / DEGREE for name, angle in each.clamping.angles()},
+        "moved_mm": _list(np.array(each.clamping.shift) / MILLIMETRE),
+        "tool_length_mm": each.machine.tool_length / MILLIMETRE,
+        "solution": each.clamping.side,
+        "origin_mm": _list(np.array(chain.workpiece_origin) / MILLIMETRE),
+        "x": list(chain.workpiece_x),
+        "z": list(chain.workpiece_z),
+        "limited_by": dict(each.limited_by),
+        "joints": _used(each),
+    }
+
+
+def _used(each: PlannedSetUp) -> Mapping[str, list[float]]:
+    """Lowest and highest position of each joint [mm or deg]."""
+    machine: Machine = each.machine
+    scale = np.where(machine.is_rotary, DEGREE, MILLIMETRE)
+    return {joint: _list(each.used[j] / scale[j]) for j, joint in enumerate(machine.joints)}
+
+
+def _machine(name: str, found: FoundSetUp | str) -> dict[str, Any]:
+    if isinstance(found, str):
+        return {"machine": name, "error": found}
+    given = None if found.given is None else found.given.duration
+    return {"machine": name, "duration_s": found.best[0].duration, "given_duration_s": given}
+
+
+def _list(values: Any) -> list[float]:
+    return [float(each) for each in values]
