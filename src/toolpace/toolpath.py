@@ -85,6 +85,12 @@ class ToolPath(ByValue):
     def __len__(self) -> int:
         return len(self.tip)
 
+    @property
+    def least_duration(self) -> float:
+        """What no motion along it can be shorter than by much [s]: its feeds, least times and dwells."""
+        way = np.linalg.norm(np.diff(self.tip, axis=0), axis=1)
+        return float(np.maximum(way / self.feed[1:], self.least_time[1:]).sum() + self.dwell.sum())
+
     def __repr__(self) -> str:
         given = f"rotary joints {' '.join(self.rotary_joints)}" if self.rotary is not None else "tool axes"
         # the end of a long name tells more than the folders it begins with

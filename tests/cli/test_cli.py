@@ -278,7 +278,7 @@ def test_ctrl_c_within_a_step_ends_it_and_leaves_nothing(step, tmp_path):
 
 
 def test_a_plan_far_above_its_bound_says_why(monkeypatch, tmp_path, capsys):
-    from toolpace.planning import planner
+    from toolpace.planning import program_plan as planner
 
     notes = tuple(f"run at s = {k}: gap of 3.0%, mostly a rest" for k in range(5))
     real = planner.plan

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from toolpace.cli import job
+from toolpace.jobs import job
 from toolpace.write.plan_json import UsageRecord
 
 

@@ -104,7 +104,7 @@ def test_a_program_from_a_pipe_is_planned_and_kept(here, command, blade):
 
 def test_what_is_kept_is_what_was_planned(here, monkeypatch, blade):
     """A program that changes while it is planned, and a machine file too."""
-    from toolpace.cli import job
+    from toolpace.jobs import job
 
     text = Machine.load("xyzac-trunnion").to_toml()
     (here / "mill.toml").write_text(text)
@@ -150,7 +150,8 @@ def test_output_to_a_full_disk_and_letters_it_does_not_know(here):
 
 SIGNALLED = """
 import os, signal, sys
-from toolpace.cli import job, main
+from toolpace.cli import main
+from toolpace.jobs import job
 
 number, plan_motion = int(sys.argv[1]), job.plan_motion
 if number == signal.SIGHUP:
@@ -226,7 +227,7 @@ ARGUMENTS = {
 
 @pytest.mark.parametrize("case", ARGUMENTS)
 def test_arguments_beyond_all_bounds_are_one_line_before_the_work(here, capsys, monkeypatch, case):
-    from toolpace.cli import job
+    from toolpace.jobs import job
 
     monkeypatch.setattr(job, "fit_path", lambda *given: pytest.fail("the work had begun"))
     if case == "no memory":

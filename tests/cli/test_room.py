@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from toolpace.cli import job
 from toolpace.errors import UsageError
+from toolpace.jobs import job
 from toolpace.machine.machine import Machine
 from toolpace.reading import read_text
 from toolpace.setpoints import COPIES, refuse_too_many
@@ -18,7 +18,7 @@ ROW = 8 * (1 + 4 * 5 + 6 + 1)
 
 def test_feeds_least_times_and_dwells_are_what_a_motion_takes_at_least():
     body = "G21 G90 G94\nG0 X0 Y0 Z0\nG1 X10 F600\nG4 P2\nX30 F1200\nG93 X40 F30\nG0 X90\nG94 G1 X100 F600\nM30\n"
-    assert job.least_duration(read_text(body, None, "gcode")) == pytest.approx(1.0 + 2.0 + 1.0 + 2.0 + 1.0)
+    assert read_text(body, None, "gcode").least_duration == pytest.approx(1.0 + 2.0 + 1.0 + 2.0 + 1.0)
 
 
 @pytest.mark.parametrize(("share", "fine"), [(0.99, True), (1.01, False)])

@@ -15,8 +15,9 @@ import pytest
 
 from tests.support.tampering import Tamper, column, fails, part_of, put, times
 from toolpace import demo, write
-from toolpace.cli import job, main
+from toolpace.cli import main
 from toolpace.files.seal import KEY
+from toolpace.jobs import job
 from toolpace.judge.figures import AS_SAID, IN_THE_VERDICT, RECOMPUTED
 
 COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block", "joints")

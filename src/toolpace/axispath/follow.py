@@ -162,6 +162,9 @@ class FollowRun(AxisRun):
     def block_at(self, s: Floats) -> Ints:
         return self.run.block_at(s)
 
+    def deviations(self) -> tuple[Floats, Floats, Floats] | None:
+        return self.run.deviations()
+
     def _joints(self, jet: PathJet, s: Floats) -> Floats:
         """(4, n, joints) of the tip and tool axis, or the rotary joints, in a jet at s (n,)."""
         rotary = jet.rotary

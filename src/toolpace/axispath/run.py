@@ -31,6 +31,11 @@ class AxisRun(ABC):
         where it follows no tool path."""
         return np.zeros(1), np.zeros(0, dtype=np.int64)
 
+    def deviations(self) -> tuple[Floats, Floats, Floats] | None:
+        """Parameters (k + 1,), and between each two the largest distance of the tip [m] (k,) and angle of the tool axis
+        [rad] (k,) from the program; None where no path was fitted."""
+        return None
+
     def __repr__(self) -> str:
         blocks = counted(self.blocks, "block") if self.blocks else ""
         return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g}", blocks)

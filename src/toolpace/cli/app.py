@@ -6,8 +6,9 @@ from pathlib import Path
 
 from cyclopts import App
 
-from toolpace.cli import exporting, options
+from toolpace.cli import comparing, exporting, options, placing
 from toolpace.cli.live import run as live
+from toolpace.cli.many import options as many
 from toolpace.cli.steps import Steps, new_console
 from toolpace.errors import UsageError
 from toolpace.version import __version__
@@ -26,8 +27,11 @@ Examples:
     toolpace machines                 the built-in machines and their limits
     toolpace plan part.ngc -m xyzac-trunnion        plan, and write a report
     toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and needs to
+    toolpace setup part.ngc -m xyzac-trunnion       where to clamp the part, to be fastest
+    toolpace tolerance part.ngc -m xyzac-trunnion   what a micrometre costs
     toolpace verify part-plan         judge a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
+    toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 all is well; 1 a verification failed; 2 something in the input is
@@ -54,6 +58,7 @@ def plan_command(
     tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
     axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
     planner: options.PlannerName = "optimal",
+    effort: options.Effort = "normal",
     prove: options.Prove = False,
     prove_within: options.ProveWithin = "60s",
     feed: options.Feed = None,
@@ -75,12 +80,14 @@ def plan_command(
         toolpace plan part.ngc --machine xyzac-trunnion
         toolpace plan part.cls -m my-mill.toml --tip-tolerance 5um --feed 120%
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
+        toolpace plan part.ngc -m xyzbc-head --effort high
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
         toolpace plan part.mpf -m my-mill.toml --controller sinumerik --setup setup.toml
         toolpace plan part.ngc -m xyzac-trunnion --bend tool.toml
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
-    from toolpace.cli import arguments, job, summary
+    from toolpace.cli import arguments, summary
+    from toolpace.jobs import job
 
     tip, axis = arguments.tolerances(tip_tolerance, axis_tolerance)
     arguments.planner_named(planner)
@@ -92,6 +99,7 @@ def plan_command(
         tip_tolerance=tip,
         axis_tolerance=axis,
         planner=planner,
+        effort=arguments.effort_named(effort),
         prove_within=arguments.time_to_prove(prove_within, planner) if prove else None,
         feed=arguments.feed_asked(feed),
         dialect=dialect,
@@ -107,6 +115,46 @@ def plan_command(
     summary.show_plan(console, record, verification)
     summary.show_files(console, task.out, job.written(task, record))
     return job.exit_code(record, verification)
+
+
+@app.command(name="batch", help_epilogue="")
+def batch_command(
+    programs: many.ProgramsOrJobs,
+    /,
+    *,
+    machine: many.Machines = many.NO_MACHINES,
+    what: many.What = "plan",
+    to: many.Target = None,
+    out: many.Out = "toolpace-batch",
+    cluster: many.Address = None,
+    workers: many.Workers = None,
+    memory: many.Memory = None,
+    each: many.Each = many.AS_USUAL,
+    files: options.Files = options.USUAL_FILES,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Plan, time, inspect or export many programs on one or many machines, on all cores or on a cluster.
+
+    Each job has a folder of its own in --out, written whole; batch.html and
+    batch.parquet have a row a job. A batch that was stopped goes on where it was:
+    the same command finds what is done by the hash of program, machine, options
+    and version. A program that is refused stops no other. Exit code 0 where all
+    is planned and verified, 1 where a verification failed, 2 where a job has no
+    result. docs: many programs.
+
+    For example:
+
+        toolpace batch parts/ -m xyzac-trunnion --out plans
+        toolpace batch parts/ -m my-mill.toml -m xyzbc-head --tip-tolerance 5um --tip-tolerance 20um
+        toolpace batch jobs.toml --cluster tcp://10.0.0.5:8786 --out /shared/plans
+        toolpace batch parts/ --what inspect
+        toolpace batch parts/ -m my-mill.toml --what export --to table
+    """
+    from toolpace.cli.many import run
+
+    where = run.where_asked(cluster, workers)
+    jobs = many.jobs_of(programs, what, machine, to, each, files, reading)
+    return run.run_jobs(jobs, out, where, memory)
 
 
 @app.command(name="verify", help_epilogue="")
@@ -129,6 +177,20 @@ def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading
     record, verification = folder.verify_folder(Path(directory), Steps(console), reading)
     summary.show_verification(console, record, verification)
     return 0 if verification.ok else 1
+
+
+@app.command(name="compare", help_epilogue="")
+def compare_command(plans: comparing.Plans, /, *, page: comparing.Page = None) -> int:
+    """Show plans side by side: times by operation and by what limits, and on a page their speed over the path.
+
+    From the folders alone; nothing is judged again.
+
+    For example:
+
+        toolpace compare part-plan part-plan-5um
+        toolpace compare on-trunnion on-head --page compared.html
+    """
+    return comparing.run_compare(plans, page)
 
 
 @app.command(name="export", help_epilogue="")
@@ -243,10 +305,11 @@ def time_command(
     """
     from toolpace.cli import arguments
     from toolpace.cli.timing import fitting, run
+    from toolpace.jobs.timed import Asked
 
     tolerances = arguments.tolerances(tip_tolerance, axis_tolerance)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
-    asked = run.Asked(
+    asked = Asked(
         machine=on,
         options=how,
         model=arguments.control_model(model),
@@ -260,6 +323,106 @@ def time_command(
     if write_controller is not None:
         raise UsageError("--write-controller goes with --fit LOG.csv: figures come from a log")
     return run.run_time(programs, asked, json)
+
+
+@app.command(name="tolerance", help_epilogue="")
+def tolerance_command(
+    program: options.Program,
+    /,
+    *,
+    machine: options.MachineName = None,
+    tips: options.Tips = options.TIPS,
+    tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
+    axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
+    effort: options.Effort = "normal",
+    feed: options.Feed = None,
+    out: options.Picture = None,
+    tool_length: options.ToolLength = None,
+    dialect: options.Dialect = None,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Tell what a micrometre costs: the duration of a program over the tolerance of its tip.
+
+    The program is planned within each of the tolerances, that of --tip-tolerance
+    among them, with which the others are compared.
+
+    For example:
+
+        toolpace tolerance part.ngc -m xyzac-trunnion
+        toolpace tolerance part.ngc -m xyzbc-head --tips 2um,5um,20um --out costs.svg
+    """
+    from toolpace.cli import arguments
+    from toolpace.cli.tolerance import run
+    from toolpace.jobs import job
+
+    tip, axis = arguments.tolerances(tip_tolerance, axis_tolerance)
+    asked = arguments.tip_tolerances(tips)
+    on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
+    task = job.Job(
+        program=Path(program), machine=on, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
+        effort=arguments.effort_named(effort), feed=arguments.feed_asked(feed), dialect=dialect, options=how,
+    )  # fmt: skip
+    picture = arguments.file_for_result("--out", out)
+    return run.run_tolerance(task, asked, picture, Steps(new_console()))
+
+
+@app.command(name="setup", help_epilogue="")
+def setup_command(
+    program: options.Program,
+    /,
+    *,
+    machine: options.MachineName = None,
+    machines: placing.Machines = None,
+    choices: placing.ChoicesFile = None,
+    trials: placing.Trials = 200,
+    shown: placing.Shown = 10,
+    seed: placing.Seed = 0,
+    no_map: placing.NoMap = False,
+    tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
+    axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
+    feed: options.Feed = None,
+    tool_length: options.ToolLength = None,
+    dialect: options.Dialect = None,
+    out: options.Out = None,
+    cluster: placing.Cluster = None,
+    workers: placing.WorkersHere = None,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Find where to clamp the part, with which fixture and tool, so that a program is fastest within all travels.
+
+    Clampings are tried by cheap plans; the best ten are planned in full. The
+    program is read for the machine as it is (of several, the first), and written
+    out as tips and tool axes, which hold for any clamping. What collides is not
+    known: --choices says what there is to choose from, and where the machine
+    must not be. docs: where to clamp the part.
+
+    For example:
+
+        toolpace setup part.ngc -m xyzac-trunnion
+        toolpace setup part.ngc -m my-mill.toml --choices fixtures.toml --out part-setup
+        toolpace setup part.cls --machines xyzac-trunnion,xyzbc-head,my-mill.toml
+    """
+    from toolpace.cli import arguments
+
+    named = placing.machines_named(machine, machines, tool_length)
+    first, how = arguments.machine_with_setup(named[0][1], reading)
+    return placing.run_setup(
+        placing.Asked(
+            program=program,
+            machines=((named[0][0], first), *named[1:]),
+            choices=placing.choices_in(choices),
+            tolerances=arguments.tolerances(tip_tolerance, axis_tolerance),
+            trials=trials,
+            seed=seed,
+            shown=shown,
+            mapped=0 if no_map else placing.MAPPED,
+            client=placing.where(cluster, workers),
+            out=arguments.folder_for_results(placing.default_folder(program) if out is None else out),
+            feed=arguments.feed_asked(feed),
+            dialect=dialect,
+            options=how,
+        )
+    )
 
 
 @app.command(name="controllers", help_epilogue="")

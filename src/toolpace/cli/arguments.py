@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace import units
-from toolpace.errors import UsageError
+from toolpace.errors import UsageError, did_you_mean
 from toolpace.files import file_to_write, folder_to_write
+from toolpace.jobs.job import AXIS_TOLERANCES, TIME_STEPS, TIP_TOLERANCES
 from toolpace.planning.planner import PLANNERS
 from toolpace.reading.source import STANDARD_INPUT
 
@@ -22,12 +23,6 @@ if TYPE_CHECKING:
     from toolpace.reading import ReadOptions
 
 
-TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
-"""Between which tolerances lie [m], [rad]: programs are rounded to more, and beyond nothing of a part is left."""
-TIME_STEPS = (1e-9, 60.0)
-"""[s]"""
-
-
 def planner_named(name: str) -> str:
     """The planner, or an error that names the nearest."""
     if name in PLANNERS:
@@ -35,6 +30,15 @@ def planner_named(name: str) -> str:
     near = difflib.get_close_matches(name.lower(), PLANNERS, n=1, cutoff=0.4)
     hint = f"did you mean '{near[0]}'? " if near else ""
     raise UsageError(f"unknown planner '{name[:40]}'; {hint}known are {', '.join(PLANNERS)}")
+
+
+def effort_named(name: str) -> str:
+    """The effort, or an error that names the nearest."""
+    from toolpace.planning.program_plan import EFFORTS
+
+    if name in EFFORTS:
+        return name
+    raise UsageError(f"--effort '{name[:40]}' is not known; {did_you_mean(name, EFFORTS)}")
 
 
 def machine_named(name: str | None, tool_length: str | None = None) -> Machine:
@@ -76,6 +80,18 @@ def tolerances(tip: str, axis: str) -> tuple[float, float]:
     _within("--tip-tolerance", tip, metres, TIP_TOLERANCES, units.format_length)
     _within("--axis-tolerance", axis, radians, AXIS_TOLERANCES, units.format_angle)
     return metres, radians
+
+
+def tip_tolerances(text: str) -> list[float]:
+    """Tolerances of the tip [m], between commas."""
+    found = []
+    for part in text.split(","):
+        try:
+            metres = units.parse_length(part.strip())
+        except UsageError as error:
+            raise UsageError(f"--tips: {error}") from None
+        found.append(_within("--tips", part.strip(), metres, TIP_TOLERANCES, units.format_length))
+    return found
 
 
 def time_step(text: str) -> float:
@@ -131,7 +147,6 @@ def feed_asked(feed: str | None) -> str | None:
 
 def control_model(name: str | None) -> str | None:
     """The name of a model of a control, or None. Raises UsageError."""
-    from toolpace.errors import did_you_mean
     from toolpace.timing.figures import MODELS
 
     if name is None or name in MODELS:

@@ -9,10 +9,11 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from toolpace.cli import arguments, job
+from toolpace.cli import arguments
 from toolpace.cli.options import Switch
 from toolpace.cli.steps import Steps, new_console
 from toolpace.errors import UsageError, printable
+from toolpace.jobs import job
 
 TargetName = Annotated[
     str,

@@ -7,10 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.cli import job, summary
+from toolpace.cli import summary
 from toolpace.cli.options import AS_WRITTEN, Reading
 from toolpace.cli.steps import Steps
 from toolpace.errors import UsageError, printable
+from toolpace.jobs import job
 from toolpace.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:

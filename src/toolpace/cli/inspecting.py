@@ -11,11 +11,12 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.following import follow_as_planned
 from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
 from toolpace.description import counted
 from toolpace.errors import ToolpaceError, printable
+from toolpace.jobs.following import follow_as_planned
+from toolpace.jobs.inspected import inspection_record
 from toolpace.reading.inspection import Inspection, inspect_source, unreadable
 from toolpace.reading.source import Source
 from toolpace.units import format_time
@@ -64,7 +65,7 @@ def run_inspect(
     if as_json:
         import msgspec
 
-        print(msgspec.json.format(msgspec.json.encode([record(each) for each in found]), indent=2).decode())
+        print(msgspec.json.format(msgspec.json.encode([inspection_record(each) for each in found]), indent=2).decode())
     else:
         show(new_console(), found)
     if sheet is not None:
@@ -99,35 +100,6 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     machine = next((each for name in names for each in machines if each.name == name), None)
     given = reading.options(machine).setup
     write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, given))
-
-
-def record(found: Inspection) -> dict[str, object]:
-    """An entry of the JSON list: lengths in mm, angles in deg."""
-    return {
-        "program": printable(found.program),
-        "dialect": found.dialect,
-        "reason": printable(found.reason),
-        "blocks": found.blocks,
-        "five_axis_blocks": found.five_axis_blocks,
-        "refused": [
-            {"word": printable(each.word), "line": each.line, "count": each.count, "cure": printable(each.cure)}
-            for each in found.refused
-        ],
-        "ignored": {printable(word): count for word, count in found.ignored.items()},
-        "assumed": [printable(sentence) for sentence in found.assumed],
-        "machines": list(found.machines),
-        "not_on": {name: printable(why) for name, why in found.not_on.items()},
-        "read_on": found.read_on,
-        "arcs": found.arcs,
-        "rapids": found.rapids,
-        "stops": found.stops,
-        "dwells": found.dwells,
-        "dwell_s": found.dwell_s,
-        "tools": [printable(tool) for tool in found.tools],
-        "tip_mm": None if found.tip is None else [[value * 1e3 for value in each] for each in found.tip],
-        "tilt_deg": None if found.tilt is None else [math.degrees(value) for value in found.tilt],
-        "rotary_deg": {name: [math.degrees(value) for value in each] for name, each in found.rotary.items()},
-    }
 
 
 def show(console: Console, found: Sequence[Inspection]) -> None:

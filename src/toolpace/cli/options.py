@@ -30,6 +30,18 @@ TipTolerance = Annotated[
     str, Parameter(help="How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in.")
 ]
 AxisTolerance = Annotated[str, Parameter(help="How far the tool axis may turn from the program's: 0.05deg, 1e-3rad.")]
+TIPS = "1um,2um,5um,10um,20um,50um"
+Tips = Annotated[str, Parameter(help="Tolerances of the tip, with commas between them.")]
+Picture = Annotated[
+    str | None, Parameter(name=["--out", "-o"], help="Draw duration over tolerance into this file (.svg).")
+]
+Effort = Annotated[
+    str,
+    Parameter(
+        help="How much is done for a fast path. low: the smoothest one, fitted once. normal: a few rounds of pace and\n"
+        "fit, which spend the tolerance where the motion is fast; the default. high: more of them."
+    ),
+]
 PlannerName = Annotated[
     str,
     Parameter(

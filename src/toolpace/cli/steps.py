@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from toolpace.errors import printable
+from toolpace.jobs import steps
+from toolpace.jobs.steps import Step
 from toolpace.units import format_time
 
-Tell = Callable[[float], None]
-"""Takes the share of a step that is done."""
 WIDTH = 12
 """Of the column of names: that of the longest step, and a space."""
 
@@ -29,24 +29,12 @@ def new_console() -> Console:
     return console
 
 
-class Step:
-    """One step under way."""
-
-    def __init__(self) -> None:
-        self.share: Tell = lambda share: None
-        self.note = ""
-
-    def __call__(self, share: float) -> None:
-        """Say how much of the step is done, from 0 to 1."""
-        self.share(share)
-
-
-class Steps:
-    """Runs steps one after the other and keeps their times."""
+class Steps(steps.Steps):
+    """Runs steps one after the other, shows them and keeps their times."""
 
     def __init__(self, console: Console) -> None:
+        super().__init__()
         self.console = console
-        self.seconds: dict[str, float] = {}
 
     def say(self, text: str) -> None:
         """A line below that of a step."""

@@ -29,6 +29,7 @@ SAME_BENDING = 2e-6
 """Difference of the most that a tool bends, worked out in two ways [m]."""
 MOST_CHANGE, MOST_ROUNDS = 1.0, 100
 """Of bending that converged [um], and rounds that it took."""
+EFFORTS = ("low", "normal", "high")
 DEFAULT_TIP_MM, DEFAULT_AXIS_DEG = 0.01, 0.05
 """Tolerances that are taken where none are given; wider ones are pointed out."""
 
@@ -41,7 +42,7 @@ IN_THE_VERDICT = ("tip_tolerance_mm", "axis_tolerance_deg", "feed", "dialect", "
 """What was asked for: judged by, and said with the verdict."""
 AS_SAID = (
     "lower_bound_s", "continuous_bound_s", "open_places", "mesh_points", "solve_s", "fit_s", "step_s", "planner",
-    "program", "toolpace_version",
+    "program", "toolpace_version", "effort", "rounds", "tip_at_tolerance", "axis_at_tolerance",
 )  # fmt: skip
 """What only the planner knows: held against the other figures."""
 
@@ -67,7 +68,7 @@ class Figures:
         dt = self.verification.dt
         usage = UsageFigures(self.said, self.points, self.machine, self.toolpath, self.feed_use, dt)
         found = self.of_time() + self.of_bounds() + self.of_counts() + usage.of_usage() + self.of_names()
-        found += self.of_reading() + self.of_bending()
+        found += self.of_reading() + self.of_bending() + self.of_rounds()
         return found + self.of_deviations() + usage.of_shares() + self.of_places()
 
     def same(self, key: str, right: float, unit: str = "", share: float = SAME) -> Check:
@@ -159,6 +160,22 @@ class Figures:
         change, rounds = float(said["change_um"]), int(said["rounds"])
         near = 0.0 <= change <= MOST_CHANGE and 0 <= rounds <= MOST_ROUNDS
         return [check, wrong("bending change_um, rounds", f"{change:.3g} um, {rounds}", near)]
+
+    def of_rounds(self) -> list[Check]:
+        """The rounds of fit and pace: times that can be, kept where they are the least so far; and shares."""
+        said, least = self.said, math.inf
+        bad = "" if said["effort"] in EFFORTS else f"effort is {said['effort']!r:.40}"
+        for each in said["rounds"]:
+            duration = float(each["duration_s"])
+            if not (math.isfinite(duration) and duration > 0.0) or bool(each["kept"]) != (duration < least):
+                bad = f"a round of {duration:g} s, the least before {least:g} s, kept: {str(each['kept']).lower()}"
+            least = min(least, duration)
+        for key in ("tip_at_tolerance", "axis_at_tolerance"):
+            share = said[key]
+            if share is not None and not 0.0 <= float(share) <= 1.0 + SAME:
+                bad = f"{key} is {share:g}, no share"
+        told = f"{said['effort']}, {len(said['rounds'])} rounds"
+        return [wrong("effort, rounds, at_tolerance", bad or told, not bad)]
 
     def of_deviations(self) -> list[Check]:
         """How far the motion strays, and the tolerances it is judged by."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from toolpace.description import counted, one_line
 from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
 from toolpace.toolpath import ToolPath
+
+if TYPE_CHECKING:
+    from toolpace.path.fit.haste import Haste
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,11 +51,13 @@ class Path:
         axis_tolerance: float = 1e-3,
         machine: Machine | None = None,
         progress: Callable[[float], None] | None = None,
+        hastes: Sequence[Haste] | None = None,
     ) -> Path:
         """The smoothest curve within the tolerances [m], [rad] of a tool path, stopping where it stops.
 
         With a machine the curve is one of tip and rotary joints, else of tip and tool axis. `progress` is told the
-        share done. PathError where nothing moves or no curve fits.
+        share done. `hastes`, one a run, say where a motion is fast: there the curve is smoother, and less so where it
+        is slow; see `plan_program`, which finds them. PathError where nothing moves or no curve fits.
         """
         from toolpace.machine.machine import check_machine
         from toolpace.path.fit.fit import fit_runs
@@ -59,7 +65,7 @@ class Path:
         if machine is not None:
             check_machine(machine, "fit", "a Machine, or None")
         begin = time.perf_counter()
-        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress)
+        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress, hastes)
         return cls(runs, tip, axis, time.perf_counter() - begin, wait)
 
     @classmethod

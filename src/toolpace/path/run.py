@@ -105,6 +105,11 @@ class PathRun(ABC):
         """(k - 1,) most |P''| of the tip between each two breaks; None where only samples could tell."""
         return None
 
+    def deviations(self) -> tuple[Floats, Floats, Floats] | None:
+        """Breaks (k,), and between each two the largest distance of the tip [m] and angle of the tool axis [rad] from
+        the program (k - 1,); None where none was fitted to."""
+        return None
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SplineRun(PathRun):
@@ -112,11 +117,19 @@ class SplineRun(PathRun):
 
     coefficients: Floats
     """(k - 1, 6, 5 or 6) Taylor coefficients at the left end of each piece: tip (3), then rotary joints (2) or axis."""
+    tip_off: Floats = field(default_factory=lambda: np.zeros(0))
+    """(k - 1,) largest distance of the tip from the program found in each piece [m]; (0,) where it is not known."""
+    axis_off: Floats = field(default_factory=lambda: np.zeros(0))
+    """(k - 1,) the same of the tool axis [rad]."""
 
     @property
     def third_jumps(self) -> bool:
         """A spline of degree five with single knots is four times continuously differentiable."""
         return False
+
+    def deviations(self) -> tuple[Floats, Floats, Floats] | None:
+        """Breaks (k,), and between each two the largest deviations (k - 1,) that the fit found."""
+        return (self.breaks, self.tip_off, self.axis_off) if len(self.tip_off) else None
 
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives at s (n,); the axis of unit length, with exact derivatives."""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from toolpace.cli.steps import Steps, new_console
-from toolpace.cli.timing.run import Asked
 from toolpace.errors import UsageError, printable
+from toolpace.jobs.timed import Asked
 from toolpace.units import format_time
 
 if TYPE_CHECKING:

@@ -11,12 +11,13 @@ from rich.text import Text
 
 from toolpace.cli.names import short_names
 from toolpace.errors import printable
+from toolpace.jobs.timed import KINDS, time_record
 from toolpace.units import format_time
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from toolpace.cli.timing.timed import Timed
+    from toolpace.jobs.timed import Timed
 
 MODELS = {
     "linuxcnc": "as its planner goes, cycle by cycle",
@@ -25,7 +26,6 @@ MODELS = {
     "ideal": "the fastest motion within the limits of the axes",
 }
 """What each model of a control does, in words."""
-KINDS = ("cutting", "rapid", "dwell", "tool_change")
 FASTER = "the control passes limits of joints, or of jerk, that the optimum keeps"
 LONGEST_NAME = 40
 """Most characters of a program's name that a table does not break."""
@@ -132,34 +132,5 @@ def print_json(found: Sequence[Timed], machine: str) -> None:
     """The JSON list: times in seconds."""
     import msgspec
 
-    records = [record(each, machine) for each in found]
+    records = [time_record(each, machine) for each in found]
     print(msgspec.json.format(msgspec.json.encode(records), indent=2).decode())
-
-
-def record(found: Timed, machine: str) -> dict[str, object]:
-    """An entry of it; what could not be timed has an `error` and no times."""
-    entry: dict[str, object] = {"program": printable(found.program), "machine": machine}
-    time = found.time
-    if time is None:
-        return entry | {"error": printable(found.error), "total_s": None, "optimum_s": None}
-    entry |= {"controller": found.control, "model": found.model, "blocks": found.blocks}
-    entry |= {"total_s": time.total, "optimum_s": found.optimum}
-    entry |= {f"{kind}_s": time.sum(kind) for kind in KINDS}
-    tools: dict[str, float] = {}
-    for part in time.parts:
-        tools[part.tool] = tools.get(part.tool, 0.0) + part.time
-    entry["tools"] = [{"tool": printable(tool), "total_s": seconds} for tool, seconds in tools.items()]
-    best = {(each.name, each.tool): each.time for each in found.best}
-    entry["operations"] = [
-        {
-            "name": printable(part.name),
-            "tool": printable(part.tool),
-            "total_s": part.time,
-            **{f"{kind}_s": getattr(part, kind) for kind in KINDS},
-            "stops": part.stops,
-            "optimum_s": best.get((part.name, part.tool)),
-        }
-        for part in time.parts
-    ]
-    entry["assumed"] = [printable(sentence) for sentence in found.assumed]
-    return entry

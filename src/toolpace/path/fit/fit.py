@@ -12,7 +12,7 @@ of a run from stop to stop:
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from toolpace.errors import PathError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import inside_spline
+from toolpace.path.fit.haste import Haste
 from toolpace.path.fit.knots import first_breaks, refined_at
 from toolpace.path.fit.polyline import Polyline, polylines
 from toolpace.path.fit.samples import Samples, sample
@@ -57,6 +58,7 @@ def fit_runs(
     axis_tolerance: float,
     machine: Machine | None,
     progress: Callable[[float], None] | None,
+    hastes: Sequence[Haste] | None = None,
 ) -> tuple[tuple[SplineRun, ...], float, float, float]:
     """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s]."""
     from toolpace.kernels.warm import ensure_warm
@@ -73,7 +75,8 @@ def fit_runs(
     def one(k: int, workers: Workers, told: Progress) -> FittedRun:
         line = lines[k]
         try:
-            return fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, starts[k], workers, told)
+            haste = hastes[k] if hastes is not None else None
+            return fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, starts[k], workers, told, haste)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
@@ -93,6 +96,7 @@ def fit_run(
     start: float,
     workers: Workers,
     progress: Progress,
+    haste: Haste | None = None,
 ) -> FittedRun:
     """One run that starts at parameter `start` [m]. Raises PathError where no curve fits."""
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
@@ -104,13 +108,14 @@ def fit_run(
     where: Floats | None = None
 
     def finished(found: Deviations, spline: Spline) -> FittedRun:
-        run = piecewise(line, toolpath, spline.breaks, found.polynomials, tip_tolerance, axis_tolerance, start)
+        run = piecewise(line, toolpath, spline.breaks, found, tip_tolerance, axis_tolerance, start)
         return FittedRun(run, float(np.max(found.tip)), float(np.max(found.axis)))
 
     for repair in range(REPAIRS):
         # how many there will be nobody knows; the first one takes the longest
         told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
-        tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, told)
+        rows = haste.rows(spline.breaks, tip_tolerance) if haste is not None else None
+        tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, told, rows)
         if not spline.is_finite:
             spline, data = first.copy(), samples
         found = deviations(check, spline, data)
@@ -199,12 +204,13 @@ def piecewise(
     line: Polyline,
     toolpath: ToolPath,
     breaks: Floats,
-    polynomials: Floats,
+    found: Deviations,
     tip_tolerance: float,
     axis_tolerance: float,
     start: float,
 ) -> SplineRun:
     """The run in metres and radians; cells of one entry of the tool path become one block."""
+    polynomials = found.polynomials
     scale = np.concatenate([np.full(3, tip_tolerance), np.full(polynomials.shape[2] - 3, axis_tolerance)])
     order = tip_tolerance ** -np.arange(6.0)
     head = np.flatnonzero(np.concatenate([[True], np.diff(line.entry) != 0]))
@@ -219,4 +225,13 @@ def piecewise(
         least_time=toolpath.least_time[entry],
         dwell=line.dwell,
         entry=entry,
+        tip_off=tip_tolerance * largest_of_cells(breaks, found.at, found.tip),
+        axis_off=axis_tolerance * largest_of_cells(breaks, found.at, found.axis),
     )
+
+
+def largest_of_cells(breaks: Floats, at: Floats, off: Floats) -> Floats:
+    """(n - 1,) the largest of the deviations (k,) found at parameters (k,) in each cell between breaks (n,)."""
+    largest = np.zeros(len(breaks) - 1)
+    np.maximum.at(largest, np.clip(np.searchsorted(breaks, at, side="right") - 1, 0, len(largest) - 1), off)
+    return largest

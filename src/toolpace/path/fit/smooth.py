@@ -28,9 +28,12 @@ def tighten(
     where: Floats | None,
     workers: Workers,
     progress: Progress,
+    rows: tuple[Floats, Floats] | None = None,
 ) -> None:
     """Minimise the roughness of a spline inside the tube, in place.
 
+    `rows` (cells, 3, 6) make the roughness of each cell, and it weighs (cells,): see `Haste.rows`. None: that of the
+    third derivative, all cells alike.
     `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel; `radius` (m,) the share
     of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is
     everywhere.
@@ -39,9 +42,9 @@ def tighten(
     from toolpace.kernels.fit.quintic_spline import third_rows
     from toolpace.kernels.fit.smoothest import smoothest
 
-    third = third_rows(knots_of(spline.breaks))
     h = np.diff(spline.breaks)
-    floor = 0.5 * least_third**2 * h
+    third, cells = rows or (third_rows(knots_of(spline.breaks)), np.ones(len(h)))
+    floor = 0.5 * least_third**2 * h * cells
     groups = ((spline.tip, np.ones(3), data.tip), (spline.turn, weight, data.turn))
 
     def solve(which: int, part: Range) -> None:
@@ -50,7 +53,7 @@ def tighten(
         base, end = max(0, low - 5), min(len(x), high + 5)
         j = slice(*np.searchsorted(data.first, [low - 5, high]))
         metric = data.metrics(which, j)
-        pull = (2.0 * np.pi / (WAVE * h[data.first[j]])) ** 6 * data.gap[j]
+        pull = (2.0 * np.pi / (WAVE * h[data.first[j]])) ** 6 * data.gap[j] * cells[data.first[j]]
         moved = x[base:end].copy()
         samples = tube.Samples(data.first[j] - base, data.rows[j], target[j], metric)
         steps, _, _ = smoothest(

@@ -54,6 +54,8 @@ CLOSED = 0.9
 """Share of the gap that a proof leaves at most where the bound is called loose."""
 WORTH_SAYING = 1e-3
 """Least share of the duration by which a mesh is called coarse."""
+UNCUT = 1000
+"""Cells at most where none is cut: so many do where all joints stand, and more may be led astray as well."""
 
 
 class Plan(NamedTuple):
@@ -109,8 +111,8 @@ def another_try(
 def on_fewer_cells(
     run: AxisRun, limits: Limits, plan: Plan, start: EndState, end: EndState, with_cells: Callable[[int], SplineLaw]
 ) -> tuple[Plan, str]:
-    """The plan, or that on half as many nodes if it is faster, and what that says; "" where it is not."""
-    cells = max(len(plan.law.nodes) // 2, FEWEST)
+    """The plan, or that on half as many nodes, `UNCUT` at most, if it is faster, and what that says; "" if not."""
+    cells = min(max(len(plan.law.nodes) // 2, FEWEST), UNCUT)
     try:
         law = with_cells(cells)
     except InfeasibleError:

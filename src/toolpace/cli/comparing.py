@@ -1,0 +1,87 @@
+"""The command `compare`: plans side by side on the terminal, and a page with their speed over the path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from toolpace.cli import arguments
+from toolpace.cli.steps import Steps, new_console
+from toolpace.comparing import Compared, compared
+from toolpace.errors import printable
+from toolpace.units import format_time
+
+Plans = Annotated[list[str], Parameter(help="Two to eight folders that `toolpace plan` wrote.")]
+Page = Annotated[
+    str | None, Parameter(name=["--page", "-p"], help="Write a page (.html) with the tables and their speeds.")
+]
+SHOWN = 20
+"""Operations, and limits, that are listed; the page has all."""
+LEAST = 0.005
+"""Share of the longest plan from which a limit is listed."""
+
+
+def run_compare(folders: list[str], page: str | None) -> int:
+    """Compare plans and print what was found; 0."""
+    from toolpace.comparing.page import comparison_page
+    from toolpace.files import write_text
+
+    target = arguments.file_for_result("--page", page)
+    console = new_console()
+    found = compared(folders)
+    _show_plans(console, found)
+    _show(console, found, "operation", found.operations)
+    least = LEAST * max(found.durations)
+    limits = [row for row in found.limits if max(time or 0.0 for time in row[1]) >= least]
+    _show(console, found, "limited by", limits)
+    if target is not None:
+        with Steps(console).step("drawing"):
+            write_text(target, comparison_page(found))
+        console.print(Text(printable(f"written      {target}")), soft_wrap=True)
+    return 0
+
+
+def _show_plans(console: Console, found: Compared) -> None:
+    from toolpace.comparing.page import verdict
+
+    table = Table(box=SIMPLE, pad_edge=False)
+    for heading in ("plan", "program", "machine", "time", "against the first", "gap", "verdict"):
+        right = heading in ("time", "against the first", "gap")
+        table.add_column(heading, justify="right" if right else "left", overflow="fold")
+    first = found.durations[0]
+    for number, (name, record) in enumerate(zip(found.names, found.records)):
+        cells = (
+            name,
+            record.program,
+            record.machine,
+            format_time(record.duration_s),
+            f"{record.duration_s / first - 1.0:+.2%}" if number and first > 0.0 else "",
+            f"{record.gap:.3%}" if record.gap is not None else "-",
+            verdict(record),
+        )
+        table.add_row(*(Text(printable(cell), style="red" if cell == "failed" else "") for cell in cells))
+    console.print(table)
+
+
+def _show(console: Console, found: Compared, what: str, rows: Sequence[tuple[str, tuple[float | None, ...]]]) -> None:
+    if not rows:
+        return
+    two = len(found.names) == 2
+    table = Table(box=SIMPLE, pad_edge=False)
+    table.add_column(what, overflow="fold")
+    for name in [*found.names, *(["difference"] if two else [])]:
+        table.add_column(Text(printable(name)), justify="right", overflow="fold")
+    for name, times in rows[:SHOWN]:
+        cells = ["-" if time is None else format_time(time) for time in times]
+        if two:
+            cells.append("-" if None in times else f"{(times[1] or 0.0) - (times[0] or 0.0):+.3f} s")
+        table.add_row(*(Text(printable(cell)) for cell in (name, *cells)))
+    console.print(table)
+    if len(rows) > SHOWN:
+        console.print(f"and {len(rows) - SHOWN} more: --page has all")

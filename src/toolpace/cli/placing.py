@@ -1,0 +1,226 @@
+"""The command `setup`: where to clamp the part, on which machine, with which tool."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+from rich.box import SIMPLE
+from rich.table import Table
+from rich.text import Text
+
+from toolpace.cli import arguments
+from toolpace.cli.options import Switch
+from toolpace.cli.steps import Steps, new_console
+from toolpace.cli.summary import limits_in_words
+from toolpace.errors import ToolpaceError, UsageError, printable
+from toolpace.jobs import job
+from toolpace.units import DEGREE, MILLIMETRE, format_time
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from toolpace.clamping.choices import Choices
+    from toolpace.clamping.confirmed import PlannedSetUp
+    from toolpace.clamping.found import FoundSetUp
+    from toolpace.machine.machine import Machine
+    from toolpace.reading import ReadOptions
+    from toolpace.toolpath import ToolPath
+
+Machines = Annotated[
+    str | None,
+    Parameter(help="Several machines, between commas, in place of one: each is searched, and the fastest is taken."),
+]
+ChoicesFile = Annotated[
+    str | None,
+    Parameter(
+        help="A file (.toml) of what there is to choose from: fixture tilts, turns, places, tool lengths, and where the"
+        " machine must not be."
+    ),
+]
+Trials = Annotated[int, Parameter(help="How many clampings are tried on each machine, each by a cheap plan.")]
+Shown = Annotated[int, Parameter(help="How many of the best are planned in full, and shown.")]
+Seed = Annotated[int, Parameter(help="Another one searches in another order.")]
+NoMap = Annotated[bool, Switch, Parameter(help="Leave the map of the time over x and y out.")]
+Cluster = Annotated[
+    str | None,
+    Parameter(help="A cluster of dask.distributed, like tcp://10.0.0.5:8786; by default a process a core, here."),
+]
+WorkersHere = Annotated[
+    int | None, Parameter(name="--workers", help="Processes on this computer; 0 for none but this one.")
+]
+MAPPED = 9
+"""Places of the map along x, and along y."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is to be searched, checked."""
+
+    program: str
+    machines: tuple[tuple[str, Machine], ...]
+    """By the names they were asked for; the part is clamped in them as it is now."""
+    choices: Choices
+    tolerances: tuple[float, float]
+    """Of tip [m] and axis [rad]."""
+    trials: int
+    seed: int
+    shown: int
+    """Set-ups that are planned in full."""
+    mapped: int
+    """Places of the map along x, and along y."""
+    client: str | int | None
+    out: Path
+    feed: str | None
+    dialect: str | None
+    options: ReadOptions
+
+
+def machines_named(machine: str | None, machines: str | None, tool_length: str | None) -> list[tuple[str, Machine]]:
+    """The machines to search, by name. Raises UsageError."""
+    if machine is not None and machines is not None:
+        raise UsageError("--machine and --machines: give one of both; the first of several is the program's own")
+    names = [name.strip() for name in machines.split(",")] if machines is not None else [machine]
+    if len(set(names)) < len(names):
+        raise UsageError(f"--machines {machines}: a machine stands twice; name each once")
+    return [(str(name), arguments.machine_named(name, tool_length)) for name in names]
+
+
+def choices_in(path: str | None) -> Choices:
+    """The choices in a file; the usual ones where none is named."""
+    from toolpace.clamping.choices import Choices
+    from toolpace.clamping.choices_file import load_choices
+
+    return Choices() if path is None else load_choices(path)
+
+
+def default_folder(program: str) -> str:
+    """part-setup for part.ngc, here."""
+    return f"{arguments.default_folder(program).removesuffix('-plan')}-setup"
+
+
+def where(cluster: str | None, workers: int | None) -> str | int | None:
+    """What does the trials. Raises UsageError."""
+    if cluster is not None and workers is not None:
+        raise UsageError("--cluster and --workers: the workers of a cluster are its own; leave one of both out")
+    if workers is not None and workers < 0:
+        raise UsageError(f"--workers {workers}: give a number of processes, or 0")
+    return cluster if cluster is not None else workers
+
+
+def run_setup(asked: Asked) -> int:
+    """Search each machine, write the folder of the fastest, and say what was found."""
+    from toolpace.clamping.search import check_arguments
+    from toolpace.write.set_up_folder import write_set_up
+
+    console = new_console()
+    steps = Steps(console)
+    toolpath = read(asked, steps)
+    check_arguments(toolpath, asked.trials, asked.mapped, asked.shown)
+    for _, each in asked.machines:
+        asked.choices.checked(each)
+    job.warm_up(steps)
+    found = [(name, searched(asked, toolpath, machine, name, steps)) for name, machine in asked.machines]
+    fastest = min(
+        (each for _, each in found if not isinstance(each, str)), key=lambda each: each.best[0].duration, default=None
+    )
+    if fastest is None:
+        raise UsageError("; ".join(str(why) for _, why in found))
+    with steps.step("writing"):
+        files = write_set_up(asked.out, fastest, Path(asked.program).name, asked.options.setup, found)
+    show(console, fastest, found)
+    machine, program = asked.out / "machine.toml", asked.out / "program.apt"
+    console.print(f"written      {printable(str(asked.out))}: {', '.join(files)}", soft_wrap=True)
+    console.print(f"to plan it   toolpace plan {printable(str(program))} -m {printable(str(machine))}", soft_wrap=True)
+    return 0
+
+
+def read(asked: Asked, steps: Steps) -> ToolPath:
+    """The program as it is read for the first machine."""
+    machine = asked.machines[0][1]
+    task = job.Job(
+        Path(asked.program), machine, asked.out, *asked.tolerances, feed=asked.feed, dialect=asked.dialect,
+        options=asked.options,
+    )  # fmt: skip
+    return job.read_program(job.loaded(task), steps)
+
+
+def searched(asked: Asked, toolpath: ToolPath, machine: Machine, name: str, steps: Steps) -> FoundSetUp | str:
+    """What was found on a machine; why nothing was, where others may have more. Raises ToolpaceError for one alone."""
+    from toolpace.clamping.search import search_setup
+
+    tip, axis = asked.tolerances
+    several = len(asked.machines) > 1
+    try:
+        with steps.step("searching", name if several else "") as step:
+            found = search_setup(
+                toolpath, machine, asked.choices, tip_tolerance=tip, axis_tolerance=axis, trials=asked.trials,
+                seed=asked.seed, shown=asked.shown, mapped=asked.mapped, client=asked.client, progress=step,
+            )  # fmt: skip
+            step.note = f"{found.trials} clampings tried, {len(found.best)} planned in full"
+        return found
+    except ToolpaceError as error:
+        if not several:
+            raise
+        steps.say(str(error))
+        return str(error)
+
+
+def show(console: Console, found: FoundSetUp, machines: Sequence[tuple[str, FoundSetUp | str]]) -> None:
+    """The machines where there are several, the best set-ups of the fastest, and what limits before and after."""
+    if len(machines) > 1:
+        table = Table("machine", "time", "gain", "set-up", box=SIMPLE)
+        for name, each in machines:
+            if isinstance(each, str):
+                table.add_row(Text(name), "", "", Text("none fits"))
+            else:
+                best = each.best[0]
+                table.add_row(
+                    Text(name),
+                    format_time(best.duration),
+                    gain(best, each.given),
+                    Text(best.clamping.words(best.machine)),
+                )
+        console.print(table)
+    table = Table("", "time", "gain", "turn", "tilt", "swing", "x", "y", "z", "tool", "side", box=SIMPLE)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for number, planned in enumerate(found.best, start=1):
+        table.add_row(*row(number, planned, found.given), style="bold" if number == 1 else "")
+    if found.given is not None and found.given not in found.best:
+        table.add_row(*row(len(found.best) + 1, found.given, found.given), style="dim")
+    console.print(table)
+    if found.given is None:
+        console.print(f"as given     {printable(found.why)}", soft_wrap=True)
+    else:
+        console.print(f"before       {time_and_limits(found.given)}", soft_wrap=True)
+    console.print(f"after        {time_and_limits(found.best[0])}", soft_wrap=True)
+
+
+def time_and_limits(each: PlannedSetUp) -> str:
+    """How long it takes, and what holds it back."""
+    return f"{format_time(each.duration)}, limited by {limits_in_words(dict(each.limited_by))}"
+
+
+def row(number: int, each: PlannedSetUp, given: PlannedSetUp | None) -> list[str]:
+    """A line of the table, in mm and deg."""
+    clamping = each.clamping
+    figures = [angle / DEGREE for _, angle in clamping.angles()]
+    figures += [shift / MILLIMETRE for shift in clamping.shift]
+    figures.append(each.machine.tool_length / MILLIMETRE)
+    shown = [f"{round(figure, 2) + 0.0:g}" for figure in figures]
+    side = {0: "free", 1: "+", -1: "-"}[clamping.side]
+    return ["given" if each is given else str(number), format_time(each.duration), gain(each, given), *shown, side]
+
+
+def gain(each: PlannedSetUp, given: PlannedSetUp | None) -> str:
+    """What a set-up saves of the given one's time."""
+    return (
+        ""
+        if given is None or each is given or math.isnan(given.duration)
+        else f"{1.0 - each.duration / given.duration:.2%}"
+    )

@@ -1,0 +1,94 @@
+"""`toolpace tolerance`: what a micrometre costs, as a table and a picture."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from rich.box import SIMPLE
+from rich.table import Table
+
+from toolpace.cli.summary import clock_time
+from toolpace.jobs import job
+from toolpace.units import format_length, format_time
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rich.console import Console
+
+    from toolpace.cli.steps import Steps
+
+
+class Cost(NamedTuple):
+    """How long a program takes within a tolerance of the tip."""
+
+    tip_tolerance: float
+    """[m]"""
+    duration: float
+    """[s]"""
+
+
+def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost]:
+    """The duration within each of the ascending tolerances [m]. Raises ToolpaceError.
+
+    A path within a tolerance is one within a wider, which takes it where it finds no faster one.
+    """
+    from toolpace.planning.optimal.planner import Optimal
+    from toolpace.planning.program_plan import plan_program
+
+    task = job.loaded(task)
+    job.warm_up(steps)
+    toolpath = job.read_program(task, steps)
+    found: list[Cost] = []
+    for k, tip in enumerate(tolerances):
+        with steps.step("planning") as step:
+            planned = plan_program(
+                toolpath, task.machine, tip, task.axis_tolerance, effort=task.effort, planner=Optimal(bound=False),
+                progress=lambda share, k=k, step=step: step((k + share) / len(tolerances)),  # type: ignore[misc]
+            )  # fmt: skip
+            duration = min([planned.trajectory.duration, *(each.duration for each in found)])
+            step.note = f"within {format_length(tip)}: {format_time(duration)}"
+        found.append(Cost(tip, duration))
+    return found
+
+
+def show(console: Console, task: job.Job, found: Sequence[Cost]) -> None:
+    """A row a tolerance: the duration, and what it takes beside the tolerance asked for and the one before it."""
+    table = Table(box=SIMPLE, pad_edge=False)
+    for name in (
+        "tip within",
+        "duration",
+        "",
+        f"beside {format_length(task.tip_tolerance)}",
+        "a micrometre more gains",
+    ):
+        table.add_column(name, justify="right")
+    beside = next(each.duration for each in found if each.tip_tolerance == task.tip_tolerance)
+    for k, each in enumerate(found):
+        gain = ""
+        if k + 1 < len(found):
+            wider = found[k + 1]
+            gain = format_time((each.duration - wider.duration) / (wider.tip_tolerance - each.tip_tolerance) * 1e-6)
+        table.add_row(
+            format_length(each.tip_tolerance), clock_time(each.duration), format_time(each.duration),
+            f"{each.duration / beside - 1.0:+.2%}", gain,
+        )  # fmt: skip
+    console.print()
+    console.print(table)
+
+
+def run_tolerance(task: job.Job, tolerances: Sequence[float], picture: Path | None, steps: Steps) -> int:
+    """Plan a program within each tolerance, that of the job among them, and show what they cost."""
+    from toolpace.cli.tolerance.picture import drawn
+    from toolpace.files import whole_file
+
+    asked = sorted({*tolerances, task.tip_tolerance})
+    found = costs(replace(task, report=False), asked, steps)
+    show(steps.console, task, found)
+    if picture is not None:
+        with whole_file(picture) as temporary:
+            temporary.write_text(drawn(found, task.program.name), encoding="utf-8")
+        steps.console.print(f"written   {picture}", soft_wrap=True)
+    return 0

@@ -1,0 +1,307 @@
+"""From a program to its motion: path and pace, each from the other.
+
+a path within the tolerances, as smooth as its length allows                      (low: this one is planned)
+repeat
+    the path fitted again, smoother where the motion is fast, less so where it is slow anyway
+    the motion along it, with its limits held at the nodes: cheap, and it ranks paths as the whole plan does
+    not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
+the same within narrower tolerances of the tool axis, where a wide one is given: such a path is within it too
+the fastest of these paths, planned in full
+while another one was hoped to take less than that came to, it too: the best is taken
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.axispath.axispath import AxisPath
+from toolpace.description import counted, one_line
+from toolpace.errors import InfeasibleError, PathError, UsageError, did_you_mean
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.machine import Machine, check_machine
+from toolpace.path.fit.haste import Haste
+from toolpace.path.path import Path
+from toolpace.planning.mesh.guess import ramp_time
+from toolpace.planning.planner import Planner, plan, planner_of
+from toolpace.toolpath import ToolPath
+from toolpace.trajectory import Trajectory
+from toolpace.workers import UNTOLD, Progress
+
+POWERS: dict[str, tuple[float, ...]] = {"low": (), "normal": (6.0,), "high": (6.0, 7.0, 5.0)}
+"""By effort, the powers of the pace in the weight of roughness, one after the other."""
+EFFORTS = tuple(POWERS)
+"""low: the path is fitted once; normal: a few rounds of pace and fit; high: more, with other weights."""
+ROUNDS = 4
+"""Most rounds with each of these."""
+LONG = 40_000
+"""Points of a program for which one round is made; of one that is shorter, as many more as take that long."""
+ENOUGH = 1e-3
+"""Share of the duration that a round must gain for another to follow."""
+SMOOTHED = 0.3
+"""Time over which a pace is smoothed, in the time in which an acceleration builds up."""
+CANDIDATES = 3
+"""Fastest paths that are kept: a motion that holds its limits at the nodes may not be held between them at its pace."""
+RAMPS = 0.02, 0.5
+"""Between which that time is taken to be [s]."""
+NARROWEST, RUNG = np.radians(0.05), 4.0
+"""Narrowest tolerance of the tool axis that is tried within a wider one [rad], and the ratio of one to the next."""
+ROOM = 0.02
+"""Share of the first motion's time, beyond what feeds and dwells alone take, below which no round is worth its time:
+of what feeds leave, a round gains a part."""
+CRAWLING, CRAWL_LOOKS = 1e-3, 256
+"""Share of its mean pace below which a motion hardly moves, and how often it is looked at."""
+NEXT = 1.5
+"""How much wider the one asked for must be."""
+FITTED = 0.6
+"""Share of a round, for progress, that its fit takes."""
+ROUNDS_DONE = 0.3
+"""Share of a whole plan that the rounds take."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """One path on the way, and how fast it may be passed."""
+
+    duration: float
+    """Of its motion with limits held at the nodes [s]: the whole plan takes a little more."""
+    power: float
+    """Of the pace in the weight of its roughness; 0 for the first path, which knows no pace."""
+    kept: bool
+    """Whether it was the fastest so far."""
+    axis_tolerance: float
+    """Of the tool axis, that it was fitted within [rad]: at most the one asked for."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FittedProgram:
+    """The paths that a program may be planned on."""
+
+    candidates: tuple[tuple[float, Path], ...]
+    """The fastest ones and the first, and how long each was hoped to take [s]: the fastest first."""
+    first: Path
+    """The one that knows no pace."""
+    effort: str
+    rounds: tuple[Round, ...] = ()
+    """The first path and each that followed; none where it was fitted once."""
+
+    def __repr__(self) -> str:
+        return one_line(self, f"effort {self.effort}", counted(max(len(self.rounds) - 1, 0), "round"))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ProgramPlan:
+    """The path of a program, the motion along it, and what the rounds of path and pace gained."""
+
+    path: Path
+    trajectory: Trajectory
+    effort: str
+    """What was asked for, or "low" where the planner takes the path as it is."""
+    rounds: tuple[Round, ...]
+    """The first path and each that followed; none where it was fitted once."""
+
+    def __repr__(self) -> str:
+        rounds = counted(max(len(self.rounds) - 1, 0), "round")
+        return one_line(self, f"{self.trajectory.duration:.6g} s", f"effort {self.effort}", rounds)
+
+
+def plan_program(
+    toolpath: ToolPath,
+    machine: Machine,
+    tip_tolerance: float = 10e-6,
+    axis_tolerance: float = 1e-3,
+    *,
+    effort: str = "normal",
+    planner: str | Planner = "optimal",
+    progress: Callable[[float], None] | None = None,
+) -> ProgramPlan:
+    """The fastest motion of a tool path within the tolerances [m], [rad] and the limits of a machine.
+
+    `effort` "low" fits the smoothest path and plans it; "normal" spends the tolerance where the motion is fast, in a
+    few rounds of pace and fit; "high" takes more of them. Neither is slower than "low". Another planner than the
+    optimal one takes the path as "low" does. `progress` is told the share done. Raises UsageError for what makes no
+    sense, PathError where no curve fits, InfeasibleError where no motion exists.
+    """
+    told = Progress(progress or (lambda share: None))
+    chosen = planner_of(planner, {}, "plan_program")
+    effort = effort_for(effort, chosen)
+    fitted = fit_program(
+        toolpath, machine, tip_tolerance, axis_tolerance, effort=effort, progress=told.part(0.0, ROUNDS_DONE)
+    )
+    return plan_fitted(fitted, machine, planner=chosen, progress=told.part(ROUNDS_DONE, 1.0))
+
+
+def effort_for(effort: str, planner: str | Planner) -> str:
+    """The effort that is made: the one asked for, or "low" with a planner of another pace. Raises UsageError."""
+    if effort not in POWERS:
+        raise UsageError(f"effort is {str(effort)[:40]!r}; {did_you_mean(str(effort), EFFORTS)}")
+    name = planner if isinstance(planner, str) else planner.name
+    return effort if name == "optimal" else "low"
+
+
+def fit_program(
+    toolpath: ToolPath,
+    machine: Machine,
+    tip_tolerance: float,
+    axis_tolerance: float,
+    *,
+    effort: str = "normal",
+    progress: Callable[[float], None] | None = None,
+) -> FittedProgram:
+    """The path that may be passed the fastest, of those that an effort looks at. Raises as `Path.fit`."""
+    check_machine(machine, "plan_program")
+    told = Progress(progress or (lambda share: None))
+    if not POWERS[effort]:
+        path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, told)
+        return FittedProgram(((0.0, path),), path, effort)
+    rounds = PaceRounds(toolpath, machine, tip_tolerance, told)
+    for axis in axis_tolerances(axis_tolerance):
+        rounds.begin(axis)
+        if rounds.motion is not None and toolpath.least_duration > (1.0 - ROOM) * rounds.motion.duration:
+            break
+        for power in POWERS[effort]:
+            rounds.follow(power)
+    told(1.0)
+    return FittedProgram(rounds.candidates(), rounds.first, effort, tuple(rounds.done))
+
+
+def axis_tolerances(widest: float) -> list[float]:
+    """The tolerance of the tool axis that is asked for, and those within it that are tried too [rad].
+
+    A path within a narrower tolerance is one within a wider. As these are the same for all, what is gained within one
+    of them is never lost to a wider one.
+    """
+    found = [widest]
+    rung = NARROWEST * RUNG ** np.floor(np.log(widest / NARROWEST) / np.log(RUNG) + 1e-9)
+    while rung >= NARROWEST * (1.0 - 1e-9):
+        if widest >= NEXT * rung:
+            found.append(float(rung))
+        rung /= RUNG
+    return found
+
+
+class PaceRounds:
+    """Paths that follow each other, each fitted for the pace of those before it."""
+
+    def __init__(self, toolpath: ToolPath, machine: Machine, tip_tolerance: float, progress: Progress = UNTOLD) -> None:
+        self.toolpath, self.machine, self.tip_tolerance, self.progress = toolpath, machine, tip_tolerance, progress
+        self.ramp = float(np.clip(ramp_time(machine.limits), *RAMPS))
+        self.done: list[Round] = []
+        self.fastest: list[tuple[float, Path]] = []
+        self.tried = 0
+
+    def begin(self, axis_tolerance: float) -> None:
+        """The path within a tolerance of the axis [rad] that knows no pace. Raises PathError where the first has none.
+
+        One that follows, and cannot be had, is passed over.
+        """
+        self.axis_tolerance = axis_tolerance
+        self.motion: Trajectory | None = None
+        try:
+            path, self.motion = self._round(None)
+        except PathError:
+            if not self.done:
+                raise
+            return
+        if self.tried == 1:
+            self.first = path
+        self._note(path, self.motion, 0.0)
+
+    def follow(self, power: float) -> None:
+        """Rounds with the weight of one power of the pace, from the fastest motion in this tolerance on, while they
+        gain."""
+        if self.motion is None:
+            return
+        hastes = self._hastes(self.motion, power)
+        for _ in range(int(np.clip(LONG // len(self.toolpath), 1, ROUNDS))):
+            try:
+                path, motion = self._round(hastes)
+            except PathError:
+                return
+            self._note(path, motion, power)
+            if motion is None:
+                return
+            gained = 1.0 - motion.duration / self.motion.duration
+            if gained > 0.0:
+                self.motion = motion
+            if gained < ENOUGH:
+                return
+            hastes = [now.mean_with(before) for now, before in zip(self._hastes(motion, power), hastes)]
+
+    def _note(self, path: Path, motion: Trajectory | None, power: float) -> None:
+        """Put a round down, and keep its path where it is among the fastest."""
+        if motion is None:
+            return
+        kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
+        self.done.append(Round(motion.duration, power, kept, self.axis_tolerance))
+        self.fastest = sorted([*self.fastest, (motion.duration, path)], key=lambda each: each[0])[:CANDIDATES]
+
+    def candidates(self) -> tuple[tuple[float, Path], ...]:
+        """The fastest paths and the first, and how long each may take [s]."""
+        if not self.done:
+            return ((np.inf, self.first),)
+        more = [] if any(path is self.first for _, path in self.fastest) else [(self.done[0].duration, self.first)]
+        return (*self.fastest, *more)
+
+    def _hastes(self, motion: Trajectory, power: float) -> list[Haste]:
+        return [Haste.of_law(law, SMOOTHED * self.ramp, self.ramp, power) for law in motion.laws]
+
+    def _round(self, hastes: Sequence[Haste] | None) -> tuple[Path, Trajectory | None]:
+        """A path, and its motion with limits held at the nodes; None where there is none (a whole plan will say why),
+        or none that tells how fast the path is."""
+        # how many there will be nobody knows; the first ones take the longest
+        told = self.progress.part(1.0 - 0.5**self.tried, 1.0 - 0.5 ** (self.tried + 1))
+        self.tried += 1
+        path = Path.fit(
+            self.toolpath, self.tip_tolerance, self.axis_tolerance, self.machine, told.part(0.0, FITTED), hastes
+        )
+        try:
+            motion = plan(path, self.machine, guard=False, bound=False, progress=told.part(FITTED, 1.0))
+        except InfeasibleError:
+            return path, None
+        return path, None if any(map(crawls, motion.laws)) else motion
+
+
+def crawls(law: TimeLaw) -> bool:
+    """Whether a motion hardly moves for half of its time: held at the nodes only, its pace may fall to next to nothing
+    between two of them, which the guard of a whole plan mends."""
+    s = law.at(np.linspace(0.0, law.duration, CRAWL_LOOKS + 1))[0]
+    slow = np.diff(s) < CRAWLING * (s[-1] - s[0]) / CRAWL_LOOKS
+    return bool(2 * slow.sum() > CRAWL_LOOKS)
+
+
+def plan_fitted(
+    fitted: FittedProgram,
+    machine: Machine,
+    *,
+    planner: str | Planner = "optimal",
+    progress: Callable[[float], None] | None = None,
+    check: Callable[[AxisPath], None] = lambda axis_path: None,
+) -> ProgramPlan:
+    """The whole plan of a fitted program, on the path that turns out to be the best. Raises as `plan`.
+
+    `check` is given the joints along a path before they are planned, and raises where these will not do.
+    """
+
+    def whole(path: Path) -> ProgramPlan:
+        axis_path = AxisPath.follow(path, machine)
+        check(axis_path)
+        trajectory = plan(axis_path, machine, planner=planner, progress=progress)
+        return ProgramPlan(path, trajectory, fitted.effort, fitted.rounds)
+
+    best: ProgramPlan | None = None
+    for hoped, path in fitted.candidates:
+        if best is not None and best.trajectory.duration <= hoped:
+            break
+        try:
+            found = whole(path)
+        except InfeasibleError:
+            if path is fitted.first and best is None:
+                raise
+            continue
+        if best is None or found.trajectory.duration < best.trajectory.duration:
+            best = found
+    assert best is not None
+    return best

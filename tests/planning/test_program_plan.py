@@ -1,0 +1,166 @@
+"""Path and pace, each from the other: never slower than the smoothest path, within the same limits and tolerances."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from tests.support.tool_paths import toolpath_through
+from toolpace import demo
+from toolpace.errors import InfeasibleError, UsageError
+from toolpace.kernels.fit.quintic_spline import third_rows
+from toolpace.laws.linear import LinearLaw
+from toolpace.path.fit.haste import ACCELERATION, Haste, basis_derivatives
+from toolpace.path.fit.spline import knots_of
+from toolpace.planning import program_plan
+from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
+
+TIP, AXIS = 10e-6, math.radians(0.05)
+
+
+@pytest.fixture(scope="module")
+def machine():
+    return tp.Machine.load(demo.MACHINE)
+
+
+@pytest.fixture(scope="module")
+def blade():
+    """Once round a blade, as fast as the machine can."""
+    return toolpath_through(*demo.blade_flank(120), feed=np.inf)
+
+
+@pytest.fixture(scope="module")
+def plans(blade, machine):
+    return {effort: plan_program(blade, machine, TIP, AXIS, effort=effort) for effort in ("low", "normal")}
+
+
+def test_rounds_of_pace_and_fit_save_time(plans):
+    low, normal = plans["low"], plans["normal"]
+    assert normal.trajectory.duration < 0.985 * low.trajectory.duration
+    assert low.rounds == () and low.effort == "low"
+    assert len(normal.rounds) >= 2 and normal.rounds[0].power == 0.0
+
+
+def test_limits_and_tolerances_hold_as_they_did(plans, blade, machine):
+    for plan in plans.values():
+        assert plan.trajectory.usage().worst <= PROMISED
+        tp.verify(plan.trajectory, machine, blade, TIP, AXIS).raise_if_failed()
+
+
+def test_a_round_is_kept_where_it_is_the_fastest_so_far(plans):
+    least = np.inf
+    for each in plans["normal"].rounds:
+        assert each.kept == (each.duration < least)
+        least = min(least, each.duration)
+    assert plans["normal"].trajectory.duration == pytest.approx(least, rel=0.01)
+
+
+def test_low_is_fit_and_plan(plans, blade, machine):
+    path = tp.Path.fit(blade, TIP, AXIS, machine)
+    assert plans["low"].trajectory.duration == tp.plan(path, machine).duration
+
+
+def test_the_path_tells_where_it_uses_the_tolerance(plans):
+    run = plans["normal"].path.runs[0]
+    breaks, tip, axis = run.deviations()
+    assert len(tip) == len(axis) == len(breaks) - 1
+    assert tip.max() == pytest.approx(plans["normal"].path.tip_deviation) and tip.max() > 0.9 * TIP
+    assert axis.max() == pytest.approx(plans["normal"].path.axis_deviation)
+
+
+def test_a_path_that_turns_out_slow_gives_way_to_the_first(blade, machine, monkeypatch):
+    """The cheap motions of rounds promised more than whole plans hold: all that may be better are planned."""
+    fitted = fit_program(blade, machine, TIP, AXIS, effort="normal")
+    planned = program_plan.plan
+
+    def slow(axis_path, *given, **options):
+        trajectory = planned(axis_path, *given, bound=False, guard=False)
+        if axis_path.runs[0].run is fitted.first.runs[0]:
+            return trajectory
+        return replace(trajectory, laws=tuple(law.slowed(9.0) for law in trajectory.laws))
+
+    monkeypatch.setattr(program_plan, "plan", slow)
+    assert plan_fitted(fitted, machine).path is fitted.first
+
+    def none(axis_path, *given, **options):
+        if axis_path.runs[0].run is fitted.first.runs[0]:
+            return slow(axis_path, *given)
+        raise InfeasibleError("none")
+
+    monkeypatch.setattr(program_plan, "plan", none)
+    assert plan_fitted(fitted, machine).path is fitted.first
+
+
+def test_another_planner_takes_the_path_as_it_is(blade, machine):
+    plan = plan_program(blade, machine, TIP, AXIS, planner="second-order")
+    assert plan.effort == "low" and plan.rounds == ()
+
+
+def test_misspelt_effort(blade, machine):
+    with pytest.raises(UsageError, match=r"effort is 'hihg'; did you mean 'high'"):
+        plan_program(blade, machine, effort="hihg")
+
+
+def test_a_wider_tolerance_of_the_axis_does_not_cost_time(plans, blade, machine):
+    wide = plan_program(blade, machine, TIP, math.radians(1.0))
+    assert wide.trajectory.duration <= 1.002 * plans["normal"].trajectory.duration
+
+
+def test_rows_are_what_a_coordinate_feels_in_time():
+    """Against differences over time of a spline with any coefficients, passed at a pace that changes."""
+    r = np.random.default_rng(4)
+    breaks = np.concatenate([[0.0], np.cumsum(r.uniform(0.5, 2.0, 12))])
+    x = r.standard_normal(len(breaks) + 4)
+    inside = 0.5 * np.diff(breaks)[:, None] * np.array([1.0])
+    b = basis_derivatives(breaks, inside)
+    from scipy.interpolate import BSpline
+
+    curve = BSpline(knots_of(breaks), x, 5)
+    at = (breaks[:-1, None] + inside).ravel()
+    for order, value in enumerate(b, 1):
+        felt = [value[i, 0] @ x[i : i + 6] for i in range(len(at))]
+        assert np.allclose(felt, curve.derivative(order)(at), rtol=1e-9, atol=1e-9)
+    # at an even pace jerk is the third derivative, and power 6 counts places as they are long
+    even = Haste(np.array([0.0, breaks[-1]]), np.array([[2.0, 2.0], [0.0, 0.0], [0.0, 0.0]]), 0.1, 6.0)
+    rows, weight = even.rows(breaks, 1.0)
+    assert np.allclose(weight, 1.0)
+    third = third_rows(knots_of(breaks))
+    cubic = np.array([np.mean(knots_of(breaks)[i + 1 : i + 6]) for i in range(len(x))])
+    assert np.allclose(np.einsum("ika,ia->ik", third, windows(cubic)), 0.0, atol=1e-9)
+    jerk = np.einsum("ika,ia->ik", rows[:, [0, 2]], windows(x))
+    places = breaks[:-1, None] + 0.5 * np.diff(breaks)[:, None] * (1.0 + np.array([-1.0, 1.0]) / math.sqrt(3.0))
+    right = curve.derivative(3)(places) * np.sqrt(0.5 * np.diff(breaks))[:, None]
+    assert np.allclose(jerk, right, rtol=1e-8, atol=1e-8)
+    middle = 0.5 * (breaks[1:] + breaks[:-1])
+    scale = ACCELERATION / (2.0 * 0.1) * np.sqrt(np.diff(breaks))
+    acceleration = np.einsum("ia,ia->i", rows[:, 1], windows(x))
+    assert np.allclose(acceleration, curve.derivative(2)(middle) * scale, rtol=1e-8, atol=1e-8)
+
+
+def windows(x):
+    """(cells, 6) the coefficients that matter in each cell."""
+    return np.lib.stride_tricks.sliding_window_view(x, 6)
+
+
+def test_the_pace_is_a_mean_over_time():
+    """Of a constant acceleration it is the pace itself, and the acceleration, away from the ends."""
+    law = LinearLaw(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0]))
+    haste = Haste.of_law(law, 0.1, 0.1, 6.0)
+    inner = (haste.s > 0.1) & (haste.s < 1.8)
+    assert np.allclose(haste.pace[0, inner], np.sqrt(2.0 * haste.s[inner]))
+    assert np.allclose(haste.pace[1, inner], 1.0) and np.allclose(haste.pace[2, inner], 0.0)
+    assert haste.pace[0].min() >= 0.02 * haste.pace[0].max()
+    twice = haste.mean_with(Haste(haste.s, 3.0 * haste.pace, 0.1, 6.0))
+    assert np.allclose(twice.pace, 2.0 * haste.pace)
+
+
+def test_narrower_tolerances_are_the_same_for_all_wider_ones():
+    degrees = [np.degrees(program_plan.axis_tolerances(math.radians(wide))) for wide in (0.02, 0.05, 0.2, 1.0, 3.0)]
+    assert [np.round(each, 9).tolist() for each in degrees] == [
+        [0.02], [0.05], [0.2, 0.05], [1.0, 0.2, 0.05], [3.0, 0.8, 0.2, 0.05],
+    ]  # fmt: skip
