@@ -46,7 +46,7 @@ first-run: $(VENV)/.base  ## compile all from an empty cache: kernels, specialis
 	$(BIN)/python tools/first_run.py
 
 lock: $(VENV)/.base  ## write requirements.lock anew, from the newest versions that pyproject.toml allows
-	$(BIN)/pip install --quiet --upgrade --upgrade-strategy eager --editable ".[png,bench,test,docs,check]"
+	$(BIN)/pip install --quiet --upgrade --upgrade-strategy eager --editable ".[png,cluster,bench,test,docs,check]"
 	$(BIN)/python tools/lock.py
 
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers

@@ -38,7 +38,7 @@ nitpicky = True
 # Names of other projects: their inventories would have to be fetched.
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|npt|os|pathlib|collections|typing|datetime)\b.*"),
-    ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping|BSpline|PPoly"),
+    ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping|BSpline|PPoly|Client"),
     ("py:.*", r"toolpace\.(workers\.(R|CallersProgress)|reading\.controllers\.controller\.Option|kernels\..*)"),
 ]
 default_role = "code"

@@ -23,10 +23,19 @@ if TYPE_CHECKING:
     from toolpace import deflect
     from toolpace.axispath.axispath import AxisPath
     from toolpace.axispath.run import AxisRun
+    from toolpace.batching import Batch, BatchJob, BatchRow, batch
     from toolpace.bending.aim_off import AimedOff, aim_off
     from toolpace.bending.compliance import Bending
     from toolpace.bending.cutting_forces import CuttingForces
     from toolpace.bending.tool_file import load_tool
+    from toolpace.clamping.choices import Choice, Choices
+    from toolpace.clamping.choices_file import load_choices
+    from toolpace.clamping.clamping import Clamping
+    from toolpace.clamping.confirmed import PlannedSetUp
+    from toolpace.clamping.found import FoundSetUp
+    from toolpace.clamping.place_map import PlaceMap
+    from toolpace.clamping.search import search_setup
+    from toolpace.clamping.zones import Zone
     from toolpace.cuttingtool import Coefficients, Cut, Cutter, CuttingTool, Engagement
     from toolpace.deflect.replanning import replan
     from toolpace.errors import ToolpaceError
@@ -39,6 +48,7 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
+    from toolpace.path.fit.haste import Haste
     from toolpace.path.path import Path
     from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
@@ -47,6 +57,7 @@ if TYPE_CHECKING:
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.planned_run import PlannedRun
     from toolpace.planning.planner import Planner, plan
+    from toolpace.planning.program_plan import ProgramPlan, Round, plan_program
     from toolpace.planning.second_order.planner import SecondOrder
     from toolpace.reading import Kinematics, apply_feed, read, read_text
     from toolpace.reading.controllers.controller import Controller, Sign
@@ -58,14 +69,21 @@ if TYPE_CHECKING:
     from toolpace.toolpath import Operation, ToolPath
     from toolpace.trajectory import OpenPlace, Trajectory
     from toolpace.workers import Progress, Workers
+    from toolpace.write.set_up_folder import write_set_up
 
 __all__ = [
     "AimedOff",
     "AxisPath",
     "AxisRun",
+    "Batch",
+    "BatchJob",
+    "BatchRow",
     "Bending",
     "ChainFile",
     "Check",
+    "Choice",
+    "Choices",
+    "Clamping",
     "Coefficients",
     "Controller",
     "Cut",
@@ -76,8 +94,10 @@ __all__ = [
     "Engagement",
     "Exported",
     "Follower",
+    "FoundSetUp",
     "Genetic",
     "Geometry",
+    "Haste",
     "JointFile",
     "Kinematics",
     "Limits",
@@ -92,12 +112,16 @@ __all__ = [
     "Path",
     "PathJet",
     "PathRun",
+    "PlaceMap",
     "PlannedRun",
+    "PlannedSetUp",
     "Planner",
     "Probe",
+    "ProgramPlan",
     "ProgramTime",
     "Progress",
     "ReadBack",
+    "Round",
     "Sampled",
     "SecondOrder",
     "SetPoint",
@@ -113,29 +137,41 @@ __all__ = [
     "Usage",
     "Verification",
     "Workers",
+    "Zone",
     "__version__",
     "aim_off",
     "apply_feed",
+    "batch",
     "deflect",
     "export",
+    "load_choices",
     "load_tool",
     "plan",
+    "plan_program",
     "program_time",
     "prove",
     "read",
     "read_text",
     "replan",
     "report",
+    "search_setup",
     "verify",
+    "write_set_up",
 ]
 
 _HOME = {
     "AimedOff": "bending.aim_off",
     "AxisPath": "axispath.axispath",
     "AxisRun": "axispath.run",
+    "Batch": "batching",
+    "BatchJob": "batching",
+    "BatchRow": "batching",
     "Bending": "bending.compliance",
     "ChainFile": "machine.file",
     "Check": "judge",
+    "Choice": "clamping.choices",
+    "Choices": "clamping.choices",
+    "Clamping": "clamping.clamping",
     "Coefficients": "cuttingtool",
     "Controller": "reading.controllers.controller",
     "Cut": "cuttingtool",
@@ -146,8 +182,10 @@ _HOME = {
     "Engagement": "cuttingtool",
     "Exported": "exporting",
     "Follower": "follow",
+    "FoundSetUp": "clamping.found",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
+    "Haste": "path.fit.haste",
     "JointFile": "machine.file",
     "Kinematics": "reading",
     "Limits": "machine.limits",
@@ -162,12 +200,16 @@ _HOME = {
     "Path": "path.path",
     "PathJet": "path.run",
     "PathRun": "path.run",
+    "PlaceMap": "clamping.place_map",
     "PlannedRun": "planning.planned_run",
+    "PlannedSetUp": "clamping.confirmed",
     "Planner": "planning.planner",
     "Probe": "laws.law",
+    "ProgramPlan": "planning.program_plan",
     "ProgramTime": "timing.program_time",
     "Progress": "workers",
     "ReadBack": "exporting",
+    "Round": "planning.program_plan",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
     "SetPoint": "follow",
@@ -183,18 +225,24 @@ _HOME = {
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "workers",
+    "Zone": "clamping.zones",
     "aim_off": "bending.aim_off",
     "apply_feed": "reading",
+    "batch": "batching",
     "export": "exporting",
+    "load_choices": "clamping.choices_file",
     "load_tool": "bending.tool_file",
     "plan": "planning.planner",
+    "plan_program": "planning.program_plan",
     "program_time": "timing.program",
     "prove": "planning.bound.prove",
     "read": "reading",
     "read_text": "reading",
     "replan": "deflect.replanning",
     "report": "reporting",
+    "search_setup": "clamping.search",
     "verify": "judge",
+    "write_set_up": "write.set_up_folder",
 }
 """Public name to the module that defines it. No public function is named like a module: see docs/design/house.md."""
 _MODULES = ("deflect",)

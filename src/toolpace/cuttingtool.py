@@ -13,9 +13,9 @@ from toolpace.equality import ByValue
 from toolpace.errors import UsageError, did_you_mean
 
 Milling = Literal["up", "down", "slot"]
-MILLINGS: tuple[str, ...] = get_args(Milling)
+MILLINGS: tuple[Milling, ...] = get_args(Milling)
 Force = Literal["mean", "peak"]
-FORCES: tuple[str, ...] = get_args(Force)
+FORCES: tuple[Force, ...] = get_args(Force)
 STEEPEST = math.radians(80.0)
 """Most of a helix [rad]."""
 

@@ -56,6 +56,10 @@ class InfeasibleError(ToolpaceError):
     """A state or a path that no motion within the limits can start from, end in or follow."""
 
 
+class ClusterError(ToolpaceError):
+    """A cluster that is not there, or went away."""
+
+
 class VerificationError(ToolpaceError):
     """Set-points that break a limit, a feed or a tolerance."""
 

@@ -78,7 +78,8 @@ class TestStreamer:
         written = target.write(brief, tmp_path)
         file = tmp_path / "rows.txt"
         lines = file.read_text().splitlines()
-        lines[4000] = "7" + lines[4000]
+        first, *others = lines[4000].split()
+        lines[4000] = " ".join([repr(float(first) + 7.0), *others])
         file.write_text("\n".join(lines) + "\n")
         with pytest.raises(VerificationError, match=r"largest difference of a position \[mm, deg\]: \S+, allowed 0;"):
             target.check(brief, tmp_path, written)

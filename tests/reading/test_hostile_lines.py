@@ -29,6 +29,7 @@ WRONG = {
     "quoted semicolons": ("heidenhain", HEIDENHAIN, 'QS1 = "' + ";" * 1_000_000, "at most 4096 are read"),
     "loop that cannot be read": ("sinumerik", SINUMERIK, "FOR R1=1 TO 1e30\nENDFOR", "1e30"),
     "choice that cannot be read": ("sinumerik", SINUMERIK, "IF R1==\nELSE\nENDIF", "IF R1=="),
+    "form feed before a structure": ("sinumerik", SINUMERIK, "\fIF 0", "IF is never closed"),
     "M function": ("sinumerik", SINUMERIK, f"M{'9' * 400}", "are whole numbers"),
 }
 RIGHT = {

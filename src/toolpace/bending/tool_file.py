@@ -14,11 +14,13 @@ import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import NoReturn, TypeVar
+from typing import Literal, NoReturn, TypeVar
+
+import numpy as np
 
 from toolpace import units
 from toolpace.bending.compliance import Bending
-from toolpace.cuttingtool import FORCES, MILLINGS, Coefficients, Cut, Cutter, CuttingTool, Engagement
+from toolpace.cuttingtool import FORCES, MILLINGS, Coefficients, Cut, Cutter, CuttingTool, Engagement, Milling
 from toolpace.errors import UsageError, did_you_mean, in_short
 from toolpace.files import reason
 
@@ -28,7 +30,7 @@ LONGEST_LENGTH = 1.0
 """Most of a length in it [m]: more is a slip of units."""
 MOST_TEETH = 100
 SPINDLES = ("clockwise", "counterclockwise")
-CUTS = (*MILLINGS, "none")
+CUTS: tuple[Milling | Literal["none"], ...] = (*MILLINGS, "none")
 PARTS = ("tool", "bending", "cutting", "engagement")
 KEYS = {
     "tool": ("diameter", "teeth", "helix", "stick_out", "runout", "runout_angle", "only"),
@@ -38,6 +40,7 @@ KEYS = {
 }
 Table = Mapping[str, object]
 Value = TypeVar("Value")
+Word = TypeVar("Word", bound=str)
 
 
 def load_tool(path: str | Path) -> CuttingTool:
@@ -91,7 +94,7 @@ class _File:
                 compliance=self.bending(bending, tool, cutter).compliance,
                 cut=self.cut(cutting, cutter, self.engaged("[engagement]", engagement, cutter, tool)),
                 blend=blend,
-                force=self.word("[cutting]", cutting, "force", FORCES, "mean"),  # type: ignore[arg-type]
+                force=self.word("[cutting]", cutting, "force", FORCES, "mean"),
                 operations=self.operations(engagement, cutting, cutter, tool),
                 only=self.names(tool),
                 source=self.source,
@@ -146,7 +149,7 @@ class _File:
             return Bending.of_stiffness(*springs)
         rows = self.three("[bending]", bending, "compliance", "[[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.005]] in um/N")
         matrix = [[self.number("[bending]", "compliance", each) * 1e-6 for each in self.row(row)] for row in rows]
-        return self.made(lambda: Bending(matrix))  # type: ignore[arg-type]
+        return self.made(lambda: Bending(np.array(matrix)))
 
     def row(self, row: object) -> list[object]:
         if not isinstance(row, list) or len(row) != 3:
@@ -168,7 +171,7 @@ class _File:
                 f"radial_depth = {table['radial_depth']!r} is more than the diameter of {cutter.diameter * 1e3:g} mm; "
                 'give at most that, or milling = "slot"',
             )
-        return Engagement(milling, axial, radial)  # type: ignore[arg-type]
+        return Engagement(milling, axial, radial)
 
     def cut(self, cutting: Table, cutter: Cutter, engagement: Engagement | None) -> Cut:
         if engagement is None:
@@ -227,13 +230,14 @@ class _File:
             self.fail(place, f"{key} = {found!r:.40} is not a list of three; write it like {key} = {example}")
         return found
 
-    def word(self, place: str, table: Table, key: str, known: tuple[str, ...], usual: str | None = None) -> str:
+    def word(self, place: str, table: Table, key: str, known: tuple[Word, ...], usual: Word | None = None) -> Word:
         found = table.get(key, usual)
         if found is None:
             self.fail(place, f"{key} is missing; write one of {', '.join(known)}")
-        if not isinstance(found, str) or found not in known:
-            self.fail(place, f"{key} = {found!r:.40} is not known; {did_you_mean(str(found)[:40], known)}")
-        return found
+        for word in known:
+            if found == word:
+                return word
+        self.fail(place, f"{key} = {found!r:.40} is not known; {did_you_mean(str(found)[:40], known)}")
 
     def length(self, place: str, table: Table, key: str, usual: float | None = None) -> float:
         """Above zero, but where it is left out or may be nothing."""

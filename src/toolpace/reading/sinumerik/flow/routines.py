@@ -23,7 +23,7 @@ _PROCEDURE = re.compile(r"[ \t]*+(?:N[0-9]++[ \t]*+)?PROC[ \t]++([A-Z_][A-Z0-9_]
 _WORDS = "IF|ELSE|ENDIF|FOR|ENDFOR|WHILE|ENDWHILE|LOOP|ENDLOOP|REPEAT|UNTIL"
 # Blanks are never given back: several runs of them that could share one take its length to the fourth power.
 _STRUCTURED = re.compile(
-    rf"[ \t]*+(?:/[0-9]?+[ \t]*+)?(?:[N:][ \t]*+[0-9]++[ \t]*+)?(?:\w++[ \t]*+:[ \t]*+)?(?:{_WORDS})\b",
+    rf"\s*+(?:/[0-9]?+\s*+)?(?:[N:]\s*+[0-9]++\s*+)?(?:\w++\s*+:\s*+)?(?:{_WORDS})\b",
     re.IGNORECASE,
 )
 CLOSES = {"ENDIF": "IF", "ELSE": "IF", "ENDFOR": "FOR", "ENDWHILE": "WHILE", "ENDLOOP": "LOOP", "UNTIL": "REPEAT"}
