@@ -23,6 +23,10 @@ COMPONENT = "toolpace"
 TICK = 1e-3
 
 
+SURELY = {1.5: ("gone", 0.5), 2.3: ("nan", 0.15), 2.6: ("huge", 0.15)}
+"""What the sensor shows in any run, by when it begins, and for how long [s]: what else comes depends on the clock."""
+
+
 class Sensor:
     """Deflections nobody would wish for: steps, noise, drop-outs, what is no number, what cannot be [mm]."""
 
@@ -44,11 +48,14 @@ class Sensor:
             what = self.random.random()
             self.gone = now + self.random.uniform(0.02, 0.3) if what < 0.3 else -1.0
             self.broken = now + 0.02 if what > 0.7 else -1.0
-        self.pins["valid"] = now >= self.gone
+        surely = {what for began, (what, long) in SURELY.items() if began <= now < began + long}
+        self.pins["valid"] = now >= self.gone and "gone" not in surely
         for name, level in zip("xyz", self.level):
             value = level + self.random.gauss(0.0, 5e-3)
             if now < self.broken:
                 value = self.random.choice([math.nan, math.inf, 1e9])
+            elif surely & {"nan", "huge"}:
+                value = math.nan if "nan" in surely else 1e9
             self.pins[name] = value
 
 

@@ -11,7 +11,7 @@ import pytest
 import toolpace as tp
 from tests.support.tool_paths import toolpath_through
 from toolpace import demo
-from toolpace.errors import InfeasibleError, UsageError
+from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
 from toolpace.laws.linear import LinearLaw
 from toolpace.path.fit.haste import ACCELERATION, Haste, basis_derivatives
@@ -94,6 +94,49 @@ def test_a_path_that_turns_out_slow_gives_way_to_the_first(blade, machine, monke
 
     monkeypatch.setattr(program_plan, "plan", none)
     assert plan_fitted(fitted, machine).path is fitted.first
+
+
+def test_joints_beyond_travel_on_a_fast_path_leave_the_others(blade, machine):
+    """A path within the tolerances may still be one that the travel does not allow: the next is taken."""
+    fitted = fit_program(blade, machine, TIP, AXIS, effort="normal")
+
+    def only_the_first(axis_path):
+        if axis_path.runs[0].run is not fitted.first.runs[0]:
+            raise ReachError("beyond travel")
+
+    def none(axis_path):
+        raise ReachError("the first" if axis_path.runs[0].run is fitted.first.runs[0] else "another")
+
+    assert plan_fitted(fitted, machine, check=only_the_first).path is fitted.first
+    with pytest.raises(ReachError, match=r"^the first$"):
+        plan_fitted(fitted, machine, check=none)
+
+
+def test_a_first_path_whose_motion_nobody_knows_is_planned_too(blade, machine, monkeypatch):
+    """Where it crawls with its limits at the nodes, nothing is promised of it; it may be the best all the same."""
+    planned = program_plan.plan
+    seen = []
+
+    def first_crawls(path, *given, **options):
+        seen.append(path)
+        if len(seen) == 1:
+            raise InfeasibleError("none at the nodes")
+        return planned(path, *given, **options)
+
+    monkeypatch.setattr(program_plan, "plan", first_crawls)
+    fitted = fit_program(blade, machine, TIP, math.radians(0.2), effort="normal")
+    monkeypatch.setattr(program_plan, "plan", planned)
+    assert fitted.candidates[-1] == (0.0, fitted.first) and len(fitted.candidates) >= 2
+    assert all(each.axis_tolerance == pytest.approx(math.radians(0.05)) for each in fitted.rounds)
+    slowed = []
+
+    def slow(axis_path, *given, **options):
+        slowed.append(axis_path.runs[0].run)
+        return planned(axis_path, *given, bound=False, guard=False)
+
+    monkeypatch.setattr(program_plan, "plan", slow)
+    plan_fitted(fitted, machine)
+    assert slowed[-1] is fitted.first.runs[0]
 
 
 def test_another_planner_takes_the_path_as_it_is(blade, machine):

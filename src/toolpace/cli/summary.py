@@ -115,10 +115,10 @@ def near_in_words(share: float | None) -> str:
 
 
 def rounds_in_words(record: PlanRecord) -> str:
-    """ "normal: 4 rounds of pace and fit gained 14.5% on the smoothest path"."""
+    """ "normal: 4 rounds of pace and fit promised 14.5% less than the first path"."""
     first, best = record.rounds[0].duration_s, min(each.duration_s for each in record.rounds)
     rounds = counted(len(record.rounds) - 1, "round")
-    return f"{record.effort}: {rounds} of pace and fit gained {1.0 - best / first:.1%} on the smoothest path"
+    return f"{record.effort}: {rounds} of pace and fit promised {1.0 - best / first:.1%} less than the first path"
 
 
 def bending_in_words(bending: BendingRecord) -> str:

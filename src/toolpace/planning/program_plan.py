@@ -19,7 +19,7 @@ import numpy as np
 
 from toolpace.axispath.axispath import AxisPath
 from toolpace.description import counted, one_line
-from toolpace.errors import InfeasibleError, PathError, UsageError, did_you_mean
+from toolpace.errors import InfeasibleError, PathError, ReachError, ToolpaceError, UsageError, did_you_mean
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.path.fit.haste import Haste
@@ -120,8 +120,9 @@ def plan_program(
     """The fastest motion of a tool path within the tolerances [m], [rad] and the limits of a machine.
 
     `effort` "low" fits the smoothest path and plans it; "normal" spends the tolerance where the motion is fast, in a
-    few rounds of pace and fit; "high" takes more of them. Neither is slower than "low". Another planner than the
-    optimal one takes the path as "low" does. `progress` is told the share done. Raises UsageError for what makes no
+    few rounds of pace and fit; "high" takes more of them. Paths are ranked by motions with their limits held at the
+    nodes, and the path of "low" is planned too where it may be the best. Another planner than the optimal one takes
+    the path as "low" does. `progress` is told the share done. Raises UsageError for what makes no
     sense, PathError where no curve fits, InfeasibleError where no motion exists.
     """
     told = Progress(progress or (lambda share: None))
@@ -159,7 +160,7 @@ def fit_program(
     rounds = PaceRounds(toolpath, machine, tip_tolerance, told)
     for axis in axis_tolerances(axis_tolerance):
         rounds.begin(axis)
-        if rounds.motion is not None and toolpath.least_duration > (1.0 - ROOM) * rounds.motion.duration:
+        if rounds.done and toolpath.least_duration > (1.0 - ROOM) * rounds.done[0].duration:
             break
         for power in POWERS[effort]:
             rounds.follow(power)
@@ -206,7 +207,7 @@ class PaceRounds:
                 raise
             return
         if self.tried == 1:
-            self.first = path
+            self.first, self.first_duration = path, 0.0 if self.motion is None else self.motion.duration
         self._note(path, self.motion, 0.0)
 
     def follow(self, power: float) -> None:
@@ -239,11 +240,11 @@ class PaceRounds:
         self.fastest = sorted([*self.fastest, (motion.duration, path)], key=lambda each: each[0])[:CANDIDATES]
 
     def candidates(self) -> tuple[tuple[float, Path], ...]:
-        """The fastest paths and the first, and how long each may take [s]."""
-        if not self.done:
-            return ((np.inf, self.first),)
-        more = [] if any(path is self.first for _, path in self.fastest) else [(self.done[0].duration, self.first)]
-        return (*self.fastest, *more)
+        """The fastest paths and the first, and how long each may take [s]: nobody knows of one without a motion, and it
+        may be the best."""
+        if any(path is self.first for _, path in self.fastest):
+            return tuple(self.fastest)
+        return (*self.fastest, (self.first_duration, self.first))
 
     def _hastes(self, motion: Trajectory, power: float) -> list[Haste]:
         return [Haste.of_law(law, SMOOTHED * self.ramp, self.ramp, power) for law in motion.laws]
@@ -280,9 +281,10 @@ def plan_fitted(
     progress: Callable[[float], None] | None = None,
     check: Callable[[AxisPath], None] = lambda axis_path: None,
 ) -> ProgramPlan:
-    """The whole plan of a fitted program, on the path that turns out to be the best. Raises as `plan`.
+    """The whole plan of a fitted program, on the path that turns out to be the best.
 
-    `check` is given the joints along a path before they are planned, and raises where these will not do.
+    `check` is given the joints along a path before they are planned, and raises ReachError where these will not do.
+    Raises as `check` and `plan` do of the first path, where no other will do.
     """
 
     def whole(path: Path) -> ProgramPlan:
@@ -292,16 +294,19 @@ def plan_fitted(
         return ProgramPlan(path, trajectory, fitted.effort, fitted.rounds)
 
     best: ProgramPlan | None = None
+    problem: ToolpaceError | None = None
     for hoped, path in fitted.candidates:
         if best is not None and best.trajectory.duration <= hoped:
-            break
+            continue
         try:
             found = whole(path)
-        except InfeasibleError:
-            if path is fitted.first and best is None:
-                raise
+        except (InfeasibleError, ReachError) as error:
+            if problem is None or path is fitted.first:
+                problem = error
             continue
         if best is None or found.trajectory.duration < best.trajectory.duration:
             best = found
-    assert best is not None
+    if best is None:
+        assert problem is not None
+        raise problem
     return best

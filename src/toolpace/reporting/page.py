@@ -201,7 +201,7 @@ def _rounds(figures: PlanFigures) -> list[tuple[str, str, str, str]]:
     best = min(each.duration_s for each in figures.rounds)
     steps = " → ".join(f"{each.duration_s:.2f}" for each in figures.rounds)
     return [
-        ("Gained by rounds of pace and fit", percent(1.0 - best / first), f"effort {figures.effort}: {steps} s", "")
+        ("Promised by rounds of pace and fit", percent(1.0 - best / first), f"effort {figures.effort}: {steps} s", "")
     ]
 
 
