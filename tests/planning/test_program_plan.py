@@ -14,6 +14,7 @@ from toolpace import demo
 from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
 from toolpace.laws.linear import LinearLaw
+from toolpace.path.fit import fit
 from toolpace.path.fit.haste import ACCELERATION, Haste, basis_derivatives
 from toolpace.path.fit.spline import knots_of
 from toolpace.planning import program_plan
@@ -152,6 +153,25 @@ def test_misspelt_effort(blade, machine):
 def test_a_wider_tolerance_of_the_axis_does_not_cost_time(plans, blade, machine):
     wide = plan_program(blade, machine, TIP, math.radians(1.0))
     assert wide.trajectory.duration <= 1.002 * plans["normal"].trajectory.duration
+
+
+@pytest.mark.parametrize("swing", [0.0, 1e-6, 0.2])
+def test_a_long_straight_way_is_fitted_again_in_two_looks(swing, monkeypatch):
+    """Along a straight way the measure would put the points elsewhere on it, and few samples let the curve stray far
+    between them: from there the tube's solver found back over a million samples, or not at all."""
+    machine = tp.Machine.load("xyzbc-nutating")
+    u = np.linspace(0.0, 1.0, 300)[:, None]
+    tip = np.hstack([1.2 * u - 0.6, 0.0 * u, swing * np.sin(3.0 * u)])
+    way = toolpath_through(tip, np.hstack([np.sin(swing * u), 0.0 * u, np.cos(swing * u)]), feed=np.inf)
+    first = tp.Path.fit(way, TIP, AXIS, machine)
+    motion = tp.plan(first, machine, guard=False, bound=False)
+    hastes = [Haste.of_law(law, 0.03, 0.1, 6.0) for law in motion.laws]
+    looks, look = [], fit.deviations
+    monkeypatch.setattr(fit, "deviations", lambda *given: looks.append(look(*given)) or looks[-1])
+    again = tp.Path.fit(way, TIP, AXIS, machine, hastes=hastes)
+    assert len(looks) <= 2 and again.tip_deviation <= TIP and again.axis_deviation <= AXIS
+    if swing == 0.0:
+        assert all(np.array_equal(a.coefficients, b.coefficients) for a, b in zip(first.runs, again.runs))
 
 
 def test_rows_are_what_a_coordinate_feels_in_time():

@@ -6,7 +6,8 @@ of a run from stop to stop:
       smooth it as far as the tube at its samples allows                  (an interior point, window by window)
       look between the samples:  inside the tube everywhere?  done
       where it strays: sample there too; then narrow the tube there; at last put in knots
-  where that does not end, the first spline
+      where it strays far, that is no place to go on from: smooth the first spline again
+  where that does not end, the first spline; where it was smoothed for a pace, as without one
 """
 
 from __future__ import annotations
@@ -36,10 +37,16 @@ SLOW = 0.3
 """A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
 LIMIT = 0.995
 """Share of the tolerance within which the curve must be found; the rest is for what lies between the looks."""
+STRAIGHT = 1e-6
+"""A run as close to a straight one is one [tolerances]."""
 LOCAL = 3
 """Repairs that keep the knots."""
 REPAIRS = 10
 """Repairs before the first spline is taken as it is."""
+ASTRAY = 1.5
+"""Deviation between the samples from which the tube's solver may not find back [tolerances]."""
+MORE_SAMPLES = 20
+"""Times the samples of the first spline that are too many: it strays everywhere, and each look finds as many more."""
 
 
 class FittedRun(NamedTuple):
@@ -102,6 +109,8 @@ def fit_run(
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
     check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
+    if is_straight(line):
+        haste = None
     first, samples = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine, check.between, workers)
     spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
@@ -126,14 +135,31 @@ def fit_run(
         s = with_neighbours(data.s, found.at, found.bad)
         if repair > 0:
             narrow.append((where, np.clip(0.95 / found.off[found.bad], 0.7, 1.0)))
+        breaks = spline.breaks
         if repair >= LOCAL:
-            spline = spline.over(refined_at(line.s, spline.breaks, where))
-            s = np.union1d(s, spline.breaks)
-        data = sample(line, spline.breaks, axis_tolerance, machine, s, data)
+            breaks = refined_at(line.s, breaks, where)
+            s = np.union1d(s, breaks)
+        if len(s) > MORE_SAMPLES * len(samples.s):
+            break
+        if not np.max(found.off) <= ASTRAY:
+            spline, where = first.over(breaks), None
+        elif len(breaks) > len(spline.breaks):
+            spline = spline.over(breaks)
+        data = sample(line, breaks, axis_tolerance, machine, s, data)
+    if haste is not None:
+        return fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, start, workers, progress)
     found = deviations(check, first, samples)
     if len(found.bad):
         raise PathError("the curve cannot be kept inside the tolerance")
     return finished(found, first)
+
+
+def is_straight(line: Polyline) -> bool:
+    """Whether a run goes straight, in tip and turn: nothing is smoother, at any pace."""
+    u = (line.s / line.s[-1])[:, None]
+    return all(
+        np.abs(each - each[0] - u * (each[-1] - each[0])).max() <= STRAIGHT for each in (line.tip, line.turn, line.axis)
+    )
 
 
 class Deviations(NamedTuple):
