@@ -10,7 +10,7 @@ import pytest
 
 import toolpace as tp
 from tests.support.bending import TOOL_FILE
-from toolpace.bending.tool_file import LONGEST, tool_of_bytes
+from toolpace.bending.tool_file import FILE, tool_of_bytes
 from toolpace.errors import UsageError
 
 PAGE = Path(__file__).parents[2] / "docs" / "design" / "bending.md"
@@ -134,4 +134,4 @@ def test_what_is_no_file_of_text_is_one_error(tmp_path):
     with pytest.raises(UsageError, match="save it as UTF-8"):
         tool_of_bytes(b"\xff\xfe", "my.toml")
     with pytest.raises(UsageError, match="this is no tool file"):
-        tool_of_bytes(b"#" * (LONGEST + 1), "my.toml")
+        tool_of_bytes(b"#" * (FILE.longest + 1), "my.toml")

@@ -173,7 +173,7 @@ BEYOND = {
     "joint": ("[joints.X]", '[joints."X\\u001b"]', r"joint 'X\\x1b' has"),
     "no joint": ("[joints.X]", '[joints.""]', "joint is empty"),
     "a long key": ("jerk = 50000", "j" * 50_000 + " = 5", "unknown key 'j{40}'"),
-    "a large file": ("[units]", "#" + "x" * 200_000 + "\n[units]", "at most 100000"),
+    "a large file": ("[units]", "#" + "x" * 200_000 + "\n[units]", "more than 100000 characters"),
 }
 
 

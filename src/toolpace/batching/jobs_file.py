@@ -11,19 +11,17 @@ tip_tolerance = ["5um", "10um"]
 from __future__ import annotations
 
 import itertools
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from toolpace import units
 from toolpace.batching.job import BatchJob
 from toolpace.batching.programs import programs_in
-from toolpace.errors import ToolpaceError, UsageError, did_you_mean, in_short
-from toolpace.files import reason
+from toolpace.errors import ToolpaceError, UsageError
+from toolpace.files.tables import TableFile, Tables
 
-LONGEST = 10_000_000
-"""Most characters of a file of jobs."""
+FILE = TableFile("file of jobs", longest=10_000_000)
 MOST = 1_000_000
 """Jobs of one file: more is a slip in a list."""
 LISTS = (
@@ -49,42 +47,23 @@ KEYS = ("programs", *dict.fromkeys((*WORDS, *UNITS, *SWITCHES)), "max_blocks", "
 def jobs_of_file(path: str | Path) -> list[BatchJob]:
     """The jobs in a file, in its order. Raises UsageError naming file, table, key and cure."""
     source = str(path)
-    try:
-        with Path(path).open(encoding="utf-8-sig") as stream:
-            text = stream.read(LONGEST + 1)
-    except OSError as error:
-        raise UsageError(f"file of jobs {source}: cannot be read ({reason(error)}); check the path") from None
-    except ValueError:
-        raise UsageError(f"file of jobs {source}: not a text file; save it as UTF-8") from None
-    if len(text) > LONGEST:
-        raise UsageError(f"{source}: has more than {LONGEST} characters: this is no file of jobs")
-    try:
-        table = tomllib.loads(text)
-    except RecursionError:
-        raise UsageError(f"{source}: not a file of jobs: tables or arrays lie too deep in each other") from None
-    except ValueError as error:
-        raise UsageError(f"{source}: not a TOML file: {in_short(error)}") from None
-    return _File(source, Path(path).parent).read(table)
+    return _File(source, FILE.table(FILE.text(path), source), Path(path).parent).read()
 
 
-class _File:
+class _File(Tables):
     """One reading of one file."""
 
-    def __init__(self, source: str, folder: Path) -> None:
-        self.source, self.folder = source, folder
+    longest = 1000
 
-    def fail(self, place: str, what: str) -> NoReturn:
-        raise UsageError(f"{self.source}: {place} {what}"[:1000])
+    def __init__(self, source: str, raw: Mapping[str, Any], folder: Path) -> None:
+        super().__init__(source, raw)
+        self.folder = folder
 
-    def read(self, table: Mapping[str, Any]) -> list[BatchJob]:
-        for key in table:
-            if key not in ("all", "jobs"):
-                self.fail("the file", f"has the unknown key '{key[:40]}'; {did_you_mean(key, ('all', 'jobs'))}")
-        common = table.get("all", {})
-        if not isinstance(common, dict):
-            self.fail("all", "is not a table; write it under the heading [all]")
+    def read(self) -> list[BatchJob]:
+        self.known("the file", self.raw, ("all", "jobs"))
+        common = self.table("all")
         self.check("[all]", common)
-        given = table.get("jobs", [{}] if common else [])
+        given = self.raw.get("jobs", [{}] if common else [])
         if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
             self.fail("jobs", "are missing; write each table of jobs under the heading [[jobs]]")
         found: list[BatchJob] = []
@@ -97,9 +76,8 @@ class _File:
         return found
 
     def check(self, place: str, table: Mapping[str, Any]) -> None:
+        self.known(place, table, KEYS)
         for key, value in table.items():
-            if key not in KEYS:
-                self.fail(place, f"has the unknown key '{key[:40]}'; {did_you_mean(key, KEYS)}")
             if isinstance(value, list) and key not in (*LISTS, "programs"):
                 self.fail(place, f"{key} is a list; one value, or a table of jobs for each")
             if isinstance(value, list) and not value:

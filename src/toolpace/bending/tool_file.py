@@ -10,22 +10,20 @@ docs/design/bending.md says what each means.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, NoReturn, TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from toolpace import units
 from toolpace.bending.compliance import Bending
 from toolpace.cuttingtool import FORCES, MILLINGS, Coefficients, Cut, Cutter, CuttingTool, Engagement, Milling
-from toolpace.errors import UsageError, did_you_mean, in_short
-from toolpace.files import reason
+from toolpace.errors import UsageError, did_you_mean
+from toolpace.files.tables import TableFile, Tables
 
-LONGEST = 100_000
-"""Most characters of a tool file."""
+FILE = TableFile("tool file", longest=100_000)
 LONGEST_LENGTH = 1.0
 """Most of a length in it [m]: more is a slip of units."""
 MOST_TEETH = 100
@@ -50,39 +48,17 @@ def load_tool(path: str | Path) -> CuttingTool:
 
 def tool_bytes(path: str | Path) -> bytes:
     """What a tool file holds, read once (it may be a pipe) and no further than one can go. Raises UsageError."""
-    try:
-        with Path(path).open("rb") as stream:
-            data = stream.read(4 * LONGEST + 1)
-    except (OSError, ValueError) as error:
-        why = reason(error) if isinstance(error, OSError) else "no such name"
-        raise UsageError(f"tool file {path}: cannot be read ({why}); check the path") from None
-    return data
+    return FILE.data(path)
 
 
 def tool_of_bytes(data: bytes, source: str) -> CuttingTool:
     """A tool from what its file holds; `source` names it in messages. Raises UsageError."""
-    try:
-        text = data.decode("utf-8-sig")
-        if len(text) > LONGEST:
-            raise UsageError(f"{source}: has more than {LONGEST} characters: this is no tool file")
-        raw = tomllib.loads(text)
-    except RecursionError:
-        raise UsageError(f"{source}: not a tool file: tables or arrays lie too deep in each other") from None
-    except UnicodeDecodeError:
-        raise UsageError(f"{source}: not a text file; save it as UTF-8") from None
-    except ValueError as error:
-        raise UsageError(f"{source}: not a TOML file: {in_short(error)}") from None
+    raw = FILE.table(FILE.text_of(data, source), source)
     return replace(_File(source, raw).read(), data=data)
 
 
-class _File:
+class _File(Tables):
     """One reading of one file."""
-
-    def __init__(self, source: str, raw: Table) -> None:
-        self.source, self.raw = source, raw
-
-    def fail(self, place: str, what: str) -> NoReturn:
-        raise UsageError(f"{self.source}: {place} {what}"[:500])
 
     def read(self) -> CuttingTool:
         self.known("the file", self.raw, PARTS)
@@ -212,11 +188,6 @@ class _File:
             self.fail(f"[{name}]", f"is {'missing' if found is None else 'not a table'}; write it under that heading")
         self.known(f"[{name}]", found, KEYS[name])
         return found
-
-    def known(self, place: str, table: Table, names: tuple[str, ...]) -> None:
-        for key in table:
-            if key not in names:
-                self.fail(place, f"has the unknown key '{key[:40]}'; {did_you_mean(key, names)}")
 
     def names(self, tool: Table) -> tuple[str, ...]:
         found = tool.get("only", [])

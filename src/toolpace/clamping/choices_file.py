@@ -9,19 +9,16 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from toolpace.clamping.choices import Choice, Choices
 from toolpace.clamping.zones import Zone, is_angle
-from toolpace.errors import UsageError, did_you_mean, in_short
-from toolpace.files import reason
-from toolpace.reading.setup_file import ANGLES, LENGTHS
+from toolpace.files.tables import TableFile
+from toolpace.reading.in_units import ANGLES, LENGTHS, TablesInUnits
 
-LONGEST = 100_000
-"""Most characters of the file."""
+FILE = TableFile("file of choices", longest=100_000)
 MOST = 100
 """Values of a list, and zones."""
 ANGLED, PLACES = ("turn", "tilt", "swing"), ("x", "y", "z")
@@ -33,69 +30,24 @@ FARTHEST, LONGEST_TOOL, MOST_TURN = 100.0, 10.0, 4.0 * math.pi
 
 def load_choices(path: str | Path) -> Choices:
     """The choices in a file. Raises UsageError naming file, key, value and cure."""
-    source = str(path)
-    try:
-        with Path(path).open(encoding="utf-8-sig") as stream:
-            text = stream.read(LONGEST + 1)
-    except OSError as error:
-        raise UsageError(f"choices {source}: cannot be read ({reason(error)}); check the path") from None
-    except ValueError:
-        raise UsageError(f"choices {source}: not a text file; save it as UTF-8") from None
-    return choices_of_text(text, source)
+    return choices_of_text(FILE.text(path), str(path))
 
 
 def choices_of_text(text: str, source: str = "choices") -> Choices:
     """Choices from the text of a file; `source` names it in messages. Raises UsageError."""
-    if len(text) > LONGEST:
-        raise UsageError(f"{source}: has more than {LONGEST} characters: this is no file of choices")
-    try:
-        table = tomllib.loads(text)
-    except RecursionError:
-        raise UsageError(f"{source}: not a file of choices: tables or arrays lie too deep in each other") from None
-    except ValueError as error:
-        raise UsageError(f"{source}: not a TOML file: {in_short(error)}") from None
-    return _File(source, table).read()
+    return _File(source, FILE.table(text, source), "the file", ("units", "choose", "forbidden")).read()
 
 
-class _File:
+class _File(TablesInUnits):
     """One reading of one file."""
 
-    def __init__(self, source: str, raw: Mapping[str, Any]) -> None:
-        self.source, self.raw = source, raw
-        self.length, self.angle = "mm", "deg"
-
-    def fail(self, place: str, what: str) -> NoReturn:
-        raise UsageError(f"{self.source}: {place} {what}"[:500])
-
     def read(self) -> Choices:
-        self.known("the file", self.raw, ("units", "choose", "forbidden"))
-        units = self.table("units")
-        self.known("[units]", units, ("length", "angle"))
-        self.length = self.unit(units, "length", LENGTHS, "mm")
-        self.angle = self.unit(units, "angle", ANGLES, "deg")
         choose = self.table("choose")
         self.known("[choose]", choose, KEYS)
         given: dict[str, Any] = {key: self.choice(key, value) for key, value in choose.items() if key != "solution"}
         if "solution" in choose:
             given["side"] = self.solution(choose["solution"])
         return Choices(**given, forbidden=self.zones(), source=self.source)
-
-    def known(self, place: str, table: Mapping[str, object], names: tuple[str, ...]) -> None:
-        for key in table:
-            if key not in names:
-                self.fail(place, f"has the unknown key '{key[:40]}'; {did_you_mean(key, names)}")
-
-    def table(self, name: str) -> Mapping[str, Any]:
-        found = self.raw.get(name, {})
-        if not isinstance(found, dict):
-            self.fail(name, f"= {found!r:.40} is not a table; write it under the heading [{name}]")
-        return found
-
-    def unit(self, units: Mapping[str, object], key: str, known: Mapping[str, float], usual: str) -> str:
-        found = units.get(key, usual)
-        if not isinstance(found, str) or found not in known:
-            self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, known))}")
-        return found
 
     def choice(self, key: str, value: object) -> Choice:
         """One value, a list, or a range."""

@@ -6,19 +6,19 @@ Every figure is checked where it is read, so that an error can name file, joint 
 from __future__ import annotations
 
 import math
-import tomllib
 from typing import Any, Literal, TypeVar
 
 import msgspec
 
 from toolpace.errors import MachineError, did_you_mean
+from toolpace.files.tables import TableFile
 from toolpace.machine.figures import LONGEST_NOTE, check_chain, check_joint, check_name, check_place, check_text
 
 Vector = tuple[float, float, float]
 Table = TypeVar("Table", bound=msgspec.Struct)
 
-LONGEST = 100_000
-"""Most characters of a machine file: one has about 1500."""
+FILE = TableFile("machine file", longest=100_000, error=MachineError)
+"""One has about 1500 characters."""
 LENGTHS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
 
@@ -72,14 +72,7 @@ class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 def read_machine(text: str, source: str) -> MachineFile:
     """Parse and check a machine file; `source` is its name for messages. Raises MachineError."""
-    if len(text) > LONGEST:
-        raise MachineError(f"{source}: has {len(text)} characters; a machine file has at most {LONGEST}")
-    try:
-        raw = tomllib.loads(text, parse_float=_finite)
-    except RecursionError:
-        raise MachineError(f"{source}: not a machine file: tables or arrays lie too deep in each other") from None
-    except ValueError as error:
-        raise MachineError(f"{source}: not a TOML file: {str(error).partition(';')[0][:200]}") from None
+    raw = FILE.table(text, source, parse_float=_finite)
     known = ("name", "note", "columns", "units", "chain", "joints", "setup")
     _check_keys(raw, known, ("name", "chain", "joints"), "", source)
     units = _convert(raw.get("units", {}), Units, "[units]", source)

@@ -14,7 +14,7 @@ from toolpace.errors import MachineError, UsageError, did_you_mean
 from toolpace.files.toml import toml_text
 from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
-from toolpace.machine.file import LONGEST, MachineFile, read_machine
+from toolpace.machine.file import FILE, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
 from toolpace.machine.limits import Limits
@@ -100,7 +100,7 @@ class Machine(ByValue):
         try:
             with path.open(encoding="utf-8-sig") as stream:
                 # It is read once (it may be a pipe), and no further than a machine file can go (it may never end).
-                text = stream.read(LONGEST + 1)
+                text = stream.read(FILE.longest + 1)
         except (OSError, ValueError) as error:
             if path.suffix == ".toml" or isinstance(error, ValueError) or _exists(path):
                 reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"

@@ -7,23 +7,20 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import NoReturn, TypeVar
+from typing import TypeVar
 
-from toolpace.errors import UsageError, did_you_mean, in_short
-from toolpace.files import reason
+from toolpace.errors import UsageError
+from toolpace.files.tables import TableFile
 from toolpace.files.toml import toml_text
 from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.coordinates.setup import Position, SetUp, Tool, tool_name
+from toolpace.reading.in_units import ANGLES, LENGTHS, TablesInUnits
 
-LENGTHS = {"mm": 1e-3, "m": 1.0, "in": 0.0254}
-ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}
+FILE = TableFile("set-up sheet", longest=1_000_000)
 LETTERS = "XYZABCUVW"
 TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times")
-LONGEST = 1_000_000
-"""Most characters of a set-up sheet."""
 FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
 """Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
 MOST_REFERENCES = 4
@@ -38,33 +35,17 @@ _P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
 
 def load_setup(path: str | Path) -> SetUp:
     """The set-up sheet in a file. Raises UsageError naming file, key and cure."""
-    source = str(path)
-    try:
-        with Path(path).open(encoding="utf-8-sig") as stream:
-            text = stream.read(LONGEST + 1)
-    except OSError as error:
-        raise UsageError(f"set-up sheet {source}: cannot be read ({reason(error)}); check the path") from None
-    except ValueError:
-        raise UsageError(f"set-up sheet {source}: not a text file; save it as UTF-8") from None
-    return setup_of_text(text, source)
+    return setup_of_text(FILE.text(path), str(path))
 
 
 def setup_of_text(text: str, source: str = "set-up sheet") -> SetUp:
     """A set-up sheet from its text; `source` names it in messages. Raises UsageError."""
-    if len(text) > LONGEST:
-        raise UsageError(f"{source}: has more than {LONGEST} characters: this is no set-up sheet")
-    try:
-        table = tomllib.loads(text)
-    except RecursionError:
-        raise UsageError(f"{source}: not a set-up sheet: tables or arrays lie too deep in each other") from None
-    except ValueError as error:
-        raise UsageError(f"{source}: not a TOML file: {in_short(error)}") from None
-    return setup_of_table(table, source)
+    return setup_of_table(FILE.table(text, source), source)
 
 
 def setup_of_table(table: Mapping[str, object], source: str) -> SetUp:
     """A set-up sheet from its tables, as they stand in the file. Raises UsageError."""
-    return _Sheet(source, table).read()
+    return _Sheet(source, table, "the sheet", TABLES).read()
 
 
 def setup_text(setup: SetUp) -> str:
@@ -113,22 +94,10 @@ def check_setup(setup: SetUp, machine: Kinematics) -> None:
         )
 
 
-class _Sheet:
+class _Sheet(TablesInUnits):
     """One reading of one sheet."""
 
-    def __init__(self, source: str, table: Mapping[str, object]) -> None:
-        self.source, self.raw = source, table
-        self.length, self.angle = "mm", "deg"
-
-    def fail(self, place: str, what: str) -> NoReturn:
-        raise UsageError(f"{self.source}: {place} {what}"[:500])
-
     def read(self) -> SetUp:
-        self.known("the sheet", self.raw, TABLES)
-        units = self.table("units")
-        self.known("[units]", units, ("length", "angle"))
-        self.length = self.unit(units, "length", LENGTHS, "mm")
-        self.angle = self.unit(units, "angle", ANGLES, "deg")
         return SetUp(
             source=self.source,
             offsets=self.named("offsets", offset_name, self.position),
@@ -140,23 +109,6 @@ class _Sheet:
             part=self.part(),
             tool_change=self.tool_change(),
         )
-
-    def known(self, place: str, table: Mapping[str, object], names: tuple[str, ...]) -> None:
-        for key in table:
-            if key not in names:
-                self.fail(place, f"has the unknown key '{key[:40]}'; {did_you_mean(key, names)}")
-
-    def table(self, name: str) -> Mapping[str, object]:
-        found = self.raw.get(name, {})
-        if not isinstance(found, dict):
-            self.fail(name, f"= {found!r:.40} is not a table; write it under the heading [{name}]")
-        return found
-
-    def unit(self, units: Mapping[str, object], key: str, known: Mapping[str, float], usual: str) -> str:
-        found = units.get(key, usual)
-        if not isinstance(found, str) or found not in known:
-            self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, known))}")
-        return found
 
     def named(
         self, name: str, key_of: Callable[[str], Key], value_of: Callable[[str, Mapping[str, object]], Value]
