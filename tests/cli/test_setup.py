@@ -68,7 +68,7 @@ def test_several_machines_are_held_against_each_other(part, tmp_path, capsys):
         (["--machines", "xyzbc-head,xyzbc-head"], "a machine stands twice"),
         (["-m", "xyzac-trunnion", "--trials", "2"], "2 trials find nothing"),
         (["-m", "xyzac-trunnion", "--choices", "nowhere.toml"], "choices nowhere.toml: cannot be read"),
-        (["-m", "xyzac-trunnion", "--workers", "-1"], "--workers -1: give a number of processes"),
+        (["-m", "xyzac-trunnion", "--workers", "-1"], "--workers -1: give 1 or more, or 0 for this process"),
         (["-m", "xyzac-trunnion", "--workers", "2", "--cluster", "tcp://a:1"], "--cluster and --workers"),
     ],
 )

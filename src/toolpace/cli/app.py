@@ -6,10 +6,12 @@ from pathlib import Path
 
 from cyclopts import App
 
-from toolpace.cli import comparing, exporting, options, placing
+from toolpace.cli import comparing, exporting, options
 from toolpace.cli.live import run as live
-from toolpace.cli.many import options as many
+from toolpace.cli.many import command as many
+from toolpace.cli.placing import command as placing
 from toolpace.cli.steps import Steps, new_console
+from toolpace.cli.tolerance import command as tolerance
 from toolpace.errors import UsageError
 from toolpace.version import __version__
 
@@ -55,8 +57,7 @@ def plan_command(
     /,
     *,
     machine: options.MachineName = None,
-    tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
-    axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
+    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
     planner: options.PlannerName = "optimal",
     effort: options.Effort = "normal",
     prove: options.Prove = False,
@@ -89,7 +90,7 @@ def plan_command(
     from toolpace.cli import arguments, summary
     from toolpace.jobs import job
 
-    tip, axis = arguments.tolerances(tip_tolerance, axis_tolerance)
+    tip, axis = arguments.tolerances(tolerances)
     arguments.planner_named(planner)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     task = job.Job(
@@ -117,44 +118,7 @@ def plan_command(
     return job.exit_code(record, verification)
 
 
-@app.command(name="batch", help_epilogue="")
-def batch_command(
-    programs: many.ProgramsOrJobs,
-    /,
-    *,
-    machine: many.Machines = many.NO_MACHINES,
-    what: many.What = "plan",
-    to: many.Target = None,
-    out: many.Out = "toolpace-batch",
-    cluster: many.Address = None,
-    workers: many.Workers = None,
-    memory: many.Memory = None,
-    each: many.Each = many.AS_USUAL,
-    files: options.Files = options.USUAL_FILES,
-    reading: options.Reading = options.AS_WRITTEN,
-) -> int:
-    """Plan, time, inspect or export many programs on one or many machines, on all cores or on a cluster.
-
-    Each job has a folder of its own in --out, written whole; batch.html and
-    batch.parquet have a row a job. A batch that was stopped goes on where it was:
-    the same command finds what is done by the hash of program, machine, options
-    and version. A program that is refused stops no other. Exit code 0 where all
-    is planned and verified, 1 where a verification failed, 2 where a job has no
-    result. docs: many programs.
-
-    For example:
-
-        toolpace batch parts/ -m xyzac-trunnion --out plans
-        toolpace batch parts/ -m my-mill.toml -m xyzbc-head --tip-tolerance 5um --tip-tolerance 20um
-        toolpace batch jobs.toml --cluster tcp://10.0.0.5:8786 --out /shared/plans
-        toolpace batch parts/ --what inspect
-        toolpace batch parts/ -m my-mill.toml --what export --to table
-    """
-    from toolpace.cli.many import run
-
-    where = run.where_asked(cluster, workers)
-    jobs = many.jobs_of(programs, what, machine, to, each, files, reading)
-    return run.run_jobs(jobs, out, where, memory)
+app.command(many.batch_command, name="batch", help_epilogue="")
 
 
 @app.command(name="verify", help_epilogue="")
@@ -179,18 +143,7 @@ def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading
     return 0 if verification.ok else 1
 
 
-@app.command(name="compare", help_epilogue="")
-def compare_command(plans: comparing.Plans, /, *, page: comparing.Page = None) -> int:
-    """Show plans side by side: times by operation and by what limits, and on a page their speed over the path.
-
-    From the folders alone; nothing is judged again.
-
-    For example:
-
-        toolpace compare part-plan part-plan-5um
-        toolpace compare on-trunnion on-head --page compared.html
-    """
-    return comparing.run_compare(plans, page)
+app.command(comparing.compare_command, name="compare", help_epilogue="")
 
 
 @app.command(name="export", help_epilogue="")
@@ -283,8 +236,7 @@ def time_command(
     fit: options.FitLog = None,
     write_controller: options.WriteController = None,
     feed: options.Feed = None,
-    tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
-    axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
+    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
     json: options.Json = False,
@@ -307,7 +259,7 @@ def time_command(
     from toolpace.cli.timing import fitting, run
     from toolpace.jobs.timed import Asked
 
-    tolerances = arguments.tolerances(tip_tolerance, axis_tolerance)
+    within = arguments.tolerances(tolerances)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     asked = Asked(
         machine=on,
@@ -315,7 +267,7 @@ def time_command(
         model=arguments.control_model(model),
         feed=arguments.feed_asked(feed),
         dialect=dialect,
-        tolerances=tolerances,
+        tolerances=within,
         optimum=not no_optimum,
     )
     if fit is not None:
@@ -325,104 +277,10 @@ def time_command(
     return run.run_time(programs, asked, json)
 
 
-@app.command(name="tolerance", help_epilogue="")
-def tolerance_command(
-    program: options.Program,
-    /,
-    *,
-    machine: options.MachineName = None,
-    tips: options.Tips = options.TIPS,
-    tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
-    axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
-    effort: options.Effort = "normal",
-    feed: options.Feed = None,
-    out: options.Picture = None,
-    tool_length: options.ToolLength = None,
-    dialect: options.Dialect = None,
-    reading: options.Reading = options.AS_WRITTEN,
-) -> int:
-    """Tell what a micrometre costs: the duration of a program over the tolerance of its tip.
-
-    The program is planned within each of the tolerances, that of --tip-tolerance
-    among them, with which the others are compared.
-
-    For example:
-
-        toolpace tolerance part.ngc -m xyzac-trunnion
-        toolpace tolerance part.ngc -m xyzbc-head --tips 2um,5um,20um --out costs.svg
-    """
-    from toolpace.cli import arguments
-    from toolpace.cli.tolerance import run
-    from toolpace.jobs import job
-
-    tip, axis = arguments.tolerances(tip_tolerance, axis_tolerance)
-    asked = arguments.tip_tolerances(tips)
-    on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
-    task = job.Job(
-        program=Path(program), machine=on, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
-        effort=arguments.effort_named(effort), feed=arguments.feed_asked(feed), dialect=dialect, options=how,
-    )  # fmt: skip
-    picture = arguments.file_for_result("--out", out)
-    return run.run_tolerance(task, asked, picture, Steps(new_console()))
+app.command(tolerance.tolerance_command, name="tolerance", help_epilogue="")
 
 
-@app.command(name="setup", help_epilogue="")
-def setup_command(
-    program: options.Program,
-    /,
-    *,
-    machine: options.MachineName = None,
-    machines: placing.Machines = None,
-    choices: placing.ChoicesFile = None,
-    trials: placing.Trials = 200,
-    shown: placing.Shown = 10,
-    seed: placing.Seed = 0,
-    no_map: placing.NoMap = False,
-    tip_tolerance: options.TipTolerance = options.TIP_TOLERANCE,
-    axis_tolerance: options.AxisTolerance = options.AXIS_TOLERANCE,
-    feed: options.Feed = None,
-    tool_length: options.ToolLength = None,
-    dialect: options.Dialect = None,
-    out: options.Out = None,
-    cluster: placing.Cluster = None,
-    workers: placing.WorkersHere = None,
-    reading: options.Reading = options.AS_WRITTEN,
-) -> int:
-    """Find where to clamp the part, with which fixture and tool, so that a program is fastest within all travels.
-
-    Clampings are tried by cheap plans; the best ten are planned in full. The
-    program is read for the machine as it is (of several, the first), and written
-    out as tips and tool axes, which hold for any clamping. What collides is not
-    known: --choices says what there is to choose from, and where the machine
-    must not be. docs: where to clamp the part.
-
-    For example:
-
-        toolpace setup part.ngc -m xyzac-trunnion
-        toolpace setup part.ngc -m my-mill.toml --choices fixtures.toml --out part-setup
-        toolpace setup part.cls --machines xyzac-trunnion,xyzbc-head,my-mill.toml
-    """
-    from toolpace.cli import arguments
-
-    named = placing.machines_named(machine, machines, tool_length)
-    first, how = arguments.machine_with_setup(named[0][1], reading)
-    return placing.run_setup(
-        placing.Asked(
-            program=program,
-            machines=((named[0][0], first), *named[1:]),
-            choices=placing.choices_in(choices),
-            tolerances=arguments.tolerances(tip_tolerance, axis_tolerance),
-            trials=trials,
-            seed=seed,
-            shown=shown,
-            mapped=0 if no_map else placing.MAPPED,
-            client=placing.where(cluster, workers),
-            out=arguments.folder_for_results(placing.default_folder(program) if out is None else out),
-            feed=arguments.feed_asked(feed),
-            dialect=dialect,
-            options=how,
-        )
-    )
+app.command(placing.setup_command, name="setup", help_epilogue="")
 
 
 @app.command(name="controllers", help_epilogue="")

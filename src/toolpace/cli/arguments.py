@@ -17,7 +17,7 @@ from toolpace.reading.source import STANDARD_INPUT
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
-    from toolpace.cli.options import Reading
+    from toolpace.cli.options import Reading, Tolerances
     from toolpace.cuttingtool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.reading import ReadOptions
@@ -70,8 +70,9 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
     return name
 
 
-def tolerances(tip: str, axis: str) -> tuple[float, float]:
+def tolerances(given: Tolerances) -> tuple[float, float]:
     """Both tolerances [m], [rad], above zero."""
+    tip, axis = given.tip_tolerance, given.axis_tolerance
     metres, radians = units.parse_length(tip), units.parse_angle(axis)
     if not metres > 0.0:
         raise UsageError(f"--tip-tolerance {tip}: a curve needs room to be smooth; give more than zero, like 0.001mm")

@@ -27,14 +27,22 @@ LEAST = 0.005
 """Share of the longest plan from which a limit is listed."""
 
 
-def run_compare(folders: list[str], page: str | None) -> int:
-    """Compare plans and print what was found; 0."""
+def compare_command(plans: Plans, /, *, page: Page = None) -> int:
+    """Show plans side by side: times by operation and by what limits, and on a page their speed over the path.
+
+    From the folders alone; nothing is judged again.
+
+    For example:
+
+        toolpace compare part-plan part-plan-5um
+        toolpace compare on-trunnion on-head --page compared.html
+    """
     from toolpace.comparing.page import comparison_page
     from toolpace.files import write_text
 
     target = arguments.file_for_result("--page", page)
     console = new_console()
-    found = compared(folders)
+    found = compared(plans)
     _show_plans(console, found)
     _show(console, found, "operation", found.operations)
     least = LEAST * max(found.durations)

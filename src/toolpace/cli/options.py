@@ -30,11 +30,18 @@ TipTolerance = Annotated[
     str, Parameter(help="How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in.")
 ]
 AxisTolerance = Annotated[str, Parameter(help="How far the tool axis may turn from the program's: 0.05deg, 1e-3rad.")]
-TIPS = "1um,2um,5um,10um,20um,50um"
-Tips = Annotated[str, Parameter(help="Tolerances of the tip, with commas between them.")]
-Picture = Annotated[
-    str | None, Parameter(name=["--out", "-o"], help="Draw duration over tolerance into this file (.svg).")
-]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Tolerances:
+    """How far the tool may stray."""
+
+    tip_tolerance: TipTolerance = TIP_TOLERANCE
+    axis_tolerance: AxisTolerance = AXIS_TOLERANCE
+
+
+USUAL_TOLERANCES = Tolerances()
 Effort = Annotated[
     str,
     Parameter(

@@ -17,7 +17,7 @@ from rich.text import Text
 from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
 from toolpace.description import counted
-from toolpace.errors import UsageError, printable
+from toolpace.errors import printable
 from toolpace.units import format_time
 
 if TYPE_CHECKING:
@@ -54,15 +54,6 @@ def run_jobs(jobs: Sequence[BatchJob], out: str, where: str | int | None, memory
             raise
     _show(console, done)
     return done.exit_code
-
-
-def where_asked(cluster: str | None, workers: int | None) -> str | int | None:
-    """Where the jobs are done. Raises UsageError."""
-    if cluster is not None and workers is not None:
-        raise UsageError("--cluster and --workers: one of them; a cluster has the workers that it has")
-    if workers is not None and workers < 0:
-        raise UsageError(f"--workers {workers}: give 1 or more, or 0 for this process")
-    return cluster if cluster is not None else workers
 
 
 class _Shown:

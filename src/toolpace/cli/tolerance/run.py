@@ -54,7 +54,7 @@ def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost
     return found
 
 
-def show(console: Console, task: job.Job, found: Sequence[Cost]) -> None:
+def show_costs(console: Console, task: job.Job, found: Sequence[Cost]) -> None:
     """A row a tolerance: the duration, and what it takes beside the tolerance asked for and the one before it."""
     table = Table(box=SIMPLE, pad_edge=False)
     for name in (
@@ -86,7 +86,7 @@ def run_tolerance(task: job.Job, tolerances: Sequence[float], picture: Path | No
 
     asked = sorted({*tolerances, task.tip_tolerance})
     found = costs(replace(task, report=False), asked, steps)
-    show(steps.console, task, found)
+    show_costs(steps.console, task, found)
     if picture is not None:
         with whole_file(picture) as temporary:
             temporary.write_text(drawn(found, task.program.name), encoding="utf-8")

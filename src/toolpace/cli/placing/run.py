@@ -1,4 +1,4 @@
-"""The command `setup`: where to clamp the part, on which machine, with which tool."""
+"""The search of the command `setup`: where to clamp the part, on which machine, with which tool."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from cyclopts import Parameter
 from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
 from toolpace.cli import arguments
-from toolpace.cli.options import Switch
 from toolpace.cli.steps import Steps, new_console
 from toolpace.cli.summary import limits_in_words
 from toolpace.errors import ToolpaceError, UsageError, printable
@@ -31,34 +29,9 @@ if TYPE_CHECKING:
     from toolpace.reading import ReadOptions
     from toolpace.toolpath import ToolPath
 
-Machines = Annotated[
-    str | None,
-    Parameter(help="Several machines, between commas, in place of one: each is searched, and the fastest is taken."),
-]
-ChoicesFile = Annotated[
-    str | None,
-    Parameter(
-        help="A file (.toml) of what there is to choose from: fixture tilts, turns, places, tool lengths, and where the"
-        " machine must not be."
-    ),
-]
-Trials = Annotated[int, Parameter(help="How many clampings are tried on each machine, each by a cheap plan.")]
-Shown = Annotated[int, Parameter(help="How many of the best are planned in full, and shown.")]
-Seed = Annotated[int, Parameter(help="Another one searches in another order.")]
-NoMap = Annotated[bool, Switch, Parameter(help="Leave the map of the time over x and y out.")]
-Cluster = Annotated[
-    str | None,
-    Parameter(help="A cluster of dask.distributed, like tcp://10.0.0.5:8786; by default a process a core, here."),
-]
-WorkersHere = Annotated[
-    int | None, Parameter(name="--workers", help="Processes on this computer; 0 for none but this one.")
-]
-MAPPED = 9
-"""Places of the map along x, and along y."""
-
 
 @dataclass(frozen=True)
-class Asked:
+class AskedSearch:
     """What is to be searched, checked."""
 
     program: str
@@ -80,39 +53,12 @@ class Asked:
     options: ReadOptions
 
 
-def machines_named(machine: str | None, machines: str | None, tool_length: str | None) -> list[tuple[str, Machine]]:
-    """The machines to search, by name. Raises UsageError."""
-    if machine is not None and machines is not None:
-        raise UsageError("--machine and --machines: give one of both; the first of several is the program's own")
-    names = [name.strip() for name in machines.split(",")] if machines is not None else [machine]
-    if len(set(names)) < len(names):
-        raise UsageError(f"--machines {machines}: a machine stands twice; name each once")
-    return [(str(name), arguments.machine_named(name, tool_length)) for name in names]
-
-
-def choices_in(path: str | None) -> Choices:
-    """The choices in a file; the usual ones where none is named."""
-    from toolpace.clamping.choices import Choices
-    from toolpace.clamping.choices_file import load_choices
-
-    return Choices() if path is None else load_choices(path)
-
-
 def default_folder(program: str) -> str:
     """part-setup for part.ngc, here."""
     return f"{arguments.default_folder(program).removesuffix('-plan')}-setup"
 
 
-def where(cluster: str | None, workers: int | None) -> str | int | None:
-    """What does the trials. Raises UsageError."""
-    if cluster is not None and workers is not None:
-        raise UsageError("--cluster and --workers: the workers of a cluster are its own; leave one of both out")
-    if workers is not None and workers < 0:
-        raise UsageError(f"--workers {workers}: give a number of processes, or 0")
-    return cluster if cluster is not None else workers
-
-
-def run_setup(asked: Asked) -> int:
+def run_setup(asked: AskedSearch) -> int:
     """Search each machine, write the folder of the fastest, and say what was found."""
     from toolpace.clamping.search import check_arguments
     from toolpace.write.set_up_folder import write_set_up
@@ -132,14 +78,14 @@ def run_setup(asked: Asked) -> int:
         raise UsageError("; ".join(str(why) for _, why in found))
     with steps.step("writing"):
         files = write_set_up(asked.out, fastest, Path(asked.program).name, asked.options.setup, found)
-    show(console, fastest, found)
+    show_found(console, fastest, found)
     machine, program = asked.out / "machine.toml", asked.out / "program.apt"
     console.print(f"written      {printable(str(asked.out))}: {', '.join(files)}", soft_wrap=True)
     console.print(f"to plan it   toolpace plan {printable(str(program))} -m {printable(str(machine))}", soft_wrap=True)
     return 0
 
 
-def read(asked: Asked, steps: Steps) -> ToolPath:
+def read(asked: AskedSearch, steps: Steps) -> ToolPath:
     """The program as it is read for the first machine."""
     machine = asked.machines[0][1]
     task = job.Job(
@@ -149,7 +95,7 @@ def read(asked: Asked, steps: Steps) -> ToolPath:
     return job.read_program(job.loaded(task), steps)
 
 
-def searched(asked: Asked, toolpath: ToolPath, machine: Machine, name: str, steps: Steps) -> FoundSetUp | str:
+def searched(asked: AskedSearch, toolpath: ToolPath, machine: Machine, name: str, steps: Steps) -> FoundSetUp | str:
     """What was found on a machine; why nothing was, where others may have more. Raises ToolpaceError for one alone."""
     from toolpace.clamping.search import search_setup
 
@@ -170,7 +116,7 @@ def searched(asked: Asked, toolpath: ToolPath, machine: Machine, name: str, step
         return str(error)
 
 
-def show(console: Console, found: FoundSetUp, machines: Sequence[tuple[str, FoundSetUp | str]]) -> None:
+def show_found(console: Console, found: FoundSetUp, machines: Sequence[tuple[str, FoundSetUp | str]]) -> None:
     """The machines where there are several, the best set-ups of the fastest, and what limits before and after."""
     if len(machines) > 1:
         table = Table("machine", "time", "gain", "set-up", box=SIMPLE)

@@ -1,0 +1,46 @@
+"""The command `batch`."""
+
+from __future__ import annotations
+
+from toolpace.cli import options
+from toolpace.cli.many import options as many
+from toolpace.cli.many.asked import AskedBatch
+from toolpace.cli.where import HERE, Where
+
+
+def batch_command(
+    programs: many.ProgramsOrJobs,
+    /,
+    *,
+    machine: many.Machines = many.NO_MACHINES,
+    what: many.What = "plan",
+    to: many.Target = None,
+    out: many.Out = "toolpace-batch",
+    where: Where = HERE,
+    memory: many.Memory = None,
+    each: many.Each = many.AS_USUAL,
+    files: options.Files = options.USUAL_FILES,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Plan, time, inspect or export many programs on one or many machines, on all cores or on a cluster.
+
+    Each job has a folder of its own in --out, written whole; batch.html and
+    batch.parquet have a row a job. A batch that was stopped goes on where it was:
+    the same command finds what is done by the hash of program, machine, options
+    and version. A program that is refused stops no other. Exit code 0 where all
+    is planned and verified, 1 where a verification failed, 2 where a job has no
+    result. docs: many programs.
+
+    For example:
+
+        toolpace batch parts/ -m xyzac-trunnion --out plans
+        toolpace batch parts/ -m my-mill.toml -m xyzbc-head --tip-tolerance 5um --tip-tolerance 20um
+        toolpace batch jobs.toml --cluster tcp://10.0.0.5:8786 --out /shared/plans
+        toolpace batch parts/ --what inspect
+        toolpace batch parts/ -m my-mill.toml --what export --to table
+    """
+    from toolpace.cli.many.run import run_jobs
+
+    client = where.client()
+    asked = AskedBatch(programs, machine, what, to, each, files, reading)
+    return run_jobs(asked.jobs(), out, client, memory)
