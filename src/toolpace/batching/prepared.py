@@ -82,7 +82,7 @@ class Loader:
         part = options.setup.part
         machines = tuple(machine.mounted(**part) for machine in machines) if part else machines
         tool = None if job.bend is None else self._tool(job.bend)
-        prepared = Prepared(job, os.path.abspath(job.program), source.data, machines, options, tool, "")  # noqa: PTH100
+        prepared = Prepared(job, str(Path(job.program).absolute()), source.data, machines, options, tool, "")
         return replace(prepared, key=self._key(prepared))
 
     def _on(self, job: BatchJob) -> tuple[Machine, ...]:

@@ -7,6 +7,7 @@ import glob
 import os
 from pathlib import Path
 
+from toolpace.files import is_folder
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.dialect import SUFFIXES
 
@@ -25,10 +26,11 @@ def programs_in(named: str) -> list[str]:
     the files whose names end like those of programs, of a pattern (*.ngc) those that fit.
     """
     path = Path(named)
-    if os.path.isdir(path):  # noqa: PTH112 (that of Path raises where the name is too long)
+    if is_folder(path):
         return sorted(str(each) for each in path.iterdir() if each.is_file() and _is_program(each))
     if os.path.lexists(path) or not glob.has_magic(named):
         return [named]
+    # Not Path's: its ** stands for folders alone, and its * for hidden files too.
     return sorted(each for each in glob.glob(named, recursive=True) if Path(each).is_file())  # noqa: PTH207
 
 

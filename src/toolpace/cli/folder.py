@@ -28,7 +28,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     import msgspec
 
     from toolpace import write
-    from toolpace.files import changed, reason
+    from toolpace.files import changed, is_folder, reason
     from toolpace.judge import Check, verify_plan
     from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
     from toolpace.judge.table import with_table
@@ -36,7 +36,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     from toolpace.reading import Source, read_source
     from toolpace.setpoints import SetPoints
 
-    if not os.path.isdir(folder):  # noqa: PTH112 (that of Path raises where the name is too long)
+    if not is_folder(folder):
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
     refuse_pipes(folder)
     record = write.read_plan(folder)

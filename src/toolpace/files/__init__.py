@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from toolpace.files.folder import finished, folder_to_write, whole_folder
+from toolpace.files.folder import finished, folder_to_write, is_folder, whole_folder
 from toolpace.files.room import free_disk, free_memory
 from toolpace.files.seal import KEY as SEAL
 from toolpace.files.seal import changed, sealed_files
 from toolpace.files.whole import file_to_write, reason, whole_file, write_text
 
 __all__ = [
-    "SEAL", "changed", "file_to_write", "finished", "folder_to_write", "free_disk", "free_memory", "reason",
-    "sealed_files", "whole_file", "whole_folder", "write_text",
+    "SEAL", "changed", "file_to_write", "finished", "folder_to_write", "free_disk", "free_memory", "is_folder",
+    "reason", "sealed_files", "whole_file", "whole_folder", "write_text",
 ]  # fmt: skip

@@ -21,6 +21,14 @@ finished: list[Path] = []
 _FILLED = (errno.ENOTEMPTY, errno.EEXIST)
 
 
+def is_folder(path: str | os.PathLike[str]) -> bool:
+    """Whether it is one; a name that no file can have, as one that is too long, is that of none."""
+    try:
+        return Path(path).is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def folder_to_write(folder: str | os.PathLike[str]) -> Path:
     """The place for a folder of results, links followed, found fit for it before any work is done.
 

@@ -14,9 +14,10 @@ from toolpace.operations import operation_times
 from toolpace.reading.options import ReadOptions
 from toolpace.setpoints import SetPoints
 from toolpace.version import __version__
+from toolpace.write import figures
 from toolpace.write.bent_tool import bending_record
 from toolpace.write.how_read import reading_record
-from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, PlanRecord, RoundRecord, UsageRecord
+from toolpace.write.plan_json import PlanRecord
 
 if TYPE_CHECKING:
     from toolpace.bending.aim_off import AimedOff
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from toolpace.trajectory import Trajectory
 
 
-NEARLY = 0.9
-"""Share of a tolerance from which it counts as used."""
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
 
 
@@ -92,10 +91,7 @@ class PlanResult:
     def record(self) -> PlanRecord:
         """The figures of plan.json. Deviations are what the judge measured, without one what the fit did."""
         trajectory, toolpath, verification = self.trajectory, self.toolpath, self.verification
-        usage = trajectory.usage()
-        jerk = {joint: value if math.isfinite(value) else None for joint, value in usage.jerk.items()}
-        bound = float(trajectory.lower_bound)
-        known = math.isfinite(bound) and bound > 0.0
+        bound = figures.known_bound(trajectory)
         # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
         blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
         source = toolpath.source if toolpath is not None else ""
@@ -104,24 +100,24 @@ class PlanResult:
         t = self.setpoints.t
         return PlanRecord(
             duration_s=float(trajectory.duration),
-            lower_bound_s=bound if known else None,
-            gap=float(trajectory.duration) / bound - 1.0 if known else None,
+            lower_bound_s=bound,
+            gap=None if bound is None else float(trajectory.duration) / bound - 1.0,
             solve_s=float(trajectory.solve_seconds),
             fit_s=float(self.path.fit_seconds) if self.path is not None else 0.0,
             mesh_points=int(trajectory.mesh_points),
             blocks=int(blocks),
             stops=len(trajectory.laws) - 1,
-            usage=UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk),
+            usage=figures.usage_record(trajectory),
             limited_by=trajectory.limited_by(),
-            tip_deviation_mm=largest_known([source.tip_deviation for source in measured], 1e3),
-            axis_deviation_deg=largest_known([source.axis_deviation for source in measured], 180.0 / math.pi),
+            tip_deviation_mm=figures.largest_known([source.tip_deviation for source in measured], 1e3),
+            axis_deviation_deg=figures.largest_known([source.axis_deviation for source in measured], 180.0 / math.pi),
             machine=printable(self.machine.name),
             program=printable((self.program.name if self.program is not None else "") or source),
             toolpace_version=__version__,
             planner=trajectory.planner,
             dt_s=float(t[1] - t[0]) if len(t) > 1 else 0.0,
             set_points=len(self.setpoints),
-            path_length_mm=tip_length(self.setpoints),
+            path_length_mm=figures.tip_length(self.setpoints),
             tip_tolerance_mm=self.tip_tolerance * 1e3 if self.tip_tolerance is not None else None,
             axis_tolerance_deg=math.degrees(self.axis_tolerance) if self.axis_tolerance is not None else None,
             feed=self.feed,
@@ -129,68 +125,25 @@ class PlanResult:
             verified=verification.ok if verification is not None else None,
             dialect=self.dialect,
             continuous_bound_s=trajectory.continuous_bound or None,
-            lower_bound_of="this mesh" if known else None,
-            open_places=[
-                OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places
-            ],
+            lower_bound_of=None if bound is None else "this mesh",
+            open_places=figures.open_place_records(trajectory),
             bending=bending_record(self.aimed) if self.aimed is not None else None,
             effort=self.effort,
-            rounds=[
-                RoundRecord(each.duration, each.power, each.kept, math.degrees(each.axis_tolerance))
-                for each in self.rounds
-            ],
-            tip_at_tolerance=share_at_tolerance(trajectory, 0, self.tip_tolerance),
-            axis_at_tolerance=share_at_tolerance(trajectory, 1, self.axis_tolerance),
+            rounds=figures.round_records(self.rounds),
+            tip_at_tolerance=figures.share_at_tolerance(trajectory, 0, self.tip_tolerance),
+            axis_at_tolerance=figures.share_at_tolerance(trajectory, 1, self.axis_tolerance),
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
-            skipped=(
-                {printable(word): count for word, count in toolpath.skipped.items()} if toolpath is not None else {}
-            ),
+            skipped=figures.printable_counts(toolpath.skipped) if toolpath is not None else {},
             reading=reading_record(self.options),
-            operations=[
-                OperationRecord(
-                    printable(each.name),
-                    printable(each.tool),
-                    each.time,
-                    each.cutting,
-                    each.rapid,
-                    each.dwell,
-                    each.stops,
-                )
-                for each in times
-            ],
+            operations=figures.operation_records(times),
             cutting_s=sum(each.cutting for each in times) if times else None,
             rapid_s=sum(each.rapid for each in times) if times else None,
             dwell_s=sum(each.dwell for each in times) if times else None,
         )
 
 
-def share_at_tolerance(trajectory: Trajectory, which: int, tolerance: float | None) -> float | None:
-    """Share of the path's length where the tip (0) or the axis (1) is off by nearly its tolerance; None: not known."""
-    found = [run.deviations() for run in trajectory.axis_path.runs]
-    known = [each for each in found if each is not None]
-    if tolerance is None or len(known) < len(found):
-        return None
-    length = sum(float(breaks[-1] - breaks[0]) for breaks, _, _ in known)
-    near = sum(float((breaks[1:] - breaks[:-1])[off[which] > NEARLY * tolerance].sum()) for breaks, *off in known)
-    return near / length
-
-
 def copy_name(program: Path) -> str:
     """Name of the copy of a program: the suffix tells its dialect, and is kept where it could."""
     return f"program{program.suffix if _SUFFIX.fullmatch(program.suffix) else ''}"
-
-
-def largest_known(deviations: Sequence[float], scale: float) -> float | None:
-    """The largest known one, times a scale; None where none is known."""
-    known = [float(value) * scale for value in deviations if math.isfinite(value)]
-    return max(known) if known else None
-
-
-def tip_length(setpoints: SetPoints) -> float | None:
-    """Length of the way of the tip [mm]; None where there is no tool."""
-    if not setpoints.has_tool:
-        return None
-    step = setpoints.tip[1:] - setpoints.tip[:-1]
-    return float(((step**2).sum(axis=1) ** 0.5).sum()) * 1e3

@@ -12,6 +12,7 @@ from rich.table import Table
 from toolpace.cli.summary import clock_time
 from toolpace.jobs import job
 from toolpace.units import format_length, format_time
+from toolpace.workers import Progress
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,7 +47,7 @@ def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost
         with steps.step("planning") as step:
             planned = plan_program(
                 toolpath, task.machine, tip, task.axis_tolerance, effort=task.effort, planner=Optimal(bound=False),
-                progress=lambda share, k=k, step=step: step((k + share) / len(tolerances)),  # type: ignore[misc]
+                progress=Progress(step).part(k / len(tolerances), (k + 1) / len(tolerances)),
             )  # fmt: skip
             duration = min([planned.trajectory.duration, *(each.duration for each in found)])
             step.note = f"within {format_length(tip)}: {format_time(duration)}"
