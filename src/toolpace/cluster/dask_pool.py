@@ -5,17 +5,17 @@ from __future__ import annotations
 import time
 import uuid
 import warnings
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import cloudpickle
 from distributed import KilledWorker
 
 from toolpace.cluster import remote
-from toolpace.cluster.pool import Outcome, Pool, too_large
+from toolpace.cluster.pool import Outcome, Pool, Work, too_large
 from toolpace.errors import ClusterError, printable
 from toolpace.version import __version__
 
@@ -41,24 +41,17 @@ class DaskPool(Pool):
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._run: _Run | None = None
+        self._now: Callable[[], list[tuple[Any, str]]] = list
         self.dashboard = client.dashboard_link or ""
 
     def workers(self) -> int:
         """How many there are."""
         return len(self._client.nthreads())
 
-    def each(
-        self,
-        work: Callable[[C, T], R],
-        common: C,
-        items: Iterable[T],
-        memory: Callable[[T], float] | None = None,
-        avoid: Collection[str] = (),
-        ahead: int = 1,
-    ) -> Iterator[Outcome[T, R]]:
+    def done(self, work: Work[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
         """See `Pool.each`."""
-        run = self._run = _Run(self._client, work, common, memory, avoid, ahead)
+        run = _Run(self._client, work)
+        self._now = run.now
         try:
             for number, item in enumerate(items):
                 while not run.has_room():
@@ -73,14 +66,14 @@ class DaskPool(Pool):
 
     def now(self) -> list[tuple[Any, str]]:
         """See `Pool.now`."""
-        return self._run.now() if self._run is not None else []
+        return self._now()
 
 
 @dataclass(frozen=True)
-class _Flight:
+class _Flight(Generic[T]):
     """An item that is with the cluster."""
 
-    item: Any
+    item: T
     future: Future
     allowed: frozenset[str]
     """Addresses of the workers that may have it; all of them where it is empty."""
@@ -90,50 +83,42 @@ class _Flight:
     """[s]"""
 
 
-class _Run:
+class _Run(Generic[C, T, R]):
     """One use of a pool: the items that are with the cluster, and what comes back."""
 
-    def __init__(
-        self,
-        client: Client,
-        work: Callable[[Any, Any], Any],
-        common: Any,
-        memory: Callable[[Any], float] | None,
-        avoid: Collection[str],
-        ahead: int,
-    ) -> None:
-        self.client, self.work, self.memory, self.avoid, self.ahead = client, work, memory, avoid, ahead
+    def __init__(self, client: Client, work: Work[C, T, R]) -> None:
+        self.client, self.work = client, work
         # The first part of a key is all that the scheduler remembers: it is the same for all items of all runs.
         self.name = f"toolpace-{uuid.uuid4().hex}"
-        self.flying: dict[int, _Flight] = {}
-        self.suspects: list[tuple[int, Any]] = []
-        self.ready: list[Outcome[Any, Any]] = []
+        self.flying: dict[int, _Flight[T]] = {}
+        self.suspects: list[tuple[int, T]] = []
+        self.ready: list[Outcome[T, R]] = []
         self.alone, self.tries = False, 0
         self.came: SimpleQueue[tuple[int, Future]] = SimpleQueue()
         self.looked = self.seen = time.monotonic()
         self.width, self.holds, self.declared = 0, 0.0, False
         self.there: frozenset[str] = frozenset()
-        self.held: remote.Held | Future = remote.Held(common)
-        if len(cloudpickle.dumps(common)) > SMALL:
+        self.held: remote.Held[C] | Future = remote.Held(work.common)
+        if len(cloudpickle.dumps(work.common)) > SMALL:
             self.held = self._submit(remote.hold, self.held, key=f"{self.name}-common")
         self._look()
 
     def has_room(self) -> bool:
         """Whether the cluster can take another item."""
         self._look_again()
-        return len(self.flying) < max(1, (1 + self.ahead) * self.width)
+        return len(self.flying) < max(1, (1 + self.work.ahead) * self.width)
 
-    def begin(self, number: int, item: Any) -> Outcome[Any, Any] | None:
+    def begin(self, number: int, item: T) -> Outcome[T, R] | None:
         """Hand an item to the cluster; its outcome where no worker holds it."""
-        need = self.memory(item) if self.memory is not None else 0.0
+        need = self.work.need(item)
         if self.holds and need > self.holds:
             return Outcome(number, item, None, too_large(need, self.holds, "the largest worker has"))
-        allowed = self.there.difference(self.avoid) if self.avoid else frozenset()
+        allowed = self.there.difference(self.work.avoid) if self.work.avoid else frozenset()
         # Another try is another task: the scheduler still counts what happened to the first.
         self.tries += 1
         future = self._submit(
             remote.do,
-            remote.Task(self.work, item),
+            remote.Task(self.work.do, item),
             self.held,
             key=(self.name, number, self.tries),
             resources={"memory": need} if need and self.declared else None,
@@ -143,7 +128,7 @@ class _Run:
         future.add_done_callback(lambda done: self.came.put((number, done)))
         return None
 
-    def told(self) -> Iterator[Outcome[Any, Any]]:
+    def told(self) -> Iterator[Outcome[T, R]]:
         """The next outcome; none where none came for a while, or an item must be tried again."""
         self._look_again()
         while self.ready:
@@ -181,7 +166,7 @@ class _Run:
         del self.flying[number]
         yield Outcome(number, flight.item, value, wrong, worker, seconds)
 
-    def suspects_alone(self) -> Iterator[Outcome[Any, Any]]:
+    def suspects_alone(self) -> Iterator[Outcome[T, R]]:
         """Those whose worker died, one after the other: whichever kills another one is told so."""
         self.alone = True
         while self.suspects:
@@ -191,7 +176,7 @@ class _Run:
             while self.flying or self.ready:
                 yield from self.told()
 
-    def now(self) -> list[tuple[Any, str]]:
+    def now(self) -> list[tuple[T, str]]:
         """See `Pool.now`."""
         if self.client.status != "running":
             return []
@@ -247,7 +232,7 @@ class _Run:
                 f"no worker has been at the scheduler for {PATIENCE:.0f} s; start some with `dask worker ADDRESS`"
             )
 
-    def _is_stuck(self, flight: _Flight) -> bool:
+    def _is_stuck(self, flight: _Flight[T]) -> bool:
         """Whether all workers that might have an item are gone: dask would wait for them for ever."""
         if flight.allowed:
             return not flight.allowed & self.there

@@ -31,6 +31,21 @@ class Outcome(Generic[T, R]):
     """Time the work took, there [s]."""
 
 
+@dataclass(frozen=True)
+class Work(Generic[C, T, R]):
+    """What is done with each of the items of a pool, as `Pool.each` has it."""
+
+    do: Callable[[C, T], R]
+    common: C
+    memory: Callable[[T], float] | None
+    avoid: Collection[str]
+    ahead: int
+
+    def need(self, item: T) -> float:
+        """Memory that it takes [bytes]; 0 where that is not known."""
+        return self.memory(item) if self.memory is not None else 0.0
+
+
 class Pool(ABC):
     """Does the same work on many items."""
 
@@ -41,7 +56,6 @@ class Pool(ABC):
     note: str = ""
     """What is to be told of it; empty where nothing is."""
 
-    @abstractmethod
     def each(
         self,
         work: Callable[[C, T], R],
@@ -65,6 +79,11 @@ class Pool(ABC):
         An item whose worker died is tried again, alone, when all others are done; where that worker dies too, this
         is its error. Raises ClusterError where the scheduler or all workers are gone.
         """
+        return self.done(Work(work, common, memory, avoid, ahead), items)
+
+    @abstractmethod
+    def done(self, work: Work[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
+        """What `each` promises."""
 
     @abstractmethod
     def now(self) -> list[tuple[Any, str]]:
@@ -78,25 +97,17 @@ class ThisProcess(Pool):
         self.where, self.note = "this process, one after the other", note
         self._now: list[tuple[Any, str]] = []
 
-    def each(
-        self,
-        work: Callable[[C, T], R],
-        common: C,
-        items: Iterable[T],
-        memory: Callable[[T], float] | None = None,
-        avoid: Collection[str] = (),
-        ahead: int = 1,
-    ) -> Iterator[Outcome[T, R]]:
+    def done(self, work: Work[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
         """See `Pool.each`; an item that takes more memory than there is is not begun."""
         from toolpace.files.room import free_memory
 
         for number, item in enumerate(items):
             self._now = [(item, "")]
-            need = memory(item) if memory is not None else 0.0
+            need = work.need(item)
             if need > (free := free_memory()):
                 yield Outcome(number, item, None, too_large(need, free, "there are"))
                 continue
-            value, error, seconds = attempt(work, common, item)
+            value, error, seconds = attempt(work.do, work.common, item)
             self._now = []
             yield Outcome(number, item, value, error, "", seconds)
 

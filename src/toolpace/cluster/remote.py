@@ -6,7 +6,7 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Generic, TypeVar
 
 from toolpace.errors import ToolpaceError, printable
 from toolpace.version import __version__
@@ -20,27 +20,27 @@ LONGEST = 1000
 
 
 @dataclass(frozen=True)
-class Held:
+class Held(Generic[C]):
     """What all items have in common: one opaque thing, which dask does not look into."""
 
-    value: Any
+    value: C
 
 
 @dataclass(frozen=True)
-class Task:
+class Task(Generic[C, T, R]):
     """One item, with what is done with it and the version that asks for it."""
 
-    work: Callable[[Any, Any], Any]
-    item: Any
+    work: Callable[[C, T], R]
+    item: T
     version: str = __version__
 
 
-def hold(held: Held) -> Held:
+def hold(held: Held[C]) -> Held[C]:
     """Hand it on: as the result of a task it is made anew where the worker that had it is gone."""
     return held
 
 
-def do(task: Task, held: Held) -> tuple[Any, str, float, str]:
+def do(task: Task[C, T, R], held: Held[C]) -> tuple[R | None, str, float, str]:
     """Value, error, seconds and address of the worker, of one item on a worker of dask."""
     from distributed import get_worker
 
