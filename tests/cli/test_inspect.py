@@ -93,7 +93,7 @@ M30
 """Beside its pole C turns by nearly a turn and stands: a smooth path swings beyond, and the axis hardly feels it."""
 
 MOST_SWING = 30.0
-"""Beyond the end of travel [deg]: the smoothest path swings 15.6 beyond it, one fitted for pace 1.3."""
+"""Beyond the end of travel [deg]: the smoothest path swings 15.6 beyond it."""
 
 
 def swings_beyond(said: str) -> bool:

@@ -11,7 +11,7 @@ import pytest
 from toolpace import demo
 from toolpace.cli import main
 from toolpace.comparing import compared
-from toolpace.comparing.curves import Along, later, thinned
+from toolpace.comparing.curves import MotionAlong, later, thinned
 
 
 @pytest.fixture(scope="module")
@@ -57,20 +57,20 @@ def test_the_terminal_and_the_page(plans, tmp_path, capsys):
 
 def test_how_much_later_is_that_of_times_at_equal_shares_of_the_way():
     t = np.linspace(0.0, 10.0, 1001)
-    even = Along(t * 0.1, np.full(1001, 0.1), t)
+    even = MotionAlong(t * 0.1, np.full(1001, 0.1), t)
     waited = np.concatenate((np.arange(500), np.full(200, 499), np.arange(500, 1001)))
-    paused = Along(even.way[waited], even.speed[waited], np.arange(len(waited)) * 0.01)
+    paused = MotionAlong(even.way[waited], even.speed[waited], np.arange(len(waited)) * 0.01)
     way, behind = later(paused, even)
     assert behind[way < 0.49] == pytest.approx(0.0, abs=0.011)
     assert behind[way > 0.51] == pytest.approx(2.0, abs=0.011)
-    assert later(Along(2.0 * even.way, even.speed, even.t), even) is None
+    assert later(MotionAlong(2.0 * even.way, even.speed, even.t), even) is None
 
 
 def test_thinning_keeps_the_slowest_and_the_fastest():
     n = 100_000
     speed = np.ones(n)
     speed[12_345], speed[77_777] = 5.0, 0.1
-    way, kept = thinned(Along(np.linspace(0.0, 1.0, n), speed, np.linspace(0.0, 1.0, n)))
+    way, kept = thinned(MotionAlong(np.linspace(0.0, 1.0, n), speed, np.linspace(0.0, 1.0, n)))
     assert len(kept) <= 6000 and kept.max() == 5.0 and kept.min() == 0.1 and (np.diff(way) >= 0.0).all()
 
 

@@ -51,14 +51,14 @@ def write_tables(folder: Path, rows: Sequence[BatchRow]) -> list[str]:
     said = {"toolpace_version": __version__, "jobs": rows}
     with whole_file(folder / TABLE) as temporary:
         temporary.write_bytes(msgspec.json.format(msgspec.json.encode(said), indent=1) + b"\n")
-    if write_parquet(folder / PARQUET, rows):
+    if write_rows(folder / PARQUET, rows):
         written.append(PARQUET)
     with whole_file(folder / PAGE) as temporary:
         temporary.write_text(batch_page(rows), encoding="utf-8")
     return [*written, PAGE]
 
 
-def write_parquet(file: Path, rows: Sequence[BatchRow]) -> bool:
+def write_rows(file: Path, rows: Sequence[BatchRow]) -> bool:
     """Write the rows as a table for other programs; False, and nothing written, where pyarrow is not installed."""
     try:
         import pyarrow as pa

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -107,7 +107,7 @@ def known(name: str, value: str, choices: tuple[str, ...]) -> None:
         raise UsageError(f"{name} = {str(value)[:40]!r} is not known; {did_you_mean(str(value), choices)}")
 
 
-def within(name: str, value: float, bounds: tuple[float, float], show: Any) -> None:
+def within(name: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> None:
     """Raise UsageError where a figure is beyond its bounds."""
     if not (isinstance(value, (int, float)) and math.isfinite(value) and bounds[0] <= value <= bounds[1]):
         raise UsageError(f"{name} = {value!r:.40}: give a value from {show(bounds[0])} to {show(bounds[1])}")

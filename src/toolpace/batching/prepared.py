@@ -8,7 +8,6 @@ import os
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from toolpace.batching.job import BatchJob
 from toolpace.cuttingtool import CuttingTool
@@ -127,7 +126,7 @@ class Loader:
         plain = {
             name: value for name, value in vars(job).items() if name not in ("machine", "bend", "setup", "controller")
         }
-        parts: dict[str, Any] = {
+        parts: dict[str, object] = {
             **plain,
             "version": __version__,
             "program": Path(prepared.path).name,

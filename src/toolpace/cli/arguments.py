@@ -172,14 +172,14 @@ def file_for_result(option: str, path: str | None) -> Path | None:
         raise UsageError(f"{option} {error}") from None
 
 
-def default_folder(program: str) -> str:
-    """Named after the program; pipes and devices have names that say nothing."""
+def default_folder(program: str, what: str = "plan") -> str:
+    """Named after the program and what it is for: part-plan; pipes and devices have names that say nothing."""
     path = Path(program)
     try:
         named = path.is_file() or not path.exists()
     except (OSError, ValueError):
         named = True
-    return f"{path.stem if named and program not in STANDARD_INPUT else 'program'}-plan"
+    return f"{path.stem if named and program not in STANDARD_INPUT else 'program'}-{what}"
 
 
 def explain(error: CycloptsError, tokens: Sequence[str]) -> str:

@@ -56,7 +56,7 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
 
 
 def _show_plans(console: Console, found: Compared) -> None:
-    from toolpace.comparing.page import verdict
+    from toolpace.comparing.page import said_verdict
 
     table = Table(box=SIMPLE, pad_edge=False)
     for heading in ("plan", "program", "machine", "time", "against the first", "gap", "verdict"):
@@ -71,7 +71,7 @@ def _show_plans(console: Console, found: Compared) -> None:
             format_time(record.duration_s),
             f"{record.duration_s / first - 1.0:+.2%}" if number and first > 0.0 else "",
             f"{record.gap:.3%}" if record.gap is not None else "-",
-            verdict(record),
+            said_verdict(record),
         )
         table.add_row(*(Text(printable(cell), style="red" if cell == "failed" else "") for cell in cells))
     console.print(table)

@@ -108,7 +108,7 @@ def run_export(directory: str, to: str, out: str | None, options: TargetOptions)
 
     console = new_console()
     target = target_of(to, options.given())
-    place = arguments.folder_for_results(default_folder(directory, to) if out is None else out)
+    place = arguments.folder_for_results(export_folder(directory, to) if out is None else out)
     steps = Steps(console)
     if to == "program":
         job.warm_up(steps)
@@ -128,7 +128,7 @@ def show(console: Console, folder: Path, files: list[str], notes: list[str]) -> 
     console.print(f"written      {printable(str(folder))}: {', '.join(files)}", soft_wrap=True)
 
 
-def default_folder(directory: str, to: str) -> str:
+def export_folder(directory: str, to: str) -> str:
     """part-table for the table of part-plan, here."""
     name = Path(directory).resolve().name.removesuffix("-plan") or "plan"
     return f"{name}-{to}"

@@ -15,7 +15,7 @@ import cloudpickle
 from distributed import KilledWorker
 
 from toolpace.cluster import remote
-from toolpace.cluster.pool import Outcome, Pool, Work, too_large
+from toolpace.cluster.pool import Outcome, Pool, PoolWork, too_large
 from toolpace.errors import ClusterError, printable
 from toolpace.version import __version__
 
@@ -48,7 +48,7 @@ class DaskPool(Pool):
         """How many there are."""
         return len(self._client.nthreads())
 
-    def done(self, work: Work[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
+    def done(self, work: PoolWork[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
         """See `Pool.each`."""
         run = _Run(self._client, work)
         self._now = run.now
@@ -86,7 +86,7 @@ class _Flight(Generic[T]):
 class _Run(Generic[C, T, R]):
     """One use of a pool: the items that are with the cluster, and what comes back."""
 
-    def __init__(self, client: Client, work: Work[C, T, R]) -> None:
+    def __init__(self, client: Client, work: PoolWork[C, T, R]) -> None:
         self.client, self.work = client, work
         # The first part of a key is all that the scheduler remembers: it is the same for all items of all runs.
         self.name = f"toolpace-{uuid.uuid4().hex}"
@@ -118,7 +118,7 @@ class _Run(Generic[C, T, R]):
         self.tries += 1
         future = self._submit(
             remote.do,
-            remote.Task(self.work.do, item),
+            remote.WorkItem(self.work.do, item),
             self.held,
             key=(self.name, number, self.tries),
             resources={"memory": need} if need and self.declared else None,

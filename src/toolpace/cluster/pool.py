@@ -32,7 +32,7 @@ class Outcome(Generic[T, R]):
 
 
 @dataclass(frozen=True)
-class Work(Generic[C, T, R]):
+class PoolWork(Generic[C, T, R]):
     """What is done with each of the items of a pool, as `Pool.each` has it."""
 
     do: Callable[[C, T], R]
@@ -79,10 +79,10 @@ class Pool(ABC):
         An item whose worker died is tried again, alone, when all others are done; where that worker dies too, this
         is its error. Raises ClusterError where the scheduler or all workers are gone.
         """
-        return self.done(Work(work, common, memory, avoid, ahead), items)
+        return self.done(PoolWork(work, common, memory, avoid, ahead), items)
 
     @abstractmethod
-    def done(self, work: Work[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
+    def done(self, work: PoolWork[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
         """What `each` promises."""
 
     @abstractmethod
@@ -97,7 +97,7 @@ class ThisProcess(Pool):
         self.where, self.note = "this process, one after the other", note
         self._now: list[tuple[Any, str]] = []
 
-    def done(self, work: Work[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
+    def done(self, work: PoolWork[C, T, R], items: Iterable[T]) -> Iterator[Outcome[T, R]]:
         """See `Pool.each`; an item that takes more memory than there is is not begun."""
         from toolpace.files.room import free_memory
 

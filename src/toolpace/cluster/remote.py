@@ -27,7 +27,7 @@ class Held(Generic[C]):
 
 
 @dataclass(frozen=True)
-class Task(Generic[C, T, R]):
+class WorkItem(Generic[C, T, R]):
     """One item, with what is done with it and the version that asks for it."""
 
     work: Callable[[C, T], R]
@@ -40,7 +40,7 @@ def hold(held: Held[C]) -> Held[C]:
     return held
 
 
-def do(task: Task[C, T, R], held: Held[C]) -> tuple[R | None, str, float, str]:
+def do(task: WorkItem[C, T, R], held: Held[C]) -> tuple[R | None, str, float, str]:
     """Value, error, seconds and address of the worker, of one item on a worker of dask."""
     from distributed import get_worker
 
@@ -64,10 +64,10 @@ def attempt(work: Callable[[C, T], R], common: C, item: T) -> tuple[R | None, st
         except Exception as error:
             if interrupted(error):
                 raise KeyboardInterrupt from None
-            return None, in_words(error), time.perf_counter() - began
+            return None, error_in_words(error), time.perf_counter() - began
 
 
-def in_words(error: Exception) -> str:
+def error_in_words(error: Exception) -> str:
     """An error in one line."""
     if isinstance(error, ToolpaceError):
         text = str(error)

@@ -20,7 +20,7 @@ ALIKE = 0.01
 
 
 @dataclass(frozen=True)
-class Along:
+class MotionAlong:
     """A motion along the way of its tip."""
 
     way: Floats
@@ -31,7 +31,7 @@ class Along:
     """(n,) [s]."""
 
 
-def along(folder: Path) -> Along | None:
+def along(folder: Path) -> MotionAlong | None:
     """The motion of a plan; None where it was written without set-points, or has no tool. Raises UsageError."""
     if not (folder / SET_POINTS).exists():
         return None
@@ -39,10 +39,10 @@ def along(folder: Path) -> Along | None:
     if not setpoints.has_tool or len(setpoints) < 2:
         return None
     steps = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
-    return Along(np.concatenate(([0.0], np.cumsum(steps))), tip_speed(setpoints), setpoints.t)
+    return MotionAlong(np.concatenate(([0.0], np.cumsum(steps))), tip_speed(setpoints), setpoints.t)
 
 
-def thinned(motion: Along) -> tuple[Floats, Floats]:
+def thinned(motion: MotionAlong) -> tuple[Floats, Floats]:
     """Way [m] and speed [m/s] of at most `MOST` points: of each stretch the slowest and the fastest."""
     n = len(motion.way)
     if n <= MOST:
@@ -56,7 +56,7 @@ def thinned(motion: Along) -> tuple[Floats, Floats]:
     return motion.way[at], motion.speed[at]
 
 
-def later(motion: Along, first: Along) -> tuple[Floats, Floats] | None:
+def later(motion: MotionAlong, first: MotionAlong) -> tuple[Floats, Floats] | None:
     """Along the way of the first [m], how much later than it another motion is at each place [s].
 
     None where the ways differ: they are then not of one path. Places are matched by the share of the way.
@@ -68,7 +68,7 @@ def later(motion: Along, first: Along) -> tuple[Floats, Floats] | None:
     return share * length, _when(motion, share) - _when(first, share)
 
 
-def _when(motion: Along, share: Floats) -> Floats:
+def _when(motion: MotionAlong, share: Floats) -> Floats:
     """(n,) when the tip leaves the places at these shares of its way [s]."""
     at = np.searchsorted(motion.way, share * motion.way[-1], side="right")
     before, after = np.clip(at - 1, 0, None), np.clip(at, None, len(motion.way) - 1)

@@ -82,7 +82,7 @@ def _plans(plans: Compared) -> str:
             percent(record.gap) if record.gap is not None else "",
             _tolerances(record),
             str(record.stops),
-            verdict(record),
+            said_verdict(record),
         )
         told = "".join(f'<td class="n">{escape(cell)}</td>' for cell in cells)
         mark = f'<i style="background:{joint_colour(number)}"></i>'
@@ -90,7 +90,7 @@ def _plans(plans: Compared) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 
-def verdict(record: PlanRecord) -> str:
+def said_verdict(record: PlanRecord) -> str:
     """As plan.json has it; `toolpace verify` judges again."""
     if record.verified is None:
         return "not judged"

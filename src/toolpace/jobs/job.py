@@ -162,11 +162,11 @@ def fit_path(job: Job, steps: Steps, toolpath: ToolPath) -> FittedProgram:
     with steps.step("fitting") as step:
         effort = effort_for(job.effort, job.planner)
         fitted = fit_program(toolpath, job.machine, job.tip_tolerance, job.axis_tolerance, effort=effort, progress=step)
-        step.note = rounds_in_words(fitted.rounds)
+        step.note = durations_in_words(fitted.rounds)
     return fitted
 
 
-def rounds_in_words(rounds: Sequence[Round]) -> str:
+def durations_in_words(rounds: Sequence[Round]) -> str:
     """ "4 rounds, 23.2 s, then 20.1, 19.9, 19.8, 19.9": what each made of it; empty where the path was fitted once."""
     if len(rounds) < 2:
         return ""

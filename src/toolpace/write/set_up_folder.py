@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -71,7 +71,7 @@ def sheet_words(program: str) -> str:
     )
 
 
-def record(found: FoundSetUp, program: str, others: Sequence[tuple[str, FoundSetUp | str]]) -> dict[str, Any]:
+def record(found: FoundSetUp, program: str, others: Sequence[tuple[str, FoundSetUp | str]]) -> dict[str, object]:
     """All figures, in mm, deg and s."""
     best, given, places = found.best[0], found.given, found.places
     return {
@@ -99,7 +99,7 @@ def record(found: FoundSetUp, program: str, others: Sequence[tuple[str, FoundSet
     }
 
 
-def _set_up(each: PlannedSetUp) -> dict[str, Any]:
+def _set_up(each: PlannedSetUp) -> dict[str, object]:
     chain = each.machine.file.chain
     return {
         "duration_s": each.duration,
@@ -123,12 +123,12 @@ def _used(each: PlannedSetUp) -> Mapping[str, list[float]]:
     return {joint: _list(each.used[j] / scale[j]) for j, joint in enumerate(machine.joints)}
 
 
-def _machine(name: str, found: FoundSetUp | str) -> dict[str, Any]:
+def _machine(name: str, found: FoundSetUp | str) -> dict[str, object]:
     if isinstance(found, str):
         return {"machine": name, "error": found}
     given = None if found.given is None else found.given.duration
     return {"machine": name, "duration_s": found.best[0].duration, "given_duration_s": given}
 
 
-def _list(values: Any) -> list[float]:
+def _list(values: Iterable[float]) -> list[float]:
     return [float(each) for each in values]

@@ -21,7 +21,7 @@ MAPPED = 9
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Search:
+class SearchOptions:
     """Among what is searched, and how long."""
 
     machines: Annotated[
@@ -61,7 +61,7 @@ class Search:
         return Choices() if self.choices is None else load_choices(self.choices)
 
 
-USUAL = Search()
+USUAL = SearchOptions()
 
 
 def setup_command(
@@ -69,7 +69,7 @@ def setup_command(
     /,
     *,
     machine: options.MachineName = None,
-    search: Search = USUAL,
+    search: SearchOptions = USUAL,
     tolerances: options.Tolerances = options.USUAL_TOLERANCES,
     feed: options.Feed = None,
     tool_length: options.ToolLength = None,
@@ -93,7 +93,7 @@ def setup_command(
         toolpace setup part.cls --machines xyzac-trunnion,xyzbc-head,my-mill.toml
     """
     from toolpace.cli import arguments
-    from toolpace.cli.placing.run import AskedSearch, default_folder, run_setup
+    from toolpace.cli.placing.run import AskedSearch, run_setup
 
     named = search.machines_named(machine, tool_length)
     first, how = arguments.machine_with_setup(named[0][1], reading)
@@ -108,7 +108,7 @@ def setup_command(
             shown=search.shown,
             mapped=0 if search.no_map else MAPPED,
             client=where.client(),
-            out=arguments.folder_for_results(default_folder(program) if out is None else out),
+            out=arguments.folder_for_results(arguments.default_folder(program, "setup") if out is None else out),
             feed=arguments.feed_asked(feed),
             dialect=dialect,
             options=how,

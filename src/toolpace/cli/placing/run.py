@@ -12,7 +12,6 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli import arguments
 from toolpace.cli.steps import Steps, new_console
 from toolpace.cli.summary import limits_in_words
 from toolpace.errors import ToolpaceError, UsageError, printable
@@ -53,11 +52,6 @@ class AskedSearch:
     options: ReadOptions
 
 
-def default_folder(program: str) -> str:
-    """part-setup for part.ngc, here."""
-    return f"{arguments.default_folder(program).removesuffix('-plan')}-setup"
-
-
 def run_setup(asked: AskedSearch) -> int:
     """Search each machine, write the folder of the fastest, and say what was found."""
     from toolpace.clamping.search import check_arguments
@@ -65,7 +59,7 @@ def run_setup(asked: AskedSearch) -> int:
 
     console = new_console()
     steps = Steps(console)
-    toolpath = read(asked, steps)
+    toolpath = read_for_first(asked, steps)
     check_arguments(toolpath, asked.trials, asked.mapped, asked.shown)
     for _, each in asked.machines:
         asked.choices.checked(each)
@@ -85,7 +79,7 @@ def run_setup(asked: AskedSearch) -> int:
     return 0
 
 
-def read(asked: AskedSearch, steps: Steps) -> ToolPath:
+def read_for_first(asked: AskedSearch, steps: Steps) -> ToolPath:
     """The program as it is read for the first machine."""
     machine = asked.machines[0][1]
     task = job.Job(
