@@ -15,7 +15,7 @@ from toolpace.batching.prepared import Prepared
 from toolpace.batching.row import ERROR, BatchRow, waiting
 from toolpace.errors import ToolpaceError, UsageError, printable
 from toolpace.files import changed, whole_folder
-from toolpace.jobs.steps import Steps
+from toolpace.jobs.steps import TimedSteps
 from toolpace.planning.guarantee import PROMISED
 from toolpace.write import PLAN, PlanRecord, read_plan
 
@@ -104,7 +104,7 @@ def _plan(folder: Path, prepared: Prepared) -> BatchRow:
         tool=prepared.tool,
         source=prepared.source,
     )
-    record, _ = jobs.carry_out(task, Steps())
+    record, _ = jobs.carry_out(task, TimedSteps())
     return _row_of_plan(prepared, record)
 
 
@@ -171,7 +171,7 @@ def _time(folder: Path, prepared: Prepared) -> BatchRow:
         tolerances=(job.tip_tolerance, job.axis_tolerance),
         optimum=job.optimum,
     )
-    found = timed(prepared.path, asked, Steps(), prepared.source)
+    found = timed(prepared.path, asked, TimedSteps(), prepared.source)
     return _row_of_time(prepared, _write(folder, TIMED, prepared, time_record(found, prepared.machine.name)))
 
 

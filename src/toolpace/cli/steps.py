@@ -10,8 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from toolpace.errors import printable
-from toolpace.jobs import steps
-from toolpace.jobs.steps import Step
+from toolpace.jobs.steps import Step, TimedSteps
 from toolpace.units import format_time
 
 WIDTH = 12
@@ -29,7 +28,7 @@ def new_console() -> Console:
     return console
 
 
-class Steps(steps.Steps):
+class Steps(TimedSteps):
     """Runs steps one after the other, shows them and keeps their times."""
 
     def __init__(self, console: Console) -> None:

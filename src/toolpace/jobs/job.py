@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.description import counted
-from toolpace.jobs.steps import Steps
+from toolpace.jobs.steps import TimedSteps
 from toolpace.planning.guarantee import PROMISED
 from toolpace.reading.options import ReadOptions
 from toolpace.units import format_length, format_time
@@ -75,7 +75,7 @@ class Job:
     """The program, where it has been read already; else it is read from its file, once."""
 
 
-def carry_out(job: Job, steps: Steps) -> tuple[PlanRecord, Verification]:
+def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
     from toolpace import write
 
@@ -143,7 +143,7 @@ def loaded(job: Job) -> Job:
     return replace(job, source=source, options=with_controller(source, job.dialect, job.options)[0])
 
 
-def read_program(job: Job, steps: Steps) -> ToolPath:
+def read_program(job: Job, steps: TimedSteps) -> ToolPath:
     """The program as a tool path that the machine can reach all points of."""
     from toolpace.reading import read_source
 
@@ -155,7 +155,7 @@ def read_program(job: Job, steps: Steps) -> ToolPath:
     return toolpath
 
 
-def fit_path(job: Job, steps: Steps, toolpath: ToolPath) -> FittedProgram:
+def fit_path(job: Job, steps: TimedSteps, toolpath: ToolPath) -> FittedProgram:
     """A path within the tolerances that may be passed fast."""
     from toolpace.planning.program_plan import effort_for, fit_program
 
@@ -173,7 +173,7 @@ def durations_in_words(rounds: Sequence[Round]) -> str:
     return f"{counted(len(rounds) - 1, 'round')}: {' > '.join(format_time(each.duration) for each in rounds)}"
 
 
-def plan_motion(job: Job, steps: Steps, fitted: FittedProgram) -> ProgramPlan:
+def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPlan:
     """The fastest motion along a path."""
     from toolpace.axispath.travel import check_travel
     from toolpace.planning.program_plan import plan_fitted
@@ -195,7 +195,7 @@ def program_plan_of(aimed: AimedOff) -> ProgramPlan:
     return ProgramPlan(aimed.path, aimed.trajectory, "low", ())
 
 
-def aimed_off(job: Job, steps: Steps, toolpath: ToolPath) -> AimedOff | None:
+def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> AimedOff | None:
     """The program aimed off by what its tool bends, and planned; None where it is stiff."""
     if job.tool is None:
         return None
@@ -225,7 +225,7 @@ def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
     return with_continuous_bound(trajectory) if job.prove_within is None and is_cheap(trajectory) else trajectory
 
 
-def with_proof(job: Job, steps: Steps, trajectory: Trajectory) -> Trajectory:
+def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajectory:
     """A motion with its lower bound raised, where that was asked for; what there is to say of it is said."""
     from toolpace.planning.bound.prove import prove
 
@@ -241,7 +241,7 @@ def with_proof(job: Job, steps: Steps, trajectory: Trajectory) -> Trajectory:
     return trajectory
 
 
-def sample_motion(job: Job, steps: Steps, trajectory: Trajectory, toolpath: ToolPath) -> SetPoints:
+def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath) -> SetPoints:
     """Set-points at equal times, within travel; the use of the limits between them is looked at on the way."""
     with steps.step("sampling") as step:
         setpoints = trajectory.sample(job.dt)
@@ -251,7 +251,7 @@ def sample_motion(job: Job, steps: Steps, trajectory: Trajectory, toolpath: Tool
     return setpoints
 
 
-def verify_motion(job: Job, steps: Steps, setpoints: SetPoints, toolpath: ToolPath) -> Verification:
+def verify_motion(job: Job, steps: TimedSteps, setpoints: SetPoints, toolpath: ToolPath) -> Verification:
     """The judge's word on the set-points."""
     from toolpace.judge import verify
 
@@ -259,7 +259,7 @@ def verify_motion(job: Job, steps: Steps, setpoints: SetPoints, toolpath: ToolPa
         return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt, job.tool)
 
 
-def write_results(job: Job, steps: Steps, result: PlanResult) -> PlanRecord:
+def write_results(job: Job, steps: TimedSteps, result: PlanResult) -> PlanRecord:
     """The folder, whole or not at all."""
     from toolpace import write
 
@@ -267,7 +267,7 @@ def write_results(job: Job, steps: Steps, result: PlanResult) -> PlanRecord:
         return write.write_folder(job.out, result, csv=job.csv, report=job.report, npz=job.npz, progress=step)
 
 
-def warm_up(steps: Steps) -> None:
+def warm_up(steps: TimedSteps) -> None:
     """On the first run of all, compile what the job will need, and say so."""
     from toolpace.kernels import warm
 

@@ -22,7 +22,7 @@ class Step:
         self.share(share)
 
 
-class Steps:
+class TimedSteps:
     """Runs steps one after the other and keeps their times; shows nothing."""
 
     def __init__(self) -> None:

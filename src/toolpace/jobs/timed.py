@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from toolpace.errors import ToolpaceError, printable
 from toolpace.jobs import job
-from toolpace.jobs.steps import Steps
+from toolpace.jobs.steps import TimedSteps
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -53,7 +53,7 @@ class Asked:
     optimum: bool
 
 
-def timed_or_wrong(program: str, asked: Asked, steps: Steps) -> Timed:
+def timed_or_wrong(program: str, asked: Asked, steps: TimedSteps) -> Timed:
     """The time of one program, or what is wrong with it."""
     try:
         return timed(program, asked, steps)
@@ -61,7 +61,7 @@ def timed_or_wrong(program: str, asked: Asked, steps: Steps) -> Timed:
         return Timed(program, str(error))
 
 
-def timed(program: str, asked: Asked, steps: Steps, source: Source | None = None) -> Timed:
+def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None = None) -> Timed:
     """The time of one program, which may have been loaded before. Raises ToolpaceError."""
     from toolpace.reading import Findings, Source
     from toolpace.reading.languages import with_controller
@@ -97,7 +97,7 @@ def timed(program: str, asked: Asked, steps: Steps, source: Source | None = None
     )
 
 
-def optimum_of(source: Source, asked: Asked, steps: Steps) -> tuple[OperationTime, ...]:
+def optimum_of(source: Source, asked: Asked, steps: TimedSteps) -> tuple[OperationTime, ...]:
     """The parts of the fastest motion along the program. Raises ToolpaceError."""
     from toolpace.operations import operation_times
 
