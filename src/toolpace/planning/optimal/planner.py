@@ -8,6 +8,7 @@ of a run between two states:
   what is left above the guarantee: slow down about it
   multipliers of the limits: no z on these nodes takes less time than ...                             (the bound)
   where that is far off: a finer mesh, or a proof, about the places that keep it so                 (another try)
+without a bound, too, where the guard took much longer than the limits at the nodes do
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.relaxation import places_in_time
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal.another_try import Plan, another_try
+from toolpace.planning.optimal.another_try import FAR, Plan, another_try
 from toolpace.planning.optimal.guard import guarded
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
@@ -65,18 +66,20 @@ class Optimal(Options):
     ) -> PlannedRun:
         """The fastest law of one run. Raises InfeasibleError where no motion within the limits joins both states."""
         told = progress.part(0.0, GUARDED) if self.bound else progress
-        law, points = fastest_law(run, limits, self.mesh, start, end, self.guard, workers, told)
-        if not self.bound:
-            return PlannedRun(law, points)
+        fixed = self.mesh is not None
+        law, at_nodes = held_law(run, limits, self.mesh, start, end, self.guard, workers, told)
+        if not self.bound and (fixed or law.duration <= (1.0 + FAR) * at_nodes):
+            return PlannedRun(law, mesh_points(law))
         bound = bound_long_run(run, limits, law, start, end, workers, progress.part(GUARDED, BOUNDED))
         first = Plan(law, bound)
 
         def with_cells(cells: int) -> SplineLaw:
             return fastest_law(run, limits, cells, start, end, self.guard, workers)[0]
 
-        fixed = self.mesh is not None
         best, notes = another_try(run, limits, first, start, end, fixed, self.guard, workers, with_cells)
         progress(1.0)
+        if not self.bound:
+            return PlannedRun(best.law, mesh_points(best.law), notes=notes)
         return PlannedRun(
             best.law, mesh_points(best.law), best.bound.seconds, places_in_time(run, best.law, best.bound), notes
         )
@@ -97,7 +100,21 @@ def fastest_law(
     `cells` fixes the mesh; without it the mesh is refined where the motion asks for it. `guard` holds the limits
     between the nodes too. Raises InfeasibleError where no motion within the limits joins both ends.
     """
-    workers = workers or Workers()
+    law, _ = held_law(run, limits, cells, start, end, guard, workers or Workers(), progress)
+    return law, mesh_points(law)
+
+
+def held_law(
+    run: AxisRun,
+    limits: Limits,
+    cells: int | None,
+    start: EndState,
+    end: EndState,
+    guard: bool,
+    workers: Workers,
+    progress: Progress = UNTOLD,
+) -> tuple[SplineLaw, float]:
+    """The fastest law, as `fastest_law` has it, and the duration of that with limits held at the nodes only [s]."""
     check_state(run, limits, start, run.s0)
     check_state(run, limits, end, run.s1)
     nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), cells)
@@ -108,12 +125,13 @@ def fastest_law(
         del rough  # of a long run it takes much memory
         c = solve_run(meshed, begin, 1.0, workers, progress.part(MESHED, SOLVED))
         law = SplineLaw(meshed.nodes, c, meshed.rest)
+        at_nodes = law.duration
         if guard:
             law = guarded(meshed, law, cells is not None, workers, progress.part(SOLVED, 1.0))
     except Stalled as stall:
         raise no_motion(run, stall, cells) from None
     progress(1.0)
-    return law, mesh_points(law)
+    return law, at_nodes
 
 
 def mesh_points(law: SplineLaw) -> int:
