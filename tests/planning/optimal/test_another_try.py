@@ -49,7 +49,7 @@ def test_a_plan_that_the_guard_made_slow_is_tried_again_without_a_bound_too():
     clamped = clamping.on(machine, centre_of(toolpath))
     path = tp.Path.fit(toolpath, machine=clamped)
     at_nodes, held = (plan(path, clamped, guard=guard, bound=False) for guard in (False, True))
-    assert held.duration < 1.005 * at_nodes.duration and held.usage().worst <= PROMISED
+    assert held.duration < 1.01 * at_nodes.duration and held.usage().worst <= PROMISED
     assert held.lower_bound == 0.0 and "gap" in held.notes[0]
 
 
@@ -60,7 +60,7 @@ def test_what_is_left_open_is_said():
     assert "as far as tried" in trajectory.notes[0]
 
 
-def scripted(monkeypatch, stands, proofs, finer, fewer):
+def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0):
     """Another try whose proofs leave these gaps, one after the other, whose finer mesh this one (None: no better), and
     whose mesh of fewer cells takes so much of the time; with the gap that it ends with, and its words."""
     a_run, gaps = SimpleNamespace(s0=0.0), iter(proofs)
@@ -82,7 +82,7 @@ def scripted(monkeypatch, stands, proofs, finer, fewer):
         return SimpleNamespace(nodes=np.zeros(cells), duration=fewer)
 
     monkeypatch.setattr(another, "bound_run", lambda run, limits, law, *_: plan_of(0.001).bound)
-    best, notes = another.another_try(a_run, None, plan_of(0.2), None, None, False, True, None, with_cells)
+    best, notes = another.another_try(a_run, None, plan_of(0.2), None, None, False, True, None, with_cells, at_nodes)
     return best.bound.gap, notes[0].split("; ")[1:], list(gaps)
 
 
@@ -108,6 +108,16 @@ def test_what_is_tried_and_in_which_order(monkeypatch, stands, proofs, finer, fe
     assert left == pytest.approx(gap)
     assert [one.startswith(word) for one, word in zip(said, words, strict=True)] == [True] * len(words)
     assert unused == []
+
+
+@pytest.mark.parametrize(
+    ("fewer", "gap", "words"),
+    [(0.7, 0.001, ["a mesh of 20 cells is faster by 30.00%"]), (1.1, 0.05, ["finer", NOTHING, LEFT])],
+)
+def test_where_the_guard_went_astray_fewer_cells_come_first(monkeypatch, fewer, gap, words):
+    left, said, _ = scripted(monkeypatch, 0.1, [0.05], 0.05, fewer, at_nodes=0.7)
+    assert left == pytest.approx(gap)
+    assert [one.startswith(word) for one, word in zip(said, words, strict=True)] == [True] * len(words)
 
 
 @pytest.mark.sweep

@@ -6,7 +6,8 @@ gap of a run above a few percent:
   where most of it lies elsewhere, the mesh is coarse there, for the motion or for the bound, which knows nodes only:
       its cells cut, planned and bounded again
   the other of both, if that did not do;  and on a finer mesh the proof once more
-  at last a mesh of fewer nodes that stays as it is: cutting cells may lead astray where all joints stand
+  at last a mesh of fewer nodes that stays as it is: cutting cells may lead astray, where all joints stand or the path
+      is rough; where the guard took much longer than the limits at the nodes do, that comes first
 the better plan stays, and a note says what it was
 """
 
@@ -75,11 +76,13 @@ def another_try(
     guard: bool,
     workers: Workers,
     with_cells: Callable[[int], SplineLaw],
+    at_nodes: float,
 ) -> tuple[Plan, tuple[str, ...]]:
     """The plan, or a better one, with its bound, and notes on why they were far apart; without any where they were not.
 
     A mesh that is `fixed` stays as it is, and only where the gap lies is said. `with_cells` plans the run on a mesh of
-    so many cells that stays as it is; it may raise InfeasibleError.
+    so many cells that stays as it is; it may raise InfeasibleError. `at_nodes` is the duration of the first plan before
+    its limits were held between the nodes [s].
     """
     gap = first.bound.gap
     if gap <= FAR:
@@ -91,20 +94,23 @@ def another_try(
     if fixed:
         return first, (f"{said[0]}; the mesh is kept as it was given",)
     best, proved = first, None
-    for way in ("proof", "mesh", "proof") if opening.stands > 0.5 else ("mesh", "proof"):
+    ways = ("proof", "mesh", "proof") if opening.stands > 0.5 else ("mesh", "proof")
+    astray = first.law.duration > (1.0 + FAR) * at_nodes
+    for way in ("fewer cells", *ways) if astray else (*ways, "fewer cells"):
         if way == "mesh":
             best, words = on_a_finer_mesh(run, limits, best, opening, start, end, guard, workers)
+        elif way == "fewer cells":
+            best, words = on_fewer_cells(run, limits, best, start, end, with_cells)
         elif proved is not best.law:
             proved = best.law
             best, words = with_proof(run, limits, best, start, end, workers)
         else:
             continue
-        said.append(words)
+        said += [words] if words else []
         if best.bound.gap <= FAR:
             break
-    else:
-        best, words = on_fewer_cells(run, limits, best, start, end, with_cells)
-        said.append(words or "what is left is the bound's, as far as tried")
+    if best.bound.gap > FAR:
+        said.append("what is left is the bound's, as far as tried")
     return best, ("; ".join(said),)
 
 

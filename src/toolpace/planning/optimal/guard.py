@@ -27,6 +27,9 @@ LEAST_CELL = 1e-5
 """Time of a cell, as a share of that in which an acceleration builds up, below which it is cut no further."""
 REFINE_ABOVE, QUARTER_ABOVE = 1.01, 1.05
 """Usage between nodes from which a cell is cut in two, or in four: too long for the path or the motion in it."""
+ASTRAY = 1.2
+"""How much longer than with its limits at the nodes a law may take once no more cells are cut: beyond it, more rounds
+take long and end little better; another mesh does."""
 MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
 PATIENCE = 3
@@ -54,10 +57,10 @@ def guarded(
       look between the nodes:  (nearly) nothing passed?  ease it, done
       cut the cells that pass a limit by far (unless the mesh is fixed);  put rows where the others pass one
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
-    slow the best one down to the guarantee
+    slow the best one down to the guarantee: after so many rounds, or where the cells that were cut led astray
     """
     best: tuple[MeshedRun, SplineLaw, Floats] | None = None
-    least = np.inf
+    least, at_nodes = np.inf, law.duration
     for number in range(most_rounds + 1):
         peaks, now = looked_at(meshed, law, number, workers)
         dips = law.dips()
@@ -67,7 +70,7 @@ def guarded(
                 return gently
         if best is None or now < least:
             best, least = (meshed, law, peaks.used), now
-        if number == most_rounds:
+        if number == most_rounds or (number == REFINE_ROUNDS and not fixed and least > ASTRAY * at_nodes):
             break
         parts = parts_of_cells(meshed, law, peaks, dips, fixed or number >= REFINE_ROUNDS)
         meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, dips, number)

@@ -76,7 +76,7 @@ class Optimal(Options):
         def with_cells(cells: int) -> SplineLaw:
             return fastest_law(run, limits, cells, start, end, self.guard, workers)[0]
 
-        best, notes = another_try(run, limits, first, start, end, fixed, self.guard, workers, with_cells)
+        best, notes = another_try(run, limits, first, start, end, fixed, self.guard, workers, with_cells, at_nodes)
         progress(1.0)
         if not self.bound:
             return PlannedRun(best.law, mesh_points(best.law), notes=notes)
