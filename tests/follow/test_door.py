@@ -40,6 +40,24 @@ def test_a_law_is_the_same_from_its_file(follower: tp.Follower, tmp_path: Path):
         read_law(tmp_path / "arc.law")
 
 
+def test_no_changed_byte_of_a_law_gets_to_the_kernel(follower: tp.Follower, tmp_path: Path):
+    """Of counts and indices as of figures: a place in memory that is not the law's would be read."""
+    follower.save(tmp_path / "arc.law")
+    content, random = (tmp_path / "arc.law").read_bytes(), np.random.default_rng(2)
+    places = [*range(0, 8 * layout.PATH, 3), *random.integers(0, len(content), 200)]
+    for at in places:
+        changed = bytearray(content)
+        changed[at] ^= 1 << int(random.integers(8))
+        (tmp_path / "changed.law").write_bytes(changed)
+        with pytest.raises(tp.ToolpaceError, match=r"(no law|version|bytes where|was changed).*; write"):
+            tp.Follower.load(tmp_path / "changed.law")
+    old = follower.piece.copy()
+    old[layout.HAS_VERSION] = 2.0
+    (tmp_path / "old.law").write_bytes(old.tobytes())
+    with pytest.raises(tp.ToolpaceError, match="a law of version 2, read is 3; write it anew"):
+        tp.Follower.load(tmp_path / "old.law")
+
+
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 def test_the_example_in_c_goes_where_python_goes(follower: tp.Follower, tmp_path: Path):
     from toolpace.kernels.follow.door import step_for_c

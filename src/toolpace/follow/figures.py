@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.follow.given import number, numbers
 from toolpace.kernels.follow.layout import LOOK_BACK
 
 CAUSES = ("bending", "displaced")
@@ -56,11 +57,12 @@ class Figures:
     wait: float = math.inf
     """Lag of the correction behind its aim from which the pace is lowered [m]; at three times as much it stands."""
     compliance: Floats = field(default_factory=lambda: np.zeros((3, 3)))
-    """(3, 3) bending of the tip for a force, in the frame of the tool at joints zero [m/N]."""
+    """(3, 3) bending of the tip for a force, in the frame of the tool at joints zero [m/N]; forces count where it is
+    given."""
 
     def __post_init__(self) -> None:
         if self.cause not in CAUSES:
-            raise UsageError(f"follower: unknown cause '{self.cause}'; {did_you_mean(self.cause, CAUSES)}")
+            raise UsageError(f"follower: unknown cause '{self.cause}'; {did_you_mean(str(self.cause), CAUSES)}")
         for each in fields(self):
             if each.name not in ("cause", "compliance"):
                 self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
@@ -69,17 +71,22 @@ class Figures:
                 f"follower: a delay of {self.delay:g} s is more than the {LOOK_BACK - 10} set-points that are"
                 f" remembered; give a period of {self.delay / (LOOK_BACK - 10):.3g} s or more"
             )
-        compliance = np.asarray(self.compliance, dtype=float)
-        if compliance.shape != (3, 3) or not np.isfinite(compliance).all():
-            raise UsageError(f"follower: compliance has shape {compliance.shape}; give (3, 3) finite figures [m/N]")
+        compliance = numbers(self.compliance)
+        if compliance is None or compliance.shape != (3, 3) or not np.isfinite(compliance).all():
+            what = type(self.compliance).__name__ if compliance is None else f"shape {compliance.shape}"
+            raise UsageError(
+                f"follower: compliance of {what}; give (3, 3) finite figures [m/N], such as Bending(...).compliance"
+            )
         object.__setattr__(self, "compliance", compliance)
         if math.isinf(self.believable):
             object.__setattr__(self, "believable", 10.0 * self.max_correction)
 
     def _check(self, name: str, least: float, most: float, words: str) -> None:
-        value = getattr(self, name)
-        if not isinstance(value, (int, float)) or not least <= value <= most:
-            raise UsageError(f"follower: {name} is {value!r}; give {words}")
+        given = getattr(self, name)
+        value = number(given)
+        if value is None or isinstance(given, str | bool) or not least <= value <= most:
+            raise UsageError(f"follower: {name} is {given!r:.60}; give {words}")
+        object.__setattr__(self, name, value)
 
 
 RANGES = {
@@ -91,4 +98,6 @@ RANGES = {
     "max_correction": (1e-9, 0.1, "a length above 0, at most 0.1 m"),
     "max_turn": (0.0, 0.5, "an angle from 0 to 0.5 rad"),
     "fade": (1e-6, math.inf, "a time above 0"),
+    "believable": (1e-9, math.inf, "a length above 0"),
+    "wait": (1e-9, math.inf, "a length above 0"),
 }

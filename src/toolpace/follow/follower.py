@@ -12,6 +12,7 @@ from toolpace.arrays import Floats
 from toolpace.description import one_line
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.follow.figures import Figures
+from toolpace.follow.given import number
 from toolpace.follow.law import law_of
 from toolpace.follow.law_file import read_law, write_law
 from toolpace.follow.measurement import Measurement
@@ -45,6 +46,10 @@ class Follower:
         for name in figures:
             if name not in known:
                 raise UsageError(f"follower: unknown argument '{name}'; {did_you_mean(name, known)}")
+        if not isinstance(trajectory, Trajectory):
+            raise UsageError(
+                f"follower: {type(trajectory).__name__} in place of a trajectory; give what plan or replan returns"
+            )
         if machine.joints != trajectory.joints:
             raise UsageError(
                 f"follower: the trajectory moves {', '.join(trajectory.joints)}, machine {machine.name} has"
@@ -61,7 +66,7 @@ class Follower:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Follower:
-        """The follower that `save` wrote. Raises UsageError for what is no such file."""
+        """The follower that `save` wrote. Raises UsageError for what is no such file, or a damaged one."""
         follower = cls.__new__(cls)
         follower._take(read_law(path))
         follower.off_the_plan = math.nan
@@ -105,12 +110,20 @@ class Follower:
     def step(self, measurement: Measurement | None = None, feed: float = 1.0) -> SetPoint:
         """The next set-point; `feed` is the operator's override, 0 (hold) to 1.2.
 
-        Raises UsageError for a measurement of a wrong shape, and for nothing else.
+        Raises UsageError for a measurement or a feed that is not made of numbers, or of a wrong shape, and for nothing
+        else.
         """
         from toolpace.kernels.follow.step import step
 
-        (measurement or NOTHING).write(self._given)
-        self._given[layout.OVERRIDE] = feed
+        if measurement is None:
+            measurement = NOTHING
+        if not isinstance(measurement, Measurement):
+            raise UsageError(f"step: {type(measurement).__name__} in place of a measurement; give Measurement(t, ...)")
+        override = number(feed)
+        if override is None:
+            raise UsageError(f"step: feed is {feed!r:.60}; give a share from 0 to 1.2")
+        measurement.write(self._given)
+        self._given[layout.OVERRIDE] = override
         step(self.piece, self.state, self._given, self._out)
         out = self._out
         q, qd, qdd, qddd = out[layout.Q : layout.OUT_CORRECTION].reshape(4, -1).copy()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +15,25 @@ from toolpace.kernels.follow import layout
 
 
 def write_law(path: str | os.PathLike[str], piece: Floats) -> None:
-    """Write a piece, little-endian, whole or not at all."""
+    """Write a piece, little-endian, with its checksum, whole or not at all."""
+    written = piece.astype("<f8")
+    written[layout.CHECKSUM] = checksum(piece)
     with whole_file(path) as temporary:
-        temporary.write_bytes(piece.astype("<f8").tobytes())
+        temporary.write_bytes(written.tobytes())
+
+
+def checksum(piece: Floats) -> float:
+    """CRC-32 of a piece as it is in a file, with zeros in the checksum's own place."""
+    summed = piece.astype("<f8")
+    summed[layout.CHECKSUM] = 0.0
+    return float(zlib.crc32(summed.tobytes()))
 
 
 def read_law(path: str | os.PathLike[str]) -> Floats:
-    """The piece in a file. Raises UsageError where it is none, of another version, or cut short."""
+    """The piece in a file. Raises UsageError where it is none, of another version, cut short or changed."""
     try:
         content = Path(path).read_bytes()
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise UsageError(f"{path}: cannot read: {reason(error)}") from None
     piece = np.frombuffer(content[: len(content) // 8 * 8], dtype="<f8").astype(float)
     if len(piece) < layout.PATH or piece[layout.IS_PIECE] != layout.MAGIC:
@@ -34,8 +44,10 @@ def read_law(path: str | os.PathLike[str]) -> Floats:
         )
     samples, cells = piece[layout.SAMPLES], piece[layout.CELLS]
     wanted = layout.PATH + (samples + 3.0) * layout.COLUMNS + cells * layout.CELL_COLUMNS
-    if not (
-        8.0 * wanted == len(content) and samples >= 2.0 and cells >= 1.0 and np.isfinite(piece[: layout.HEAD]).any()
-    ):
+    if 8.0 * wanted != len(content):
         raise UsageError(f"{path}: {len(content)} bytes where the law needs {8.0 * wanted:g}; write it anew")
+    # Counts and indices lead the kernel through memory: no figure of a damaged file may get there.
+    if piece[layout.CHECKSUM] != checksum(piece):
+        raise UsageError(f"{path}: the law was changed since it was written (its checksum differs); write it anew")
+    piece[layout.CHECKSUM] = 0.0
     return piece

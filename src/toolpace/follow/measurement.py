@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError
+from toolpace.follow.given import number, numbers
 from toolpace.kernels.follow.layout import AXIS, DEFLECTION, FORCE, MEASURED_AT, TIP
 
 
@@ -17,7 +18,8 @@ class Measurement:
     """Position of the tip or its deflection, direction of the tool, or force on it, at a time; what is not given was
     not measured.
 
-    Any figures are taken, nan and absurd ones too: a follower says what it made of them, and goes on.
+    Any figures are taken, nan and absurd ones too: a follower says what it made of them, and goes on. The place of the
+    tip counts before a force; an axis counts along with it.
     """
 
     t: float
@@ -27,14 +29,18 @@ class Measurement:
     axis: npt.ArrayLike | None = None
     """(3,) unit vector from the tip to the spindle, in the workpiece frame."""
     force: npt.ArrayLike | None = None
-    """(3,) force on the tool, in the workpiece frame [N]."""
+    """(3,) force on the tool, in the workpiece frame [N]; counts where the follower has a compliance."""
     deflection: npt.ArrayLike | None = None
     """(3,) how far the tip was from where it was commanded `delay` before, correction and all, in the workpiece frame
     [m]: what `tip` less that place would be, and taken in place of it."""
 
     def write(self, into: Floats) -> None:
-        """Write to an array (13,) as kernels/follow/layout.py has it. Raises UsageError for a wrong shape."""
-        into[MEASURED_AT] = self.t
+        """Write to an array (13,) as kernels/follow/layout.py has it. Raises UsageError for what is no number, or of a
+        wrong shape."""
+        t = number(self.t)
+        if t is None:
+            raise UsageError(f"measurement: t is {self.t!r:.60}; give a time in seconds")
+        into[MEASURED_AT] = t
         for at, name, value in (
             (TIP, "tip", self.tip),
             (AXIS, "axis", self.axis),
@@ -44,7 +50,8 @@ class Measurement:
             if value is None:
                 into[at : at + 3] = np.nan
                 continue
-            given = np.asarray(value, dtype=float)
-            if given.shape != (3,):
-                raise UsageError(f"measurement: {name} has shape {given.shape}; give three figures (x, y, z)")
+            given = numbers(value)
+            if given is None or given.shape != (3,):
+                what = f"is {value!r:.60}" if given is None else f"has shape {given.shape}"
+                raise UsageError(f"measurement: {name} {what}; give three figures (x, y, z)")
             into[at : at + 3] = given

@@ -17,7 +17,8 @@ class Status(IntFlag):
     HELD = layout.HELD
     """The tool stands on its path: a feed of 0, or a stop."""
     STALE = layout.STALE
-    """Nothing that counts was measured of late: the correction is held."""
+    """Nothing that counts was measured of late (or no axis, where the rotary joints are corrected): the correction is
+    held."""
     FADING = layout.FADED
     """Nothing was measured for so long that the correction is taken back."""
     AT_LIMIT = layout.AT_LIMIT
@@ -25,7 +26,7 @@ class Status(IntFlag):
     STOPPING = layout.STOPPING
     """It was so for longer than patience: the tool is brought to a stop on its path, until `resume`."""
     NOT_A_NUMBER = layout.NOT_A_NUMBER
-    """What was measured is not a number: not counted."""
+    """What was measured is not a number, or a force whose bending is not known: not counted."""
     LATE = layout.LATE
     """What was measured came out of order, too late, or from the future: not counted."""
     ABSURD = layout.ABSURD

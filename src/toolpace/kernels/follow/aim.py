@@ -41,6 +41,7 @@ from toolpace.kernels.follow.layout import (
     HISTORY,
     JOINTS,
     JUMPED,
+    LAST_AXIS,
     LAST_JUMP,
     LAST_MEASURED,
     LATE,
@@ -76,7 +77,7 @@ MOST_TILT = 0.5
 def take(piece: Floats, state: Floats, given: Floats) -> int:
     """Take in what was measured (13,), nan where nothing was; returns what is to be said of it."""
     by_tip = math.isfinite(given[TIP] + given[TIP + 1] + given[TIP + 2]) or known_deflection(given)
-    by_force = math.isfinite(given[FORCE] + given[FORCE + 1] + given[FORCE + 2])
+    by_force = math.isfinite(given[FORCE] + given[FORCE + 1] + given[FORCE + 2]) and bends(piece)
     if not (math.isfinite(given[MEASURED_AT]) and (by_tip or by_force)):
         return NOT_A_NUMBER
     seen = (given[MEASURED_AT] - piece[DELAY]) / piece[PERIOD]
@@ -94,8 +95,26 @@ def take(piece: Floats, state: Floats, given: Floats) -> int:
     state[MEASURED], state[LAST_MEASURED] = 1.0, given[MEASURED_AT]
     if piece[CAUSE] == DISPLACED and by_tip:
         return displace(piece, state, wanted, off)
-    relax(piece, state, wanted, since, first)
+    by_axis = by_tip and counts_axis(piece, given)
+    if by_axis:
+        state[LAST_AXIS] = given[MEASURED_AT]
+    relax(piece, state, wanted, since, first, by_axis)
     return 0
+
+
+@jit(inline=True)
+def bends(piece: Floats) -> bool:
+    """Whether it is known what a force bends."""
+    some = False
+    for k in range(9):
+        some |= piece[COMPLIANCE + k] != 0.0
+    return some
+
+
+@jit(inline=True)
+def counts_axis(piece: Floats, given: Floats) -> bool:
+    """Whether an axis was measured, and the rotary joints are to be corrected by it."""
+    return piece[MOST_TURN] > 0.0 and math.isfinite(given[AXIS] + given[AXIS + 1] + given[AXIS + 2])
 
 
 @jit(inline=True)
@@ -142,7 +161,7 @@ def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> f
         tip[d] = given[DEFLECTION + d] if direct else given[TIP + d] - tip[d]
     off = math.sqrt(dot(tip, tip))
     first, second = 0.0, 0.0
-    if piece[MOST_TURN] > 0.0 and math.isfinite(given[AXIS] + given[AXIS + 1] + given[AXIS + 2]):
+    if counts_axis(piece, given):
         first, second = turns_for(piece, state, given, axis)
         if math.isnan(first):
             return math.inf
@@ -233,8 +252,9 @@ def off_by_force(piece: Floats, state: Floats, given: Floats, wanted: Floats) ->
 
 
 @jit()
-def relax(piece: Floats, state: Floats, wanted: Floats, since: float, first: bool) -> None:
-    """Move the aim (5,) towards where it should be; `since` is the time since the last measurement [s]."""
+def relax(piece: Floats, state: Floats, wanted: Floats, since: float, first: bool, by_axis: bool) -> None:
+    """Move the aim (5,) towards where it should be; `since` is the time since the last measurement [s]. That of the
+    rotary joints stays where no axis was measured: nothing is known of them then, not that they are right."""
     place = piece[PLACE : PLACE + 5].view(np.int64)
     share = 1.0
     if piece[FILTER] > 0.0 and not first:
@@ -242,7 +262,8 @@ def relax(piece: Floats, state: Floats, wanted: Floats, since: float, first: boo
     steps = max(round(since / piece[PERIOD]), 1.0)
     gain = 1.0 - (1.0 - piece[GAIN]) ** steps if piece[GAIN] < 1.0 else piece[GAIN]
     away, length = 0.0, 0.0
-    for k in range(JOINTS):
+    begin = 0 if by_axis else 2
+    for k in range(begin, JOINTS):
         j = place[k]
         # of the bending seen, the correction that it was seen with has its expected part
         settled = (wanted[j] - piece[RHO] * state[SHOWN + j]) / (1.0 - piece[RHO])
@@ -251,7 +272,7 @@ def relax(piece: Floats, state: Floats, wanted: Floats, since: float, first: boo
             away += (state[SMOOTHED + j] - state[AIM + j]) ** 2
     if math.sqrt(away) < piece[DEADBAND]:
         return
-    for k in range(JOINTS):
+    for k in range(begin, JOINTS):
         j = place[k]
         state[AIM + j] += gain * (state[SMOOTHED + j] - state[AIM + j])
         if k >= 2:

@@ -7,7 +7,7 @@ for PACE, GOAL and FINAL, which are 1.
 
 from __future__ import annotations
 
-MAGIC, VERSION = 1953525106.0, 2.0
+MAGIC, VERSION = 1953525106.0, 3.0
 """First two figures of every piece."""
 JOINTS = 5
 
@@ -15,11 +15,12 @@ JOINTS = 5
 (
     IS_PIECE, HAS_VERSION, SAMPLES, STEP, CELLS, CELL, DURATION, PERIOD, DELAY, GAIN, MOST, MOST_TURN, DEADBAND, FILTER,
     HOLD, FADE, PATIENCE, BELIEVABLE, CAUSE, FEED_SHARE, TIP_PER_LINEAR, LEVER, NOMINAL, WAIT, AXIS_TOLERANCE,
-    RHO,
-) = range(26)  # fmt: skip
+    RHO, CHECKSUM,
+) = range(27)  # fmt: skip
 """Counts and times [s] of samples and cells, then the figures of follow/figures.py in SI units; FEED_SHARE: of the
 feed, for each joint's correction; TIP_PER_LINEAR, LEVER: most motion of the tip for one of a linear and a rotary joint;
-NOMINAL: pace of the plan at which it was sampled; MOST_TURN: 0 where measured axes do not count."""
+NOMINAL: pace of the plan at which it was sampled; MOST_TURN: 0 where measured axes do not count; CHECKSUM: of a file,
+CRC-32 of all its bytes with zeros for this figure, and 0 elsewhere."""
 HEAD = 32
 BENDING, DISPLACED = 0.0, 1.0
 """What CAUSE can be."""
@@ -53,14 +54,15 @@ INPUTS = 14
 # state
 (
     NOW, STEPS, TAU, PACE, CHANGE, BEND, GOAL, FINAL, WAY, MEASURED, LAST_MEASURED, LAST_JUMP, FULL, FULL_FOR,
-    STOPPED, NEEDED, TAKEN_OFF,
-) = range(17)  # fmt: skip
+    STOPPED, NEEDED, TAKEN_OFF, LAST_AXIS,
+) = range(18)  # fmt: skip
 """Time [s] and number of the set-point that was given last; time of the path, pace and its two derivatives; the pace
 committed to and the one that it ends with; which way of changing it is tried; whether anything was
 measured and when; when the joints were last found displaced; whether the correction is at its limit and for how long
-[s]; whether that has stopped the tool; share of the pace that a correction needed of late, and what is taken off it."""
+[s]; whether that has stopped the tool; share of the pace that a correction needed of late, and what is taken off it;
+when an axis was last measured."""
 SEGMENTS = 7
-COMMITTED = 17
+COMMITTED = 18
 """(7, 2) duration [s] and second derivative of the pace [1/s^2] of what is committed to."""
 CANDIDATE = COMMITTED + 2 * SEGMENTS
 """The same of what is looked at."""

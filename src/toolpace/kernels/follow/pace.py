@@ -41,7 +41,9 @@ from toolpace.kernels.follow.layout import (
 from toolpace.kernels.jit import jit
 
 WAYS = 13
-"""Ways of changing the pace, from quick to slow; for a pace above 1, each with three goals."""
+"""Ways of changing the pace, from quick to slow."""
+ABOVE, BELOW = 3, 4
+"""Goals that ways are tried with: above a pace of 1, and on the way up to 1 or less; each half as far as the last."""
 QUICKEST, SLOWER = 400.0, 0.44
 """Second derivative of the pace of the first way [1/s^2], and what each next one has of it."""
 LOOK, LOOKS = 4e-3, 50.0
@@ -137,26 +139,52 @@ def lay_out(state: Floats, goal: float, way: int, period: float) -> float:
 
 @jit()
 def commit(piece: Floats, state: Floats, wanted: float) -> None:
-    """Commit to a change towards the pace that is wanted, if the way that is next in turn fits."""
+    """Commit to a change towards the pace that is wanted, if the way that is next in turn fits.
+
+    Where no way goes all along to a higher pace, one goes a part of it: a path that is at its limits lets no pace rise
+    to what it is planned for, but all the more to a lower one, and so the tool never stands for good.
+    """
     done = abs(state[PACE] - wanted) <= SAME and abs(state[CHANGE]) <= SAME
     if done and state[GOAL] == wanted and wanted <= 1.0:
         return
     period = piece[PERIOD]
     # the ways are gone through in turn whatever is wanted meanwhile: noise in it keeps none from being tried
     index = int(state[WAY])
-    goal = wanted
-    if wanted > 1.0:
-        goal = 1.0 + (wanted - 1.0) * 0.5 ** (index // WAYS)
+    if index >= goals(state[PACE], wanted) * WAYS:
+        index = 0
+    goal = goal_in_turn(state[PACE], wanted, index // WAYS)
     time = lay_out(state, goal, index % WAYS, period)
     left = state[COMMITTED] + state[COMMITTED + 2] + state[COMMITTED + 4]
-    sooner = wanted > 1.0 or state[GOAL] != wanted or time < left - 0.5 * period
+    nearer = abs(goal - wanted) < abs(state[FINAL] - wanted) - SAME
+    sooner = goal == wanted and (state[GOAL] != wanted or time < left - 0.5 * period)
     # a change that has to be turned round first is not to dip
-    if sooner and fits(piece, state, max(min(goal, state[PACE]) - DIP, 0.0) - SAME):
+    if (goal > 1.0 or nearer or sooner) and fits(piece, state, max(min(goal, state[PACE]) - DIP, 0.0) - SAME):
         for k in range(2 * SEGMENTS):
             state[COMMITTED + k] = state[CANDIDATE + k]
         state[GOAL], state[FINAL] = wanted, min(goal, 1.0)
     else:
-        state[WAY] = float((index + 1) % (3 * WAYS if wanted > 1.0 else WAYS))
+        index += 1
+    state[WAY] = float(index)
+
+
+@jit(inline=True)
+def goals(pace: float, wanted: float) -> int:
+    """How many goals there are between a pace and the one that is wanted."""
+    count = ABOVE if wanted > 1.0 else 0
+    if pace < min(wanted, 1.0):
+        count += BELOW
+    return max(count, 1)
+
+
+@jit(inline=True)
+def goal_in_turn(pace: float, wanted: float, turn: int) -> float:
+    """One of these goals: the one that is wanted first."""
+    if wanted > 1.0:
+        if turn < ABOVE:
+            return 1.0 + (wanted - 1.0) * 0.5**turn
+        turn -= ABOVE
+    end = min(wanted, 1.0)
+    return end if turn == 0 else pace + (end - pace) * 0.5**turn
 
 
 @jit()

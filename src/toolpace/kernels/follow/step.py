@@ -35,6 +35,7 @@ from toolpace.kernels.follow.layout import (
     HISTORY,
     HOLD,
     JOINTS,
+    LAST_AXIS,
     LAST_MEASURED,
     LOOK_BACK,
     MEASURED,
@@ -106,16 +107,26 @@ def measured_something(given: Floats) -> bool:
 
 @jit()
 def grow_old(piece: Floats, state: Floats) -> int:
-    """Hold the aim for a while without measurements, then let it fade; returns what is to be said."""
-    late = state[NOW] + piece[PERIOD] - state[LAST_MEASURED] - piece[DELAY] - 1.5 * piece[PERIOD]
-    if state[MEASURED] == 0.0 or late <= 0.0:
+    """Hold the aim for a while without measurements, then let it fade; returns what is to be said.
+
+    The rotary joints go by when an axis was measured, the linear ones by when anything was.
+    """
+    if state[MEASURED] == 0.0:
         return 0
-    if late <= piece[HOLD]:
-        return STALE
-    state[FULL] = 0.0
-    for j in range(JOINTS):
-        state[AIM + j] *= math.exp(-piece[PERIOD] / piece[FADE])
-    return STALE | FADED
+    place = piece[PLACE : PLACE + 5].view(np.int64)
+    said, kept = 0, math.exp(-piece[PERIOD] / piece[FADE])
+    for k in range(JOINTS):
+        aim = AIM + place[k]
+        late = state[NOW] - state[LAST_AXIS if k < 2 else LAST_MEASURED] - piece[DELAY] - 0.5 * piece[PERIOD]
+        if late <= 0.0 or (k < 2 and state[aim] == 0.0):
+            continue
+        said |= STALE
+        if late > piece[HOLD]:
+            said |= FADED
+            state[aim] *= kept
+            if k >= 2:
+                state[FULL] = 0.0
+    return said
 
 
 @jit()

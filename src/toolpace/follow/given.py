@@ -1,0 +1,22 @@
+"""What people give in place of numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Floats
+
+
+def numbers(given: object) -> Floats | None:
+    """What was given as an array of real numbers, or None where it is none."""
+    try:
+        found = np.asarray(given)
+        return None if np.iscomplexobj(found) else found.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def number(given: object) -> float | None:
+    """What was given as one real number, or None where it is none."""
+    found = numbers(given)
+    return None if found is None or found.shape != () else float(found)
