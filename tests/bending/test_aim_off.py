@@ -136,6 +136,9 @@ def test_other_tools_and_named_operations(toolpath):
     np.testing.assert_array_equal(cut >= 0, module.cut_of_way(TOOL, toolpath) >= 0)
     with pytest.raises(UsageError, match=r"slot.nc has no tool '2'; .*1"):
         module.cut_of_way(replace(TOOL, only=("2",)), toolpath)
+    unnamed = replace(toolpath, operations=tuple(replace(each, tool="") for each in toolpath.operations))
+    with pytest.raises(UsageError, match=r"slot.nc has no tool '1'; it names no tools: leave that out"):
+        module.cut_of_way(only, unnamed)
     with pytest.raises(UsageError, match="has no operation 'FINISH'"):
         module.cut_of_way(replace(TOOL, operations={"FINISH": TOOL.cut}), toolpath)
     name = toolpath.operations[int(toolpath.operation[-3])].name

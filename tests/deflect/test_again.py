@@ -193,3 +193,43 @@ def test_a_way_back_keeps_within_travel(joint):
     kept = deflect.replan(old, time, found, narrow).axis_path.runs[0].detour
     q = kept.motion(np.linspace(0.0, kept.duration, 4000))[0][:, joint]
     assert low - 2.1e-5 <= q.min() and q.max() <= high + 2.1e-5
+
+
+@pytest.mark.parametrize("later", ["displaced", "bending", "in place"])
+@pytest.mark.parametrize("offset", [0.0, 1e-3])
+def test_a_detour_from_a_detour_to_the_start_goes_along_the_path_once(later: str, offset: float):
+    """Found off its path before it has begun, the tool goes to the start first; the path is still to come, once."""
+    old = arc()
+    random = np.random.default_rng(12)
+    first = deflect.replan(old, 0.0, off_by(old, 0.0, random, 2e-4), rejoin=float(old.axis_path.runs[0].s0))
+    run = first.axis_path.runs[0]
+    assert isinstance(run, DetourRun) and run.leads_to_start and len(first.laws) == 2
+    at = run.detour.duration * 0.5 + offset
+    size, cause = (0.0, "displaced") if later == "in place" else (5e-5, later)
+    again = deflect.replan(first, at, off_by(first, at, random, size), cause=cause)
+    third = deflect.replan(again, 1e-3, off_by(again, 1e-3, random, 1e-5), cause="bending")
+    for motion, before, passed in ((again, first, at), (third, again, 1e-3)):
+        t = np.linspace(0.0, motion.duration, 20001)
+        speed = np.abs(np.diff(motion.at(t).q, axis=0)) / t[1]
+        assert (speed <= PROMISED * MACHINE.limits.velocity).all(), "no jump"
+        assert motion.duration == pytest.approx(before.duration - passed, abs=0.3)
+        tip = motion.at(motion.duration).q - old.at(old.duration).q
+        assert np.abs(tip).max() < 3e-4
+
+
+@pytest.mark.parametrize("cause", ["displaced", "bending"])
+def test_detours_of_microseconds_are_told_as_they_are(cause: str):
+    """A nanometre off, the detour takes some tenths of a millisecond: its jerk is not reckoned from places that differ
+    by less than what they are rounded to."""
+    machine = MACHINE.with_limits(MACHINE.limits.scaled(1.0, 0.02, 50.0))
+    old = plan(Path.paper_arc(), machine, mesh=200, bound=False)
+    random = np.random.default_rng(21)
+    for size in (3e-11, 1e-10, 1e-9, 1e-8, 1e-7):
+        for time in (0.3, 0.5, 0.7) * np.array(old.duration):
+            found = deflect.replan(old, time, off_by(old, time, random, size), cause=cause, planner="direct")
+            run, law = found.axis_path.runs[0], found.laws[0]
+            assert isinstance(run, DetourRun)
+            t = run.detour.duration * np.linspace(0.0, 0.999, 50)
+            for told, known in zip(law.at(t)[1:], run.parameter(t)[1:]):
+                assert np.abs(told - known).max() <= 1e-9 * (1.0 + np.abs(known).max())
+            assert found.usage().worst <= max(PROMISED, old.usage().worst)

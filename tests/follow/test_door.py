@@ -13,7 +13,7 @@ import pytest
 
 import toolpace as tp
 from toolpace.arrays import Floats
-from toolpace.follow.law_file import read_law
+from toolpace.follow.law_file import read_law, write_law
 from toolpace.kernels.follow import layout
 
 PAGE = Path(__file__).parents[2] / "docs" / "design" / "follower.md"
@@ -56,6 +56,29 @@ def test_no_changed_byte_of_a_law_gets_to_the_kernel(follower: tp.Follower, tmp_
     (tmp_path / "old.law").write_bytes(old.tobytes())
     with pytest.raises(tp.ToolpaceError, match="a law of version 2, read is 3; write it anew"):
         tp.Follower.load(tmp_path / "old.law")
+
+
+@pytest.mark.parametrize(
+    "at, figure, words",
+    [
+        (layout.DELAY, np.nan, "figure 8 is no number"),
+        (layout.PATH + 100, np.nan, f"figure {layout.PATH + 100} is no number"),
+        (layout.PATH + 100, np.inf, "its path leads to infinity"),
+        (layout.PERIOD, 0.0, "its period is 0 s"),
+        (layout.STEP, np.inf, "its step is inf s"),
+        (layout.DURATION, np.inf, "it has no path"),
+        (layout.PLACE, 77.0, "its joints are not five"),
+        (layout.GROUP + 2, 1e300, "its joints are not five"),
+    ],
+)
+def test_a_law_that_others_wrote_is_not_played_where_it_makes_no_sense(
+    follower: tp.Follower, tmp_path: Path, at: int, figure: float, words: str
+):
+    piece = follower.piece.copy()
+    piece[at] = figure
+    write_law(tmp_path / "odd.law", piece)
+    with pytest.raises(tp.ToolpaceError, match=f"{words}.*; write one with"):
+        tp.Follower.load(tmp_path / "odd.law")
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")

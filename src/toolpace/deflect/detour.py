@@ -58,6 +58,12 @@ class DetourRun(AxisRun):
         self.hints = np.concatenate([own, after]) if len(hints) else own
         self.blocks = commanded.run.blocks
 
+    @property
+    def leads_to_start(self) -> bool:
+        """Whether the joints come to rest where the run that is rejoined starts: all of that is still to come, as the
+        next run."""
+        return self.ends_here and self.join <= self.rest_of.s0
+
     @cached_property
     def above(self) -> tuple[float, float]:
         """By what share of the feed the tip starts above it, at most, and until when [s]; 0, 0 where it does not.

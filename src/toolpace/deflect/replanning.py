@@ -136,7 +136,7 @@ def bent(
 
 def behind(trajectory: Trajectory, standing: Standing) -> list[CommandedMotion]:
     """The motions on the path that follow the run."""
-    runs, laws = trajectory.axis_path.runs[standing.index + 1 :], trajectory.laws[standing.index + 1 :]
+    runs, laws = trajectory.axis_path.runs[standing.behind :], trajectory.laws[standing.behind :]
     return [on_path(CommandedMotion(*each)) for each in zip(runs, laws)]
 
 
@@ -144,15 +144,16 @@ def _joined(
     trajectory: Trajectory, standing: Standing, run: AxisRun, law: TimeLaw, aim: Aim | None, planner: str, began: float
 ) -> Trajectory:
     """The first run with what follows it, aimed off as it is."""
-    runs, laws = trajectory.axis_path.runs[standing.index + 1 :], trajectory.laws[standing.index + 1 :]
+    runs, laws = trajectory.axis_path.runs[standing.behind :], trajectory.laws[standing.behind :]
     if aim is not standing.aim and runs:
         aimed = [aim.motion(each) if aim else each for each in behind(trajectory, standing)]
         runs, laws = tuple(each.run for each in aimed), tuple(each.law for each in aimed)
+    detour = run.base if isinstance(run, Onward) else run
+    if isinstance(detour, DetourRun) and detour.leads_to_start:
+        whole = detour.detour.commanded
+        runs, laws = (whole.run, *runs), (whole.law, *laws)
     notes: tuple[str, ...] = ()
     if isinstance(run, DetourRun):
-        whole = run.detour.commanded
-        if run.ends_here and run.join <= whole.run.s0:
-            runs, laws = (whole.run, *runs), (whole.law, *laws)
         share, until = run.above
         if share > 0.0:
             notes = (f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms",)

@@ -25,8 +25,8 @@ from toolpace.trajectory import Trajectory
 class Standing:
     """An instant of a trajectory."""
 
-    index: int
-    """Of the run."""
+    behind: int
+    """Index of the first run behind the original one."""
     current: CommandedMotion
     local: float
     """The time on the clock of its law [s]."""
@@ -47,13 +47,15 @@ class Standing:
             law, local = run.law, run.begin + local
             run = run.base
         current, clock, lag = CommandedMotion(run, law), local, 0.0
-        followed = current
+        followed, behind = current, index + 1
         if isinstance(run, DetourRun):
             followed, clock = run.detour.commanded, rejoined_clock(run, law, local)
             lag = run.lag + run.detour.lost * min(local / run.detour.duration, 1.0)
+            # a detour to the start of the original has that as the next run
+            behind += run.leads_to_start
         aim = followed.run.aim if isinstance(followed.run, AimedOffRun) else None
         original = on_path(followed)
-        return cls(index, current, local, original, clock / (aim.pace if aim else 1.0), aim, lag)
+        return cls(behind, current, local, original, clock / (aim.pace if aim else 1.0), aim, lag)
 
     def state(self) -> Floats:
         """(3, m) positions, velocities and accelerations commanded."""

@@ -50,4 +50,24 @@ def read_law(path: str | os.PathLike[str]) -> Floats:
     if piece[layout.CHECKSUM] != checksum(piece):
         raise UsageError(f"{path}: the law was changed since it was written (its checksum differs); write it anew")
     piece[layout.CHECKSUM] = 0.0
+    if (fault := fault_of(piece)) is not None:
+        raise UsageError(f"{path}: no follower can play this law: {fault}; write one with Follower.save")
     return piece
+
+
+def fault_of(piece: Floats) -> str | None:
+    """What makes no sense in a piece of the right size, or None: others than Follower.save may have written it."""
+    if np.isnan(piece).any():
+        return f"figure {int(np.isnan(piece).argmax())} is no number"
+    for name, at in (("step", layout.STEP), ("cell", layout.CELL), ("period", layout.PERIOD)):
+        if not 0.0 < piece[at] < np.inf:
+            return f"its {name} is {piece[at]:g} s"
+    if not (piece[layout.SAMPLES] >= 2.0 and piece[layout.CELLS] >= 1.0 and 0.0 <= piece[layout.DURATION] < np.inf):
+        return "it has no path"
+    if not np.isfinite(piece[layout.PATH : layout.PATH + (int(piece[layout.SAMPLES]) + 3) * layout.COLUMNS]).all():
+        return "its path leads to infinity"
+    group = piece[layout.GROUP : layout.PLACE].view(np.int64)
+    place = piece[layout.PLACE : layout.COMPLIANCE].view(np.int64)
+    if not (np.isin(group, (0, 1, 2)).all() and np.array_equal(np.sort(place), np.arange(layout.JOINTS))):
+        return "its joints are not five, in some order"
+    return None

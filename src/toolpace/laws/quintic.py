@@ -19,8 +19,14 @@ class QuinticLaw(TimeLaw):
     Position, speed and acceleration are continuous; the third derivative jumps at the points.
     """
 
-    def __init__(self, s: Floats, speed: Floats, acceleration: Floats, periods: Floats) -> None:
-        """Take the points (n + 1,), the speeds and accelerations there, and the periods (n,) between [s]."""
+    def __init__(
+        self, s: Floats, speed: Floats, acceleration: Floats, periods: Floats, jerk: Floats | None = None
+    ) -> None:
+        """Take the points (n + 1,), the speeds and accelerations there, and the periods (n,) between [s].
+
+        `jerk` (n,) is given where the law is a cubic in each period: in one of microseconds, the rounding of two points
+        is more than what the third derivative moves them by.
+        """
         from toolpace.kernels.motion.quintic import coefficients
 
         self.s, self.speed, self.acceleration, self.periods = s, speed, acceleration, periods
@@ -29,6 +35,9 @@ class QuinticLaw(TimeLaw):
         for value in vars(self).values():
             value.flags.writeable = False
         self.polynomials = coefficients(self.times, s[:, None], speed[:, None], acceleration[:, None])
+        if jerk is not None:
+            self.polynomials[:, 3:, 0] = 0.0
+            self.polynomials[:, 3, 0] = jerk * periods**3 / 6.0
         self.s0, self.s1 = float(s[0]), float(s[-1])
         self.duration = float(self.times[-1])
 

@@ -11,11 +11,11 @@ from toolpace.laws.quintic import QuinticLaw
 
 
 def way_back(run: DetourRun) -> QuinticLaw:
-    """The law of the detour alone: a quintic of time in each step, since its parameter is a cubic."""
+    """The law of the detour alone: its parameter is a cubic of time."""
     marks = run.detour.times
-    p, v, a, _ = run.parameter(marks)
+    p, v, a, jerk = run.parameter(marks)
     p[-1] = run.join
-    return QuinticLaw(p, v, a, np.diff(marks))
+    return QuinticLaw(p, v, a, np.diff(marks), jerk[:-1])
 
 
 def direct_law(run: DetourRun) -> TimeLaw:
