@@ -46,6 +46,9 @@ CAUSES = ("displaced", "bending")
 IN_PLACE = 1e-11
 """How far the joints or the tip may be off and count as in place: rounding of the kinematics [m or rad]."""
 
+NOT_BEGUN = 1e-6
+"""Time of a run up to which it has not been begun [s]."""
+
 
 def replan(
     trajectory: Trajectory,
@@ -109,6 +112,9 @@ def replan(
 
     problem = Problem(wanted, left, start, trajectory.limits, machine)
     detour = shortest_detour(problem, target, standing.lag)
+    if detour is None and target is None and left <= NOT_BEGUN:
+        # nothing of the run has been missed: straight to its start, however slow the feed there
+        detour = shortest_detour(problem, 0.0, standing.lag)
     if detour is None:
         raise InfeasibleError(
             f"deflection at {time:.6g} s: no way back to the path within limits and travel; the joints are off by"
