@@ -43,7 +43,7 @@ LOCAL = 3
 """Repairs that keep the knots."""
 REPAIRS = 10
 """Repairs before the first spline is taken as it is."""
-ASTRAY = 1.5
+ASTRAY = 4.0
 """Deviation between the samples from which the tube's solver may not find back [tolerances]."""
 MORE_SAMPLES = 20
 """Times the samples of the first spline that are too many: it strays everywhere, and each look finds as many more."""
