@@ -238,7 +238,8 @@ def test_detours_of_microseconds_are_told_as_they_are(cause: str):
 
 @pytest.mark.parametrize("size", [1e-4, 3e-4, 1e-3, 3e-3])
 def test_a_tool_off_the_start_of_a_slow_feed_finds_back(size: float):
-    """The axes alone are no measure of the way to a path that is begun at a millimetre a second."""
+    """The axes alone are no measure of the way to a path that is begun at a millimetre a second; and on a detour of
+    seconds the feed abreast falls by half within a step."""
     machine = Machine.load("xyzac-trunnion")
     program = "G21 G90 G94\nG0 X0 Y0 Z5 A0 C0\nG1 Z4 F60\nX1 F30\nY1 A1\nM2\n"
     old = plan(Path.fit(read_text(program, machine), machine=machine), machine, bound=False)
@@ -246,5 +247,4 @@ def test_a_tool_off_the_start_of_a_slow_feed_finds_back(size: float):
     for cause in ("displaced", "bending"):
         for _ in range(3):
             found = deflect.replan(old, 0.0, off_by(old, 0.0, random, size), machine, cause=cause, planner="direct")
-            used = found.usage()
-            assert max(*used.velocity.values(), *used.acceleration.values(), *used.jerk.values()) <= PROMISED
+            assert found.usage().worst <= PROMISED

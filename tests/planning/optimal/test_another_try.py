@@ -60,7 +60,7 @@ def test_what_is_left_open_is_said():
     assert "as far as tried" in trajectory.notes[0]
 
 
-def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0):
+def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0, fewer_gap=0.001):
     """Another try whose proofs leave these gaps, one after the other, whose finer mesh this one (None: no better), and
     whose mesh of fewer cells takes so much of the time; with the gap that it ends with, and its words."""
     a_run, gaps = SimpleNamespace(s0=0.0), iter(proofs)
@@ -69,23 +69,29 @@ def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0):
         law = SimpleNamespace(nodes=np.zeros(40), duration=1.0)
         return another.Plan(law, Bound(1.0, 1.0 + gap, 1.0, np.empty((0, 3)), 0))
 
-    opening = SimpleNamespace(stands=stands, words="here", cells=None)
-    monkeypatch.setattr(another, "opening_of", lambda *_: opening)
+    def opening_of(run, limits, law, start, end):
+        return SimpleNamespace(stands=stands, words="here", cells=law.nodes)
+
+    monkeypatch.setattr(another, "opening_of", opening_of)
     monkeypatch.setattr(another, "prove_run", lambda *_: plan_of(next(gaps)).bound)
-    monkeypatch.setattr(
-        another, "on_a_finer_mesh", lambda run, limits, plan, *_: (plan_of(finer) if finer else plan, "finer")
-    )
+
+    def finer_mesh(run, limits, plan, opening, *_):
+        assert len(opening.cells) == len(plan.law.nodes), "the opening is that of another mesh"
+        return (plan_of(finer) if finer else plan), "finer"
+
+    monkeypatch.setattr(another, "on_a_finer_mesh", finer_mesh)
 
     def with_cells(cells):
         if fewer is None:
             raise InfeasibleError("no motion")
         return SimpleNamespace(nodes=np.zeros(cells), duration=fewer)
 
-    monkeypatch.setattr(another, "bound_run", lambda run, limits, law, *_: plan_of(0.001).bound)
+    monkeypatch.setattr(another, "bound_run", lambda run, limits, law, *_: plan_of(fewer_gap).bound)
     best, notes = another.another_try(a_run, None, plan_of(0.2), None, None, False, True, None, with_cells, at_nodes)
     return best.bound.gap, notes[0].split("; ")[1:], list(gaps)
 
 
+FASTER = "a mesh of 20 cells is faster by 30.00%"
 LOOSE, NOTHING, LEFT = "the bound was loose", "a proof by ranges", "what is left is the bound's"
 
 
@@ -99,7 +105,7 @@ LOOSE, NOTHING, LEFT = "the bound was loose", "a proof by ranges", "what is left
         (0.9, [0.05], None, None, 0.05, [LOOSE, "finer", LEFT]),
         (0.1, [0.01], 0.1, 0.5, 0.01, ["finer", LOOSE]),
         (0.1, [0.25], None, 0.9995, 0.2, ["finer", NOTHING, LEFT]),
-        (0.1, [0.25], None, 0.7, 0.001, ["finer", NOTHING, "a mesh of 20 cells is faster by 30.00%"]),
+        (0.1, [0.25], None, 0.7, 0.001, ["finer", NOTHING, FASTER]),
     ],
 )
 def test_what_is_tried_and_in_which_order(monkeypatch, stands, proofs, finer, fewer, gap, words):
@@ -111,11 +117,15 @@ def test_what_is_tried_and_in_which_order(monkeypatch, stands, proofs, finer, fe
 
 
 @pytest.mark.parametrize(
-    ("fewer", "gap", "words"),
-    [(0.7, 0.001, ["a mesh of 20 cells is faster by 30.00%"]), (1.1, 0.05, ["finer", NOTHING, LEFT])],
+    ("fewer", "fewer_gap", "gap", "words"),
+    [
+        (0.7, 0.001, 0.001, [FASTER]),
+        (0.7, 0.1, 0.05, [FASTER, "finer", NOTHING, LEFT]),
+        (1.1, 0.001, 0.05, ["finer", NOTHING, LEFT]),
+    ],
 )
-def test_where_the_guard_went_astray_fewer_cells_come_first(monkeypatch, fewer, gap, words):
-    left, said, _ = scripted(monkeypatch, 0.1, [0.05], 0.05, fewer, at_nodes=0.7)
+def test_where_the_guard_went_astray_fewer_cells_come_first(monkeypatch, fewer, fewer_gap, gap, words):
+    left, said, _ = scripted(monkeypatch, 0.1, [0.05], 0.05, fewer, at_nodes=0.7, fewer_gap=fewer_gap)
     assert left == pytest.approx(gap)
     assert [one.startswith(word) for one, word in zip(said, words, strict=True)] == [True] * len(words)
 

@@ -187,7 +187,9 @@ def allowed_speed(problem: Problem, detour: Detour, share: float) -> tuple[Float
     assert problem.machine is not None
     mesh, run = Mesh.of(detour.duration, problem.pieces), problem.commanded.run
     feeds = feed_at(run, detour.abreast(mesh.times))
-    feed = np.minimum(feeds[np.maximum(np.arange(problem.pieces) - 1, 0)], feeds[:-1])
+    # a control point of velocity has its say from t_k-2 to t_k+1: the least feed of all these steps is its own
+    around = np.arange(problem.pieces)[:, None] + np.arange(-2, 2)
+    feed = feeds[np.clip(around, 0, problem.pieces)].min(axis=1)
     rates = tip_rates(problem.machine, detour.motion(mesh.paces)[0])
     if not np.isfinite(feed).any():
         return feed, 0.0, rates

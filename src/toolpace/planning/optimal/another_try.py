@@ -98,6 +98,8 @@ def another_try(
     astray = first.law.duration > (1.0 + FAR) * at_nodes
     for way in ("fewer cells", *ways) if astray else (*ways, "fewer cells"):
         if way == "mesh":
+            if best.law is not first.law:
+                opening = opening_of(run, limits, best.law, start, end)
             best, words = on_a_finer_mesh(run, limits, best, opening, start, end, guard, workers)
         elif way == "fewer cells":
             best, words = on_fewer_cells(run, limits, best, start, end, with_cells)
