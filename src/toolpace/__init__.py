@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from toolpace.setpoints import SetPoints
     from toolpace.timing.program import program_time
     from toolpace.timing.program_time import PartTime, ProgramTime
+    from toolpace.tolerances.tolerances import Tolerances
     from toolpace.toolpath import Operation, ToolPath
     from toolpace.trajectory import OpenPlace, Trajectory
     from toolpace.workers import Progress, Workers
@@ -130,6 +131,7 @@ __all__ = [
     "Sign",
     "Status",
     "TimeLaw",
+    "Tolerances",
     "Tool",
     "ToolPath",
     "ToolpaceError",
@@ -219,6 +221,7 @@ _HOME = {
     "Status": "follow",
     "TimeLaw": "laws.law",
     "Tool": "reading.coordinates.setup",
+    "Tolerances": "tolerances.tolerances",
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",

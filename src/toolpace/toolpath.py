@@ -21,6 +21,16 @@ def no_operations() -> Ints:
     return np.zeros(0, dtype=np.int64)
 
 
+def untold() -> Floats:
+    """None."""
+    return np.zeros(0)
+
+
+def no_numbers() -> Ints:
+    """None."""
+    return np.zeros((0, 2), dtype=np.int64)
+
+
 @dataclass(frozen=True)
 class Operation:
     """A part of a program: what it is called there, and the tool that works in it."""
@@ -73,7 +83,18 @@ class ToolPath(ByValue):
     assumed: tuple[str, ...] = ()
     """What the program leaves open and the reader took for granted, a sentence each."""
 
+    tip_tolerance: Floats = field(default_factory=untold)
+    """(n,) how far the tip may stray on the way to the point, by the program's own words [m] (CYCLE832, CTOL, cycle 32,
+    G64 P, G187 E); nan where it tells none. What is obeyed is given to the fit: see `Tolerances`."""
+    axis_tolerance: Floats = field(default_factory=untold)
+    """(n,) the same of the tool axis [rad]."""
+    numbered: Ints = field(default_factory=no_numbers)
+    """(k, 2) number (N) and line of each numbered block of a program for a control."""
+
     def __post_init__(self) -> None:
+        for name in ("tip_tolerance", "axis_tolerance"):
+            if len(getattr(self, name)) != len(self.tip):
+                object.__setattr__(self, name, np.full(len(self.tip), np.nan))
         if len(self.rapid) != len(self.tip):
             object.__setattr__(self, "rapid", np.isinf(self.feed) & (self.least_time <= 0.0))
         if len(self.operation) != len(self.tip):

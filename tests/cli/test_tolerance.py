@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 
+import msgspec
 import pytest
 
 from toolpace import demo
 from toolpace.cli import main
 from toolpace.cli.tolerance.picture import drawn, round_values
+from toolpace.write import read_plan
 
 
 @pytest.fixture(scope="module")
@@ -46,3 +48,67 @@ def test_lines_of_the_picture_are_round_and_hold_all():
     assert "<polyline" in drawn([(1e-6, 2.0), (1e-5, 1.0)], "a<b") and "a&lt;b" in drawn(
         [(1e-6, 2.0), (1e-5, 1.0)], "a<b"
     )
+
+
+OPERATIONS = """N10 G21 G90 G94 G64 P0.03
+N20 T1 M6
+N30 G0 X0 Y0 Z50
+N40 G1 X4 Y4 F6000
+N50 X8 Y0
+N60 X12 Y4
+N70 X16 Y0
+N80 T2 M6
+N90 X20 Y4
+N100 X24 Y0
+N110 X28 Y4
+N120 X32 Y0
+N130 M2
+"""
+
+
+@pytest.mark.parametrize(
+    "asked, places, widest",
+    [
+        ("20um,T2:5um", "20um,T2:5um", 0.02),
+        ("5um,N40-N60:15um", "5um,N40-N60:15um", 0.015),
+        ("program,T2:5um", "10um,program,T2:5um", 0.03),
+    ],
+)
+def test_tolerances_by_place_are_planned_told_and_judged(tmp_path, capsys, asked, places, widest):
+    file, out = tmp_path / "two.ngc", tmp_path / "plan"
+    file.write_text(OPERATIONS)
+    given = [
+        "plan",
+        str(file),
+        "-m",
+        demo.MACHINE,
+        "--tip-tolerance",
+        asked,
+        "--effort",
+        "low",
+        "--controller",
+        "linuxcnc",
+    ]
+    assert main([*given, "--out", str(out), "--no-report"]) == 0
+    record = read_plan(out)
+    assert record.tip_tolerances == places and record.axis_tolerances is None
+    assert record.tip_tolerance_mm == pytest.approx(widest)
+    assert 0.5 * widest < record.tip_deviation_mm <= widest * 1.001
+    capsys.readouterr()
+    assert main(["verify", str(out)]) == 0
+    assert f"tip {places}" in " ".join(capsys.readouterr().out.split())
+    wrong = msgspec.structs.replace(record, tip_tolerances="5um", tip_tolerance_mm=0.005)
+    (out / "plan.json").write_bytes(msgspec.json.encode(wrong))
+    assert main(["verify", str(out)]) == 1
+
+
+def test_a_place_that_is_not_in_the_program_is_told_in_a_line(tmp_path, capsys):
+    file = tmp_path / "two.ngc"
+    file.write_text(OPERATIONS)
+    given = ["plan", str(file), "-m", demo.MACHINE, "--out", str(tmp_path / "plan"), "--controller", "linuxcnc"]
+    assert main([*given, "--tip-tolerance", "20um,T22:5um"]) == 2
+    assert "tolerance of 'T22'" in (told := capsys.readouterr().err) and "did you mean 'T2'?" in told
+    assert main([*given, "--tip-tolerance", "20um,T2:5"]) == 2
+    assert "has no unit" in capsys.readouterr().err
+    assert main(["tolerance", str(file), "-m", demo.MACHINE, "--tip-tolerance", "20um,T2:5um"]) == 2
+    assert "one for all here" in capsys.readouterr().err

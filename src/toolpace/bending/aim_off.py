@@ -25,6 +25,7 @@ from toolpace.errors import PathError, UsageError
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.path.path import Path
 from toolpace.planning.planner import Planner, plan
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.units import format_length, format_time
@@ -80,8 +81,8 @@ def aim_off(
     toolpath: ToolPath,
     machine: Machine,
     tool: CuttingTool,
-    tip_tolerance: float = 10e-6,
-    axis_tolerance: float = 1e-3,
+    tip_tolerance: float | Tolerances = 10e-6,
+    axis_tolerance: float | Tolerances = 1e-3,
     planner: str | Planner = "optimal",
     progress: Callable[[float], None] | None = None,
 ) -> AimedOff:
@@ -94,13 +95,14 @@ def aim_off(
     cut = cut_of_way(tool, toolpath)
     places = places_of(toolpath, machine, cut, tool.blend)
     cut = cut[places.origin]
-    enough = min(CONVERGED, 0.5 * RESERVE * tip_tolerance)
+    least = Tolerances.of(tip_tolerance).least
+    enough = min(CONVERGED, 0.5 * RESERVE * least)
     bending = np.zeros((len(places.way), 3))
     changes: list[float] = []
     for round_ in range(ROUNDS + 1):
         told = _share(progress, round_)
         if round_ <= SETTLED:
-            kept = places.needed(bending, STRAIGHT * tip_tolerance)
+            kept = places.needed(bending, STRAIGHT * least)
         shifted = places.shifted(-bending, kept)
         fitted = Path.fit(shifted, (1.0 - RESERVE) * tip_tolerance, axis_tolerance, machine, _share(told, 0))
         path = places.of_program(fitted, kept)

@@ -50,6 +50,8 @@ class Places:
             rotary=None if path.rotary is None else path.rotary[kept],
             rapid=path.rapid[kept],
             operation=path.operation[kept],
+            tip_tolerance=path.tip_tolerance[kept],
+            axis_tolerance=path.axis_tolerance[kept],
         )
 
     def of_program(self, path: Path, kept: Ints) -> Path:
@@ -134,6 +136,8 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         dwell=np.where(own, toolpath.dwell[origin], 0.0),
         rapid=toolpath.rapid[origin],
         operation=toolpath.operation[origin],
+        tip_tolerance=toolpath.tip_tolerance[origin],
+        axis_tolerance=toolpath.axis_tolerance[origin],
         rotary=rotary,
         rotary_joints=() if rotary is None else tuple(machine.geometry.rotary_joints),
     )

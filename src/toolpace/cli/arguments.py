@@ -17,10 +17,12 @@ from toolpace.reading.source import STANDARD_INPUT
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
-    from toolpace.cli.options import Reading, Tolerances
+    from toolpace.cli.options import Reading
+    from toolpace.cli.options import Tolerances as TypedTolerances
     from toolpace.cuttingtool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.reading import ReadOptions
+    from toolpace.tolerances.tolerances import Tolerances
 
 
 def planner_named(name: str) -> str:
@@ -70,17 +72,37 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
     return name
 
 
-def tolerances(given: Tolerances) -> tuple[float, float]:
-    """Both tolerances [m], [rad], above zero."""
-    tip, axis = given.tip_tolerance, given.axis_tolerance
-    metres, radians = units.parse_length(tip), units.parse_angle(axis)
-    if not metres > 0.0:
-        raise UsageError(f"--tip-tolerance {tip}: a curve needs room to be smooth; give more than zero, like 0.001mm")
-    if not radians > 0.0:
-        raise UsageError(f"--axis-tolerance {axis}: a curve needs room to be smooth; give more than zero, like 0.01deg")
-    _within("--tip-tolerance", tip, metres, TIP_TOLERANCES, units.format_length)
-    _within("--axis-tolerance", axis, radians, AXIS_TOLERANCES, units.format_angle)
-    return metres, radians
+def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
+    """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
+    from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE
+    from toolpace.tolerances.tolerances import Tolerances
+
+    def metres(text: str) -> float:
+        value = units.parse_length(text)
+        if not value > 0.0:
+            raise UsageError(f"--tip-tolerance {text}: a curve needs room to be smooth; give more, like 0.001mm")
+        return _within("--tip-tolerance", text, value, TIP_TOLERANCES, units.format_length)
+
+    def radians(text: str) -> float:
+        value = units.parse_angle(text)
+        if not value > 0.0:
+            raise UsageError(f"--axis-tolerance {text}: a curve needs room to be smooth; give more, like 0.01deg")
+        return _within("--axis-tolerance", text, value, AXIS_TOLERANCES, units.format_angle)
+
+    of_tip = Tolerances.parse(given.tip_tolerance, metres, metres(TIP_TOLERANCE))
+    of_axis = Tolerances.parse(given.axis_tolerance, radians, radians(AXIS_TOLERANCE))
+    return of_tip.default if of_tip.everywhere else of_tip, of_axis.default if of_axis.everywhere else of_axis
+
+
+def even_tolerances(given: TypedTolerances) -> tuple[float, float]:
+    """Both tolerances [m], [rad], each the same everywhere. Raises UsageError."""
+    tip, axis = tolerances(given)
+    options = ("--tip-tolerance", given.tip_tolerance, tip), ("--axis-tolerance", given.axis_tolerance, axis)
+    for option, text, found in options:
+        if not isinstance(found, float):
+            raise UsageError(f"{option} {text[:40]}: one for all here; by operation or block it goes with `plan`")
+    assert isinstance(tip, float) and isinstance(axis, float)
+    return tip, axis
 
 
 def tip_tolerances(text: str) -> list[float]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from toolpace.judge import Verification
     from toolpace.reading import ReadOptions
+    from toolpace.tolerances.tolerances import Tolerances
     from toolpace.write import PlanRecord
 
 
@@ -30,7 +31,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     from toolpace import write
     from toolpace.files import changed, is_folder, reason
     from toolpace.judge import Check, verify_plan
-    from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
+    from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances
     from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
     from toolpace.reading import Source, read_source
@@ -51,11 +52,14 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         if program is not None:
             toolpath = read_source(Source.load(program), machine, record.dialect, options, feed=record.feed)
         step.note = f"{len(setpoints)} set-points" + (f", {toolpath.blocks} blocks" if toolpath else "")
-    tip, axis = record.tip_tolerance_mm or DEFAULT_TIP_MM, record.axis_tolerance_deg or DEFAULT_AXIS_DEG
+    tip: float | Tolerances = (record.tip_tolerance_mm or DEFAULT_TIP_MM) * MILLIMETRE
+    axis: float | Tolerances = (record.axis_tolerance_deg or DEFAULT_AXIS_DEG) * DEGREE
+    tip = tip if record.tip_tolerances is None else told_tolerances(record.tip_tolerances, tip=True)
+    axis = axis if record.axis_tolerances is None else told_tolerances(record.axis_tolerances, tip=False)
     with steps.step("verifying"):
         said = msgspec.to_builtins(record)
         record = msgspec.structs.replace(record, reading=write.reading_record(options))
-        found = verify_plan(setpoints, machine, toolpath, said, tip * MILLIMETRE, axis * DEGREE, tool)
+        found = verify_plan(setpoints, machine, toolpath, said, tip, axis, tool)
         table = folder / write.TABLE
         found = with_table(found, table, setpoints, machine) if table.exists() else found
         try:

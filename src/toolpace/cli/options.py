@@ -27,9 +27,16 @@ MachineName = Annotated[
 TIP_TOLERANCE, AXIS_TOLERANCE = "0.01mm", "0.05deg"
 """Where no others are given."""
 TipTolerance = Annotated[
-    str, Parameter(help="How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in.")
+    str,
+    Parameter(
+        help="How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in. By operation, tool"
+        " or blocks: 20um,finish:5um,T2:8um,N100-N250:5um. As the program asks: program,10um."
+    ),
 ]
-AxisTolerance = Annotated[str, Parameter(help="How far the tool axis may turn from the program's: 0.05deg, 1e-3rad.")]
+AxisTolerance = Annotated[
+    str,
+    Parameter(help="How far the tool axis may turn from the program's: 0.05deg, 1e-3rad, 0.2deg,finish:0.05deg."),
+]
 
 
 @Parameter(name="*")

@@ -201,8 +201,12 @@ def asked_for(record: PlanRecord) -> str:
     """Tolerances, feeds and dialect that a plan was made with: "tip 0.01 mm, axis 0.05 deg, feeds of the program"."""
     words = []
     if record.program_file:
-        for part, value, unit in (("tip", record.tip_tolerance_mm, "mm"), ("axis", record.axis_tolerance_deg, "deg")):
-            words.append(f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given")
+        for part, value, unit, places in (
+            ("tip", record.tip_tolerance_mm, "mm", record.tip_tolerances),
+            ("axis", record.axis_tolerance_deg, "deg", record.axis_tolerances),
+        ):
+            told = f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given"
+            words.append(f"{part} {places}" if places else told)
         words.append("feeds of the program" if record.feed is None else f"feeds changed to {record.feed}")
     else:
         words.append("limits of the machine alone, no program")

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from toolpace.planning.program_plan import FittedProgram, ProgramPlan, Round
     from toolpace.reading import Source
     from toolpace.setpoints import SetPoints
+    from toolpace.tolerances.tolerances import Tolerances
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
     from toolpace.write import PlanRecord, PlanResult
@@ -51,9 +52,9 @@ class Job:
     program: Path
     machine: Machine
     out: Path
-    tip_tolerance: float
+    tip_tolerance: float | Tolerances
     """[m]"""
-    axis_tolerance: float
+    axis_tolerance: float | Tolerances
     """[rad]"""
     planner: str = "optimal"
     effort: str = "normal"

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from toolpace.operations import OperationTime
     from toolpace.reading import ReadOptions, Source
     from toolpace.timing.program_time import ProgramTime
+    from toolpace.tolerances.tolerances import Tolerances
 
 KINDS = ("cutting", "rapid", "dwell", "tool_change")
 """What time goes to."""
@@ -48,7 +49,7 @@ class Asked:
     """In place of the controller's own."""
     feed: str | None
     dialect: str | None
-    tolerances: tuple[float, float]
+    tolerances: tuple[float | Tolerances, float | Tolerances]
     """Of tip [m] and axis [rad], for the optimum."""
     optimum: bool
 

@@ -25,6 +25,7 @@ from toolpace.judge.verification import Check, Verification
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.setpoints import SetPoints
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 
 __all__ = ["Check", "Verification", "verify"]
@@ -40,8 +41,8 @@ def verify(
     trajectory: SetPoints | Sampled,
     machine: Machine | Limits,
     toolpath: ToolPath | None = None,
-    tip_tolerance: float = 10e-6,
-    axis_tolerance: float = 1e-3,
+    tip_tolerance: float | Tolerances = 10e-6,
+    axis_tolerance: float | Tolerances = 1e-3,
     dt: float = 1e-3,
     tool: CuttingTool | None = None,
 ) -> Verification:
@@ -53,9 +54,10 @@ def verify(
     the limit is above the limit), within 1e-4 of the limit and a stated rounding noise; the set-points' own
     derivatives; rest at both ends; travel; the tip and axis columns against forward kinematics. With a
     program: the distance to it and from it (tip within `tip_tolerance` [m], axis within `axis_tolerance`
-    [rad], in order), the feed of each block, its least time, stops and dwells. With bare limits in place of a
-    machine, what needs kinematics is left out. With a `tool` (a CuttingTool) the tip that is held against the
-    program is the bent one: how far the force of this motion bends it is worked out here anew.
+    [rad], in order; where these are `Tolerances`, each block by its own), the feed of each block, its least
+    time, stops and dwells. With bare limits in place of a machine, what needs kinematics is left out. With a
+    `tool` (a CuttingTool) the tip that is held against the program is the bent one: how far the force of this
+    motion bends it is worked out here anew.
 
     Time is linear in set-points and program points. Raises UsageError where the set-points do not fit the
     machine.
@@ -69,8 +71,8 @@ def verify_plan(
     machine: Machine,
     toolpath: ToolPath | None,
     figures: Mapping[str, Any],
-    tip_tolerance: float,
-    axis_tolerance: float,
+    tip_tolerance: float | Tolerances,
+    axis_tolerance: float | Tolerances,
     tool: CuttingTool | None = None,
 ) -> Verification:
     """Judge set-points as `verify` does, and the figures of their plan.json by them.
@@ -89,8 +91,8 @@ def _judged(
     points: SetPoints,
     machine: Machine | Limits,
     toolpath: ToolPath | None,
-    tip_tolerance: float,
-    axis_tolerance: float,
+    tip_tolerance: float | Tolerances,
+    axis_tolerance: float | Tolerances,
     dt: float,
     tool: CuttingTool | None,
 ) -> tuple[Verification, ProgramJudgement | None]:
@@ -103,8 +105,7 @@ def _judged(
             f"set-points of {points.q.shape[1]} joints ({', '.join(points.joints)}), "
             f"limits of {len(limits.velocity)} ({', '.join(limits.joints)})"
         )
-    if not (tip_tolerance > 0.0 and axis_tolerance > 0.0):
-        raise UsageError(f"tolerances must be positive, not {tip_tolerance} m and {axis_tolerance} rad")
+    tip_tolerance, axis_tolerance = Tolerances.of(tip_tolerance), Tolerances.of(axis_tolerance)
     first = _finite(points)
     if first is not None:
         return Verification((first,), dt, len(points)), None

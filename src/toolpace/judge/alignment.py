@@ -79,20 +79,25 @@ class Lost:
     """It is further off than this [tolerances]."""
 
 
-def align(motion: Floats, program: Floats, within: float, allowance: Floats) -> BothWays | Lost:
+def align(
+    motion: Floats, program: Floats, within: float, allowance: Floats, room: Floats | None = None
+) -> BothWays | Lost:
     """Match two rows of poses (n, 6) and (m, 6) in tolerances, `within` these.
 
-    `allowance` (n,) is what is granted beyond that at poses of the motion that are not set-points. Time is linear in
-    n + m where both belong together, and bounded by a multiple of it where they do not.
+    `room` (m - 1, 2) is by how much the tolerances of tip and axis are wider on each way of the program, none where it
+    is None; where two ways meet, each has its own. `allowance` (n,) is what is granted beyond that at poses of the
+    motion that are not set-points. Time is linear in n + m where both belong together, and bounded by a multiple of
+    it where they do not.
     """
-    sweep = Sweep(motion, Line(program, np.zeros(len(program))), within + allowance)
+    room, none = _no_room(program) if room is None else room, _no_room(motion)
+    sweep = Sweep(motion, none, Line(program, np.zeros(len(program)), room), within + allowance)
     try:
         deviations = _follow(sweep, motion, LEAST_WORK + WORK * (len(motion) + len(program)))
     except _LostError as lost:
         return Lost(lost.pose, lost.distance)
     there = _finish(sweep)
     raised = sweep.radius - within
-    back = Sweep(program, Line(motion, raised + 2.0 * ROUNDING), np.full(len(program), within))
+    back = Sweep(program, room, Line(motion, raised + 2.0 * ROUNDING, none), np.full(len(program), within))
     if back.run(-1, len(program) - 1) < len(program) - 1:
         raise AssertionError("two rows are near each other, but not the other way round")
     return BothWays(there, _finish(back), tuple(deviations))
@@ -218,7 +223,8 @@ def _finish(sweep: Sweep) -> Alignment:
     n, line = len(sweep.rows), sweep.line
     turned = Sweep(
         np.ascontiguousarray(sweep.rows[::-1]),
-        Line(np.ascontiguousarray(line.poses[::-1]), np.ascontiguousarray(line.extra[::-1])),
+        np.ascontiguousarray(sweep.room[::-1]),
+        Line(*(np.ascontiguousarray(each[::-1]) for each in (line.poses, line.extra, line.room))),
         np.ascontiguousarray(sweep.radius[::-1]) + ROUNDING,
     )
     if turned.run(-1, n - 1) < n - 1:
@@ -235,5 +241,15 @@ def _finish(sweep: Sweep) -> Alignment:
             break
         room = int(count)
     place, tip, axis = np.zeros(n), np.full(n, np.inf), np.full(n, np.inf)
-    nearest(sweep.rows, line.poses, begin, low, high, place, tip, axis)
+    nearest(sweep.rows, room_at_poses(sweep.room), line.poses, line.room, begin, low, high, place, tip, axis)
     return Alignment(begin, low, high, place, tip, axis)
+
+
+def room_at_poses(room: Floats) -> Floats:
+    """(n, 2) the least room of both ways (n - 1, 2) that meet at a pose."""
+    least: Floats = np.minimum(np.concatenate([room[:1], room]), np.concatenate([room, room[-1:]]))
+    return least
+
+
+def _no_room(poses: Floats) -> Floats:
+    return np.zeros((max(len(poses) - 1, 1), 2))

@@ -19,7 +19,9 @@ from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
+from toolpace.units import DEGREE, MILLIMETRE, parse_angle, parse_length
 
 SAME = 1e-9
 """Relative difference of figures that are worked out in the same way twice."""
@@ -38,13 +40,21 @@ RECOMPUTED = (
     "dt_s", "set_points", "path_length_mm", "verified", "program_file", "lower_bound_of", "controller", "assumed",
     "skipped", "operations", "cutting_s", "rapid_s", "dwell_s", "bending",
 )  # fmt: skip
-IN_THE_VERDICT = ("tip_tolerance_mm", "axis_tolerance_deg", "feed", "dialect", "reading")
+IN_THE_VERDICT = (
+    "tip_tolerance_mm", "axis_tolerance_deg", "tip_tolerances", "axis_tolerances", "feed", "dialect", "reading",
+)  # fmt: skip
 """What was asked for: judged by, and said with the verdict."""
 AS_SAID = (
     "lower_bound_s", "continuous_bound_s", "open_places", "mesh_points", "solve_s", "fit_s", "step_s", "planner",
     "program", "toolpace_version", "effort", "rounds", "tip_at_tolerance", "axis_at_tolerance",
 )  # fmt: skip
 """What only the planner knows: held against the other figures."""
+
+
+def told_tolerances(text: str, *, tip: bool) -> Tolerances:
+    """Tolerances by place, from their text in plan.json. Raises UsageError."""
+    usual = DEFAULT_TIP_MM * MILLIMETRE if tip else DEFAULT_AXIS_DEG * DEGREE
+    return Tolerances.parse(text, parse_length if tip else parse_angle, usual)
 
 
 @dataclass(frozen=True)
@@ -69,6 +79,7 @@ class Figures:
         usage = UsageFigures(self.said, self.points, self.machine, self.toolpath, self.feed_use, dt)
         found = self.of_time() + self.of_bounds() + self.of_counts() + usage.of_usage() + self.of_names()
         found += self.of_reading() + self.of_bending() + self.of_rounds()
+        found += self.of_tolerances()
         return found + self.of_deviations() + usage.of_shares() + self.of_places()
 
     def same(self, key: str, right: float, unit: str = "", share: float = SAME) -> Check:
@@ -76,6 +87,19 @@ class Figures:
         said = float(self.said[key])
         ok = abs(said - right) <= share * max(abs(right), 1e-12)
         return Check(f"plan.json {key}", said, right, unit, ok, note=f"found: {right:.10g}")
+
+    def of_tolerances(self) -> list[Check]:
+        """The widest of tolerances that differ from place to place."""
+        if self.toolpath is None:
+            return []
+        tip, axis, checks = self.said["tip_tolerances"], self.said["axis_tolerances"], []
+        if tip is not None:
+            along = told_tolerances(tip, tip=True).tip_along(self.toolpath)
+            checks.append(self.same("tip_tolerance_mm", float(along.max()) / MILLIMETRE))
+        if axis is not None:
+            along = told_tolerances(axis, tip=False).axis_along(self.toolpath)
+            checks.append(self.same("axis_tolerance_deg", float(along.max()) / DEGREE))
+        return checks
 
     def of_time(self) -> list[Check]:
         """Duration, time step and number of set-points."""

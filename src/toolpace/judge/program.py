@@ -18,6 +18,7 @@ from toolpace.judge.rows import MotionRow, motion_row, program_line
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 
 GRACE = 1e-3
@@ -45,25 +46,30 @@ def program_checks(
     toolpath: ToolPath,
     tip: Floats,
     axis: Floats,
-    tip_tolerance: float,
-    axis_tolerance: float,
+    tip_tolerance: float | Tolerances,
+    axis_tolerance: float | Tolerances,
     dt: float,
     tool: CuttingTool | None = None,
 ) -> ProgramJudgement:
     """Judge set-points, with their forward kinematics `tip` and `axis`, against the program.
 
-    With a tool that bends, it is the bent tip that must be where the program says; feeds are those of the tip itself.
+    Each block is judged by its own tolerances. With a tool that bends, it is the bent tip that must be where the
+    program says; feeds are those of the tip itself.
     """
-    line, owner = program_line(toolpath, machine, tip_tolerance, axis_tolerance)
+    asked = Tolerances.of(tip_tolerance).tip_along(toolpath), Tolerances.of(axis_tolerance).axis_along(toolpath)
+    tolerances = ProgramTolerances(np.stack(asked, axis=1))
+    tip_unit, axis_unit = units = tolerances.least
+    line, owner = program_line(toolpath, machine, tip_unit, axis_unit)
+    room = (1.0 + GRACE) * (tolerances.along[owner[1:]] / units - 1.0)
     bent = BentTool(tool, machine, toolpath) if tool is not None else None
     where: Floats | Lost = tip
     if bent is not None:
-        where = bent.tips(points, tip, axis, line, owner, np.array([tip_tolerance, axis_tolerance]), dt)
+        where = bent.tips(points, tip, axis, line, owner, tolerances.along, dt)
     there = tip if isinstance(where, Lost) else where
-    poses = np.hstack((there / tip_tolerance, axis / axis_tolerance))
+    poses = np.hstack((there / tip_unit, axis / axis_unit))
     motion = motion_row(points, poses, machine.limits, dt)
-    found = where if isinstance(where, Lost) else align(motion.poses, line, 1.0 + GRACE, motion.allowance)
-    judge = _Judge(points, toolpath, motion, owner, tip_tolerance, axis_tolerance)
+    found = where if isinstance(where, Lost) else align(motion.poses, line, 1.0 + GRACE, motion.allowance, room)
+    judge = _Judge(points, toolpath, motion, owner, tolerances)
     if isinstance(found, Lost):
         return judge.lost(found)
     checks = judge.nearness(found)
@@ -72,11 +78,25 @@ def program_checks(
     checks += [use.check(points)] if use is not None else []
     checks += passing.least_times(dt) + passing.stops(machine, dt)
     checks += block_check(points, toolpath, motion, found.there, owner)
-    worst_tip = max(float(way.tip.max()) for way in (found.there, found.back)) * tip_tolerance
-    worst_axis = max(float(way.axis.max()) for way in (found.there, found.back)) * axis_tolerance
+    worst_tip = max(float(way.tip.max()) for way in (found.there, found.back)) * tip_unit
+    worst_axis = max(float(way.axis.max()) for way in (found.there, found.back)) * axis_unit
     bending = float(np.sqrt(((there - tip) ** 2).sum(axis=1)).max())
     checks += [bent.check(bending)] if bent is not None else []
     return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use, passing.passages(), bending)
+
+
+@dataclass(frozen=True)
+class ProgramTolerances:
+    """How far a motion may be from its program."""
+
+    along: Floats
+    """(n, 2) of tip [m] and tool axis [rad] on the way to each point of the program."""
+
+    @property
+    def least(self) -> Floats:
+        """(2,) the narrowest of tip and axis: all distances count in these."""
+        least: Floats = self.along.min(axis=0)
+        return least
 
 
 @dataclass(frozen=True)
@@ -88,28 +108,38 @@ class _Judge:
     motion: MotionRow
     owner: Ints
     """Program point of each point of the line."""
-    tip_tolerance: float
-    axis_tolerance: float
+    tolerances: ProgramTolerances
 
     def nearness(self, found: BothWays) -> list[Check]:
         """Both directions, tip and axis."""
         checks = []
         for way, matched in (("set-points to program", found.there), ("program to set-points", found.back)):
-            for part, off, tolerance, unit in (
-                ("tip", matched.tip, self.tip_tolerance, "m"),
-                ("axis", matched.axis, self.axis_tolerance, "rad"),
-            ):
-                k = int(np.argmax(off))
+            own = self.own(matched, matched is found.there)
+            for half, (part, off, unit) in enumerate((("tip", matched.tip, "m"), ("axis", matched.axis, "rad"))):
+                least = float(self.tolerances.least[half])
+                k = int(np.argmax(off / own[:, half]))
                 row, point = self.place(matched, k, matched is found.there)
-                value = float(off[k]) * tolerance
+                value, tolerance = float(off[k]) * least, float(own[k, half])
                 value = _angle(value) if part == "axis" else value
-                granted = float(self.motion.allowance[row : row + 2].max()) * tolerance
+                granted = float(self.motion.allowance[row : row + 2].max()) * least
                 ok = value <= tolerance * (1.0 + GRACE) + granted or not found.deviations
                 time, block = float(self.motion.early[row]), int(self.toolpath.block[point])
                 checks.append(Check(f"{part}, {way}", value, tolerance, unit, ok, time, block, noise=granted))
         if found.deviations and all(check.ok for check in checks):
             checks.append(self.out_of_order(found))
         return checks
+
+    def own(self, matched: Alignment, there: bool) -> Floats:
+        """(n, 2) the tolerances at the place of each pose of a row [m], [rad]; where two meet in a pose, the less."""
+        along, last = self.tolerances.along, len(self.owner) - 1
+        if there:
+            found: Floats = along[self.owner[np.minimum(matched.place.astype(np.int64) + 1, last)]]
+            # a place at a pose is on the way before it, too
+            at_pose = matched.place == np.floor(matched.place)
+            before = along[self.owner[np.clip(matched.place.astype(np.int64), 1, last)]]
+            return np.where(at_pose[:, None], np.maximum(found, before), found)
+        after = along[self.owner[np.minimum(np.arange(last + 1) + 1, last)]]
+        return np.minimum(along[self.owner[np.maximum(np.arange(last + 1), 1)]], after)
 
     def place(self, matched: Alignment, k: int, there: bool) -> tuple[int, int]:
         """The pose of the motion and the program point that pose k of a row and its place belong to."""
@@ -123,16 +153,18 @@ class _Judge:
         row, distance = max(found.deviations, key=lambda each: each[1])
         _, point = self.place(found.there, row, True)
         time, block = float(self.motion.early[row]), int(self.toolpath.block[point])
-        value, limit = distance * self.tip_tolerance, self.tip_tolerance
+        least, limit = float(self.tolerances.least[0]), float(self.tolerances.along[point, 0])
+        value = distance * least + limit - least
         return Check("tip, in order", value, limit, "m", False, time, block, note="or the axis, in proportion")
 
     def lost(self, lost: Lost) -> ProgramJudgement:
         """One check that fails: the motion is that of another program."""
         time = float(self.motion.early[lost.pose])
-        tip, axis = lost.distance * self.tip_tolerance, lost.distance * self.axis_tolerance
+        least = self.tolerances.least
+        tip, axis = (float(each) for each in lost.distance * least)
         note = "at least; the motion is not that of this program, and is not judged by it beyond this place"
         check = Check(
-            "tip or axis, set-points to program", tip, self.tip_tolerance, "m", False, time,
+            "tip or axis, set-points to program", tip, float(least[0]), "m", False, time,
             int(self.points.block[self.motion.first[lost.pose]]), note=note,
         )  # fmt: skip
         return ProgramJudgement([check], tip, _angle(axis))

@@ -27,6 +27,8 @@ class Line:
     poses: Floats
     extra: Floats
     """(m,) radius at each pose beyond that of the pose which is looked for."""
+    room: Floats
+    """(m - 1, 2) the same of each way from one pose to the next, of tip and axis."""
     balls: Floats = field(init=False)
     """(parts, 8) centre, and radius of tip and axis, of each part of 8, 64, ... ways."""
     levels: Ints = field(init=False)
@@ -63,6 +65,8 @@ class Sweep:
     """The places of a line that each pose of a row can stand at, found from the start on."""
 
     rows: Floats
+    room: Floats
+    """(n - 1, 2) how much further from each way between them is near, of tip and axis."""
     line: Line
     radius: Floats
     """(n,) how far from each pose is near; raised where a sweep is told to."""
@@ -83,14 +87,15 @@ class Sweep:
         From pose `seek` on each is first tried with its radius, then with `raised`; ends at the first that does with
         the radius it had. Raises OutOfWorkError.
         """
-        from toolpace.kernels.judge.free_space import reach
+        from toolpace.kernels.judge.free_space import Row, reach
 
         line = self.line
         while True:
             task = np.array([known, goal, seek, self.work, 0], dtype=np.int64)
             found = int(
                 reach(
-                    self.rows, line.poses, self.radius, line.extra, line.balls, line.levels, task, raised,
+                    Row(self.rows, self.room), Row(line.poses, line.room), self.radius, line.extra, line.balls,
+                    line.levels, task, raised,
                     self.begin, self.low, self.high,
                 )
             )  # fmt: skip

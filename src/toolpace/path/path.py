@@ -14,6 +14,7 @@ from toolpace.arrays import Floats
 from toolpace.description import counted, one_line
 from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 
 if TYPE_CHECKING:
@@ -47,13 +48,15 @@ class Path:
     def fit(
         cls,
         toolpath: ToolPath,
-        tip_tolerance: float = 10e-6,
-        axis_tolerance: float = 1e-3,
+        tip_tolerance: float | Tolerances = 10e-6,
+        axis_tolerance: float | Tolerances = 1e-3,
         machine: Machine | None = None,
         progress: Callable[[float], None] | None = None,
         hastes: Sequence[Haste] | None = None,
     ) -> Path:
         """The smoothest curve within the tolerances [m], [rad] of a tool path, stopping where it stops.
+
+        A tolerance is a number, or `Tolerances` where it differs by operation, tool or block: each block's own holds.
 
         With a machine the curve is one of tip and rotary joints, else of tip and tool axis. `progress` is told the
         share done. `hastes`, one a run, say where a motion is fast: there the curve is smoother, and less so where it

@@ -1,11 +1,11 @@
 """From a program to its motion: path and pace, each from the other.
 
-a path within the tolerances, as smooth as its length allows                      (low: this one is planned)
-repeat
-    the path fitted again, smoother where the motion is fast, less so where it is slow anyway
-    the motion along it, with its limits held at the nodes: cheap, and it ranks paths as the whole plan does
-    not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
-the same within narrower tolerances of the tool axis, where a wide one is given: such a path is within it too
+for some tolerances of the tool axis, up to the one asked for: a path within a narrow one is within a wider
+    a path within the tolerances, as smooth as its length allows                  (low: this one is planned)
+    repeat
+        the path fitted again, smoother where the motion is fast, less so where it is slow anyway
+        the motion along it, with its limits held at the nodes: cheap, and it ranks paths as the whole plan does
+        not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
 the fastest of these paths, planned in full
 while another one was hoped to take less than that came to, it too: the best is taken
 """
@@ -26,6 +26,7 @@ from toolpace.path.fit.haste import Haste
 from toolpace.path.path import Path
 from toolpace.planning.mesh.guess import ramp_time
 from toolpace.planning.planner import Planner, plan, planner_of
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import UNTOLD, Progress
@@ -43,18 +44,21 @@ ENOUGH = 1e-3
 SMOOTHED = 0.3
 """Time over which a pace is smoothed, in the time in which an acceleration builds up."""
 CANDIDATES = 3
-"""Fastest paths that are kept: a motion that holds its limits at the nodes may not be held between them at its pace."""
+"""Fastest paths within each tolerance that are kept: a motion that holds its limits at the nodes may not be held
+between them at its pace."""
 RAMPS = 0.02, 0.5
 """Between which that time is taken to be [s]."""
-NARROWEST, RUNG = np.radians(0.05), 4.0
-"""Narrowest tolerance of the tool axis that is tried within a wider one [rad], and the ratio of one to the next."""
+RUNGS = np.radians([0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0])
+"""Tolerances of the tool axis that are tried within a wider one [rad]: those that people ask for."""
+APART = 1.1
+"""How much wider than these the one asked for must be, for them to be tried beside it."""
+WORSE = 1.1
+"""How much longer than the best a motion may take for its path to be worth another round."""
 ROOM = 0.02
 """Share of the first motion's time, beyond what feeds and dwells alone take, below which no round is worth its time:
 of what feeds leave, a round gains a part."""
 CRAWLING, CRAWL_LOOKS = 1e-3, 256
 """Share of its mean pace below which a motion hardly moves, and how often it is looked at."""
-NEXT = 1.5
-"""How much wider the one asked for must be."""
 FITTED = 0.6
 """Share of a round, for progress, that its fit takes."""
 ROUNDS_DONE = 0.3
@@ -80,9 +84,9 @@ class FittedProgram:
     """The paths that a program may be planned on."""
 
     candidates: tuple[tuple[float, Path], ...]
-    """The fastest ones and the first, and how long each was hoped to take [s]: the fastest first."""
+    """Of each tolerance of the axis the fastest ones and the first, and how long each was hoped to take [s]."""
     first: Path
-    """The one that knows no pace."""
+    """The one that knows no pace, within all of the tolerance."""
     effort: str
     rounds: tuple[Round, ...] = ()
     """The first path and each that followed; none where it was fitted once."""
@@ -110,8 +114,8 @@ class ProgramPlan:
 def plan_program(
     toolpath: ToolPath,
     machine: Machine,
-    tip_tolerance: float = 10e-6,
-    axis_tolerance: float = 1e-3,
+    tip_tolerance: float | Tolerances = 10e-6,
+    axis_tolerance: float | Tolerances = 1e-3,
     *,
     effort: str = "normal",
     planner: str | Planner = "optimal",
@@ -145,8 +149,8 @@ def effort_for(effort: str, planner: str | Planner) -> str:
 def fit_program(
     toolpath: ToolPath,
     machine: Machine,
-    tip_tolerance: float,
-    axis_tolerance: float,
+    tip_tolerance: float | Tolerances,
+    axis_tolerance: float | Tolerances,
     *,
     effort: str = "normal",
     progress: Callable[[float], None] | None = None,
@@ -157,9 +161,11 @@ def fit_program(
     if not POWERS[effort]:
         path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, told)
         return FittedProgram(((0.0, path),), path, effort)
+    asked = Tolerances.of(axis_tolerance)
     rounds = PaceRounds(toolpath, machine, tip_tolerance, told)
-    for axis in axis_tolerances(axis_tolerance):
-        rounds.begin(axis)
+    rungs = axis_tolerances(float(asked.axis_along(toolpath).max()))
+    for axis in rungs:
+        rounds.begin(asked.within(axis), axis, last=axis == rungs[-1])
         if rounds.done and toolpath.least_duration > (1.0 - ROOM) * rounds.done[0].duration:
             break
         for power in POWERS[effort]:
@@ -169,45 +175,45 @@ def fit_program(
 
 
 def axis_tolerances(widest: float) -> list[float]:
-    """The tolerance of the tool axis that is asked for, and those within it that are tried too [rad].
+    """The tolerance of the tool axis that is asked for, and those within it that are tried before [rad], ascending.
 
-    A path within a narrower tolerance is one within a wider. As these are the same for all, what is gained within one
-    of them is never lost to a wider one.
+    A path within a narrower tolerance is one within a wider. As these are the same for all, and all their fastest paths
+    are candidates, what is gained within one of them is never lost to a wider one.
     """
-    found = [widest]
-    rung = NARROWEST * RUNG ** np.floor(np.log(widest / NARROWEST) / np.log(RUNG) + 1e-9)
-    while rung >= NARROWEST * (1.0 - 1e-9):
-        if widest >= NEXT * rung:
-            found.append(float(rung))
-        rung /= RUNG
-    return found
+    return [*(float(rung) for rung in RUNGS if rung < widest / APART), widest]
 
 
 class PaceRounds:
     """Paths that follow each other, each fitted for the pace of those before it."""
 
-    def __init__(self, toolpath: ToolPath, machine: Machine, tip_tolerance: float, progress: Progress = UNTOLD) -> None:
+    def __init__(
+        self, toolpath: ToolPath, machine: Machine, tip_tolerance: float | Tolerances, progress: Progress = UNTOLD
+    ) -> None:
         self.toolpath, self.machine, self.tip_tolerance, self.progress = toolpath, machine, tip_tolerance, progress
         self.ramp = float(np.clip(ramp_time(machine.limits), *RAMPS))
         self.done: list[Round] = []
-        self.fastest: list[tuple[float, Path]] = []
+        self.levels: list[list[tuple[float, Path]]] = []
+        self.unknown: list[tuple[float, Path]] = []
         self.tried = 0
 
-    def begin(self, axis_tolerance: float) -> None:
-        """The path within a tolerance of the axis [rad] that knows no pace. Raises PathError where the first has none.
+    def begin(self, tolerances: Tolerances, widest: float, *, last: bool) -> None:
+        """The path within tolerances of the axis, `widest` [rad] at most, that knows no pace.
 
-        One that follows, and cannot be had, is passed over.
+        One that cannot be had is passed over. Raises PathError where it is the last, and there was none before.
         """
-        self.axis_tolerance = axis_tolerance
+        self.tolerances, self.widest = tolerances, widest
         self.motion: Trajectory | None = None
+        self.levels.append([])
         try:
             path, self.motion = self._round(None)
         except PathError:
-            if not self.done:
+            if last and not (self.unknown or any(self.levels)):
                 raise
             return
-        if self.tried == 1:
-            self.first, self.first_duration = path, 0.0 if self.motion is None else self.motion.duration
+        # the smoothest path within all of the tolerance is the one of "low", and the one whose problem is told
+        self.first = path
+        if self.motion is None:
+            self.unknown.append((0.0, path))
         self._note(path, self.motion, 0.0)
 
     def follow(self, power: float) -> None:
@@ -227,7 +233,7 @@ class PaceRounds:
             gained = 1.0 - motion.duration / self.motion.duration
             if gained > 0.0:
                 self.motion = motion
-            if gained < ENOUGH:
+            if gained < ENOUGH or motion.duration > WORSE * min(each.duration for each in self.done):
                 return
             hastes = [now.mean_with(before) for now, before in zip(self._hastes(motion, power), hastes)]
 
@@ -236,15 +242,19 @@ class PaceRounds:
         if motion is None:
             return
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
-        self.done.append(Round(motion.duration, power, kept, self.axis_tolerance))
-        self.fastest = sorted([*self.fastest, (motion.duration, path)], key=lambda each: each[0])[:CANDIDATES]
+        self.done.append(Round(motion.duration, power, kept, self.widest))
+        self.levels[-1].append((motion.duration, path))
 
     def candidates(self) -> tuple[tuple[float, Path], ...]:
-        """The fastest paths and the first, and how long each may take [s]: nobody knows of one without a motion, and it
-        may be the best."""
-        if any(path is self.first for _, path in self.fastest):
-            return tuple(self.fastest)
-        return (*self.fastest, (self.first_duration, self.first))
+        """Of each tolerance the fastest paths and the first, and how long each may take [s]: the fastest first.
+
+        Nobody knows of one without a motion, and it may be the best: it comes last.
+        """
+        chosen: list[tuple[float, Path]] = []
+        for level in self.levels:
+            best = sorted(level, key=duration_of)[:CANDIDATES]
+            chosen += best if not level or any(each is level[0] for each in best) else [*best, level[0]]
+        return (*sorted(chosen, key=duration_of), *self.unknown)
 
     def _hastes(self, motion: Trajectory, power: float) -> list[Haste]:
         return [Haste.of_law(law, SMOOTHED * self.ramp, self.ramp, power) for law in motion.laws]
@@ -256,13 +266,18 @@ class PaceRounds:
         told = self.progress.part(1.0 - 0.5**self.tried, 1.0 - 0.5 ** (self.tried + 1))
         self.tried += 1
         path = Path.fit(
-            self.toolpath, self.tip_tolerance, self.axis_tolerance, self.machine, told.part(0.0, FITTED), hastes
+            self.toolpath, self.tip_tolerance, self.tolerances, self.machine, told.part(0.0, FITTED), hastes
         )
         try:
             motion = plan(path, self.machine, guard=False, bound=False, progress=told.part(FITTED, 1.0))
         except InfeasibleError:
             return path, None
         return path, None if any(map(crawls, motion.laws)) else motion
+
+
+def duration_of(candidate: tuple[float, Path]) -> float:
+    """How long a path is hoped to take [s]."""
+    return candidate[0]
 
 
 def crawls(law: TimeLaw) -> bool:

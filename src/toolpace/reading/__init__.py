@@ -7,6 +7,7 @@ from pathlib import Path
 
 from toolpace.commanded import Commanded
 from toolpace.errors import UsageError
+from toolpace.reading.block_numbers import numbered_blocks
 from toolpace.reading.control.collector import at_rest
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
@@ -133,7 +134,8 @@ def _run(
 ) -> ToolPath:
     if found.dialect == CONTROLS:
         assert found.controller is not None
-        return reader_of(source, machine, found.controller, options, findings).executed().toolpath()
+        toolpath = reader_of(source, machine, found.controller, options, findings).executed().toolpath()
+        return dataclasses.replace(toolpath, numbered=numbered_blocks(source))
     if found.dialect == "cldata":
         from toolpace.reading.cldata.reader import ClReader
 

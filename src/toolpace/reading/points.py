@@ -34,6 +34,8 @@ class ProgramPoints:
     operation: Ints
     rotary: Floats | None = None
     rotary_joints: tuple[str, ...] = ()
+    asked: Floats | None = None
+    """(n, 2) how far tip [m] and axis [rad] may stray by the program's words, nan where it tells nothing."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,7 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
     feed, least_time = points.feed[kept], points.least_time[kept]
     # Nothing leads to the first point.
     feed[0], least_time[0] = np.inf, 0.0
+    asked = np.full((len(kept), 2), np.nan) if points.asked is None else points.asked[kept]
     _refuse_endless(source, feed, least_time, points.block[kept])
     return ToolPath(
         tip=np.ascontiguousarray(points.tip[kept]),
@@ -90,6 +93,8 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
         operations=facts.operations,
         controller=facts.controller,
         assumed=facts.assumed,
+        tip_tolerance=np.ascontiguousarray(asked[:, 0]),
+        axis_tolerance=np.ascontiguousarray(asked[:, 1]),
     )
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from toolpace.errors import printable
 from toolpace.setpoints import SetPoints
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, RoundRecord, UsageRecord
 
 if TYPE_CHECKING:
     from toolpace.operations import OperationTime
     from toolpace.planning.program_plan import Round
+    from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
 
 NEARLY = 0.9
@@ -55,6 +57,21 @@ def operation_records(times: Sequence[OperationTime]) -> list[OperationRecord]:
 def printable_counts(counts: Mapping[str, int]) -> dict[str, int]:
     """Words and how often they stand, with words that can be printed."""
     return {printable(word): count for word, count in counts.items()}
+
+
+def widest(tolerance: float | Tolerances | None, toolpath: ToolPath | None, part: str) -> float | None:
+    """The widest tolerance of the tip [m] or the axis [rad] that holds anywhere; None where none was given."""
+    if not isinstance(tolerance, Tolerances):
+        return tolerance
+    if toolpath is None:
+        return tolerance.default
+    along = tolerance.tip_along(toolpath) if part == "tip" else tolerance.axis_along(toolpath)
+    return float(along.max())
+
+
+def by_place(tolerance: float | Tolerances | None, quantity: Callable[[float], str]) -> str | None:
+    """The text of a tolerance that differs from place to place; None of another."""
+    return tolerance.text(quantity) if isinstance(tolerance, Tolerances) and not tolerance.everywhere else None
 
 
 def share_at_tolerance(trajectory: Trajectory, which: int, tolerance: float | None) -> float | None:

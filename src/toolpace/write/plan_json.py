@@ -126,7 +126,13 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     set_points: int = 0
     path_length_mm: float | None = None
     tip_tolerance_mm: float | None = None
+    """Where it differs from place to place, the widest that holds anywhere."""
     axis_tolerance_deg: float | None = None
+    """The same."""
+    tip_tolerances: str | None = None
+    """Where they differ: the default and those of places, "20um,finish:5um"; null where one holds everywhere."""
+    axis_tolerances: str | None = None
+    """The same of the tool axis: "0.2deg,finish:0.05deg"."""
     feed: str | None = None
     """What replaced the program's feeds: "800 mm/min", "120%", "none"; null where they hold."""
     program_file: str = ""

@@ -13,6 +13,7 @@ from toolpace.errors import printable
 from toolpace.operations import operation_times
 from toolpace.reading.options import ReadOptions
 from toolpace.setpoints import SetPoints
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.version import __version__
 from toolpace.write import figures
 from toolpace.write.bent_tool import bending_record
@@ -74,9 +75,9 @@ class PlanResult:
     """What replaced the feeds of the program."""
     options: ReadOptions = field(default_factory=ReadOptions)
     """How the program was read, beside these two."""
-    tip_tolerance: float | None = None
+    tip_tolerance: float | Tolerances | None = None
     """[m]"""
-    axis_tolerance: float | None = None
+    axis_tolerance: float | Tolerances | None = None
     """[rad]"""
     aimed: AimedOff | None = None
     """Where the path is aimed off by what the tool bends: by what, and for which tool."""
@@ -96,6 +97,8 @@ class PlanResult:
         blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
         source = toolpath.source if toolpath is not None else ""
         times = operation_times(trajectory, toolpath) if toolpath is not None else []
+        tip = figures.widest(self.tip_tolerance, toolpath, "tip")
+        axis = figures.widest(self.axis_tolerance, toolpath, "axis")
         measured = [found for found in (verification, self.path) if found is not None][:1]
         t = self.setpoints.t
         return PlanRecord(
@@ -118,8 +121,10 @@ class PlanResult:
             dt_s=float(t[1] - t[0]) if len(t) > 1 else 0.0,
             set_points=len(self.setpoints),
             path_length_mm=figures.tip_length(self.setpoints),
-            tip_tolerance_mm=self.tip_tolerance * 1e3 if self.tip_tolerance is not None else None,
-            axis_tolerance_deg=math.degrees(self.axis_tolerance) if self.axis_tolerance is not None else None,
+            tip_tolerance_mm=tip * 1e3 if tip is not None else None,
+            axis_tolerance_deg=math.degrees(axis) if axis is not None else None,
+            tip_tolerances=figures.by_place(self.tip_tolerance, lambda value: f"{value * 1e6:.12g}um"),
+            axis_tolerances=figures.by_place(self.axis_tolerance, lambda value: f"{math.degrees(value):.12g}deg"),
             feed=self.feed,
             program_file=self.program_copy,
             verified=verification.ok if verification is not None else None,
@@ -130,8 +135,8 @@ class PlanResult:
             bending=bending_record(self.aimed) if self.aimed is not None else None,
             effort=self.effort,
             rounds=figures.round_records(self.rounds),
-            tip_at_tolerance=figures.share_at_tolerance(trajectory, 0, self.tip_tolerance),
-            axis_at_tolerance=figures.share_at_tolerance(trajectory, 1, self.axis_tolerance),
+            tip_at_tolerance=figures.share_at_tolerance(trajectory, 0, tip),
+            axis_at_tolerance=figures.share_at_tolerance(trajectory, 1, axis),
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],

@@ -10,7 +10,7 @@ from tests.support.tool_paths import tilted, toolpath_through
 from toolpace.path.fit import knots, smooth
 from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.first_spline import inside_spline
-from toolpace.path.fit.polyline import polylines
+from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.path.fit.spline import knots_of
 from toolpace.path.path import Path
 from toolpace.workers import UNTOLD, Workers
@@ -22,6 +22,10 @@ def wave(n, span=1.0, decimals=6):
     u = np.linspace(0.0, span, n)
     tip = np.stack([0.04 * np.cos(2 * u), 0.035 * np.sin(2 * u), 0.005 * np.sin(5 * u)], axis=1)
     return toolpath_through(np.round(tip, decimals), tilted(0.6 + 0.2 * np.sin(2 * u), u))
+
+
+def line_of(toolpath):
+    return polylines(toolpath, PlaceTolerances.of(toolpath, TIP, AXIS), None)[0]
 
 
 def conic_optimum(breaks, data):
@@ -76,10 +80,10 @@ def conic_optimum(breaks, data):
 def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
     from toolpace.kernels.fit.quintic_spline import jets, pieces
 
-    line = polylines(wave(n, span, 5), TIP, AXIS, None)[0]
+    line = line_of(wave(n, span, 5))
     weight = np.ones(3)
     look = Comparison(line, AXIS, None, False).between
-    spline, data = inside_spline(line, knots.first_breaks(line.s), weight, AXIS, None, look, Workers())
+    spline, data = inside_spline(line, knots.first_breaks(line), weight, AXIS, None, look, Workers())
     breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
     smooth.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, Workers(), UNTOLD)

@@ -50,11 +50,11 @@ class AskedBatch:
         each, named = self.each, self._programs()
         job = self._job()
         tips = [
-            arguments.tolerances(options.Tolerances(tip_tolerance=tip))[0]
+            arguments.even_tolerances(options.Tolerances(tip_tolerance=tip))[0]
             for tip in each.tip_tolerance or [options.TIP_TOLERANCE]
         ]
         axes = [
-            arguments.tolerances(options.Tolerances(axis_tolerance=axis))[1]
+            arguments.even_tolerances(options.Tolerances(axis_tolerance=axis))[1]
             for axis in each.axis_tolerance or [options.AXIS_TOLERANCE]
         ]
         planners = [arguments.planner_named(name) for name in each.planner or ["optimal"]]

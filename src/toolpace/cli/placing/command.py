@@ -102,7 +102,7 @@ def setup_command(
             program=program,
             machines=((named[0][0], first), *named[1:]),
             choices=search.choices_in(),
-            tolerances=arguments.tolerances(tolerances),
+            tolerances=arguments.even_tolerances(tolerances),
             trials=search.trials,
             seed=search.seed,
             shown=search.shown,

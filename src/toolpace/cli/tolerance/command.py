@@ -45,7 +45,7 @@ def tolerance_command(
     from toolpace.cli.tolerance import run
     from toolpace.jobs import job
 
-    tip, axis = arguments.tolerances(tolerances)
+    tip, axis = arguments.even_tolerances(tolerances)
     asked = arguments.tip_tolerances(tips)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     task = job.Job(

@@ -55,18 +55,18 @@ def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost
     return found
 
 
-def show_costs(console: Console, task: job.Job, found: Sequence[Cost]) -> None:
-    """A row a tolerance: the duration, and what it takes beside the tolerance asked for and the one before it."""
+def show_costs(console: Console, usual: float, found: Sequence[Cost]) -> None:
+    """A row a tolerance: the duration, and what it takes beside the usual one [m] and the one before it."""
     table = Table(box=SIMPLE, pad_edge=False)
     for name in (
         "tip within",
         "duration",
         "",
-        f"beside {format_length(task.tip_tolerance)}",
+        f"beside {format_length(usual)}",
         "a micrometre more gains",
     ):
         table.add_column(name, justify="right")
-    beside = next(each.duration for each in found if each.tip_tolerance == task.tip_tolerance)
+    beside = next(each.duration for each in found if each.tip_tolerance == usual)
     for k, each in enumerate(found):
         gain = ""
         if k + 1 < len(found):
@@ -85,9 +85,10 @@ def run_tolerance(task: job.Job, tolerances: Sequence[float], picture: Path | No
     from toolpace.cli.tolerance.picture import drawn
     from toolpace.files import whole_file
 
+    assert isinstance(task.tip_tolerance, float)
     asked = sorted({*tolerances, task.tip_tolerance})
     found = costs(replace(task, report=False), asked, steps)
-    show_costs(steps.console, task, found)
+    show_costs(steps.console, task.tip_tolerance, found)
     if picture is not None:
         with whole_file(picture) as temporary:
             temporary.write_text(drawn(found, task.program.name), encoding="utf-8")

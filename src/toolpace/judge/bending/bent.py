@@ -48,8 +48,10 @@ class BentTool:
     ) -> Floats | Lost:
         """Bent tips (n, 3) [m] of set-points with `tip` and `axis`; Lost where they are not this program's.
 
-        line, owner: the program, as `program_line` gives it in `tolerances` (2,) [m], [rad].
+        line, owner: the program, as `program_line` gives it in the narrowest of the `tolerances` (n, 2) [m], [rad] of
+        its points.
         """
+        units = tolerances.min(axis=0)
         cuts, of_way = self.cuts()
         tables = [
             ForceTable(cut, self.tool.force, OVER * self.largest_chip(cut, of_way == k)) for k, cut in enumerate(cuts)
@@ -58,10 +60,11 @@ class BentTool:
         most = give * max((float(np.linalg.norm(table.forces, axis=1).max()) for table in tables), default=0.0)
         bent = tip
         for slack in (most, most / FINER):
-            wide = np.array([tolerances[0] + slack, tolerances[1]])
-            scale = np.repeat(wide / tolerances, 3)
+            wide = np.array([units[0] + slack, units[1]])
+            scale = np.repeat(wide / units, 3)
+            room = (tolerances[owner[1:]] - units) / wide
             motion = motion_row(points, np.hstack([bent, axis]) / np.repeat(wide, 3), self.machine.limits, dt)
-            found = align(motion.poses, np.ascontiguousarray(line / scale), 1.0 + 1e-3, motion.allowance)
+            found = align(motion.poses, np.ascontiguousarray(line / scale), 1.0 + 1e-3, motion.allowance, room)
             if isinstance(found, Lost):
                 return found
             place = found.there.place[motion.row]

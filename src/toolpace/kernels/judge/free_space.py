@@ -5,11 +5,15 @@ where both halves are within a radius. A place of a row is a number: the pose be
 the next. All pairs of places that are near make up the free space of Alt and Godau (1995): between two neighbours of
 one row and two of the other it is convex, so that on each border of such a cell one interval can be reached, and
 nothing is lost by keeping these alone.
+
+The way from each pose of a row to the next may have room beyond the radius, for the tip and for the axis: where the
+program's tolerance is wider there. A pose has the least room of both ways that meet at it.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
@@ -22,14 +26,35 @@ FULL = -2
 """No room for more intervals."""
 
 
+class Row(NamedTuple):
+    """A row of poses."""
+
+    poses: Floats
+    """(n, 6)"""
+    room: Floats
+    """(n - 1, 2) of the way from each pose to the next, beyond the radius: of tip and axis."""
+
+
 @jit()
-def near(poses: Floats, k: int, line: Floats, j: int, radius: float) -> tuple[float, float]:
-    """The shares of the way from pose j of the line to the next that are within the radius of pose k; (2, -1) for none.
+def at_pose(room: Floats, k: int, half: int) -> float:
+    """Room (ways, 2) at pose k, for the tip (0) or the axis (1)."""
+    before, behind = room[max(k - 1, 0), half], room[min(k, len(room) - 1), half]
+    least: float = min(before, behind)
+    return least
+
+
+@jit()
+def near(
+    poses: Floats, k: int, line: Floats, j: int, radius: float, tip_room: float, axis_room: float
+) -> tuple[float, float]:
+    """The shares of the way from pose j of the line to the next that are within the radius of pose k, and the room
+    beyond it; (2, -1) for none.
 
     Found from the foot of the perpendicular, so that long ways lose no digits.
     """
     low, high = 0.0, 1.0
     for half in range(0, 6, 3):
+        within = radius + (tip_room if half == 0 else axis_room)
         square, along, still = 0.0, 0.0, 0.0
         for i in range(half, half + 3):
             d = line[j + 1, i] - line[j, i]
@@ -38,7 +63,7 @@ def near(poses: Floats, k: int, line: Floats, j: int, radius: float) -> tuple[fl
             along += w * d
             still += w * w
         if square < 1e-200:
-            if still > radius * radius:
+            if still > within * within:
                 return NO_PLACE, -1.0
             continue
         foot = along / square
@@ -46,7 +71,7 @@ def near(poses: Floats, k: int, line: Floats, j: int, radius: float) -> tuple[fl
         for i in range(half, half + 3):
             w = poses[k, i] - line[j, i] - foot * (line[j + 1, i] - line[j, i])
             off += w * w
-        room = radius * radius - off
+        room = within * within - off
         if room < 0.0:
             return NO_PLACE, -1.0
         reach = math.sqrt(room / square)
@@ -92,8 +117,8 @@ def free_part(rows: Floats, radius: Floats, balls: Floats, levels: Ints, k: int,
 
 @jit()
 def advance(
-    rows: Floats,
-    line: Floats,
+    row: Row,
+    line_row: Row,
     radius: Floats,
     extra: Floats,
     balls: Floats,
@@ -109,6 +134,7 @@ def advance(
     The former are low, high[span[0]:span[1]]; the latter are written from span[1] on, and span[2] becomes their end.
     Returns the cells looked at, or FULL.
     """
+    (rows, row_room), (line, line_room) = row, line_row
     first, last, end, room = span[0], span[1], span[1], len(low)
     wide = max(radius[k], radius[after])
     i = first
@@ -140,7 +166,10 @@ def advance(
                     end += 1
                 j += size
                 continue
-        least, most = near(rows, after, line, j, radius[after] + max(extra[j], extra[j + 1]))
+        least, most = near(
+            rows, after, line, j, radius[after] + max(extra[j], extra[j + 1]),
+            at_pose(row_room, after, 0) + line_room[j, 0], at_pose(row_room, after, 1) + line_room[j, 1],
+        )  # fmt: skip
         if below > 1.0:
             least = max(least, low[i] - j)
         if least <= most:
@@ -151,10 +180,13 @@ def advance(
                     return FULL
                 low[end], high[end] = j + least, j + most
                 end += 1
+        tip_room, axis_room = at_pose(line_room, j + 1, 0), at_pose(line_room, j + 1, 1)
         if after > k:
-            start, stop = near(line, j + 1, rows, k, wide + extra[j + 1])
+            tip_room, axis_room = tip_room + row_room[k, 0], axis_room + row_room[k, 1]
+            start, stop = near(line, j + 1, rows, k, wide + extra[j + 1], tip_room, axis_room)
         else:
-            start, stop = standing(line, j + 1, rows, k, wide + extra[j + 1])
+            tip_room, axis_room = tip_room + at_pose(row_room, k, 0), axis_room + at_pose(row_room, k, 1)
+            start, stop = standing(line, j + 1, rows, k, wide + extra[j + 1], tip_room, axis_room)
         if not here:
             start = max(start, below)
         below = start if start <= stop else NO_PLACE
@@ -164,21 +196,24 @@ def advance(
 
 
 @jit()
-def standing(line: Floats, j: int, rows: Floats, k: int, radius: float) -> tuple[float, float]:
+def standing(
+    line: Floats, j: int, rows: Floats, k: int, radius: float, tip_room: float, axis_room: float
+) -> tuple[float, float]:
     """As `near`, for a pose that stays where it is."""
     for half in range(0, 6, 3):
+        within = radius + (tip_room if half == 0 else axis_room)
         square = 0.0
         for i in range(half, half + 3):
             square += (line[j, i] - rows[k, i]) ** 2
-        if square > radius * radius:
+        if square > within * within:
             return NO_PLACE, -1.0
     return 0.0, 1.0
 
 
 @jit()
 def reach(
-    rows: Floats,
-    line: Floats,
+    row: Row,
+    line_row: Row,
     radius: Floats,
     extra: Floats,
     balls: Floats,
@@ -196,18 +231,21 @@ def reach(
     Returns the last pose that has places; -1 for none at all, FULL where the room for intervals ends. task[3] is the
     number of cells that may be looked at, and becomes what is left of it; where it is used up, task[4] becomes 1.
     """
+    (rows, row_room), (line, line_room) = row, line_row
     k, goal, seek = int(task[0]), int(task[1]), int(task[2])
     span = begin[:3].copy()
     task[4] = 0
     if k < 0:
         if seek == 0:
             radius[0] = raised
-        start, stop = standing(line, 0, rows, 0, radius[0] + extra[0])
+        tip_room = at_pose(line_room, 0, 0) + at_pose(row_room, 0, 0)
+        axis_room = at_pose(line_room, 0, 1) + at_pose(row_room, 0, 1)
+        start, stop = standing(line, 0, rows, 0, radius[0] + extra[0], tip_room, axis_room)
         if start > stop:
             return -1
         low[0], high[0] = 0.0, 0.0
         span[0], span[1] = 0, 1
-        if advance(rows, line, radius, extra, balls, levels, 0, 0, span, low, high) == FULL:
+        if advance(row, line_row, radius, extra, balls, levels, 0, 0, span, low, high) == FULL:
             return FULL
         for i in range(span[1], span[2]):
             low[i - 1], high[i - 1] = low[i], high[i]
@@ -215,7 +253,7 @@ def reach(
         k = 0
     while k < goal:
         span[0], span[1] = begin[k], begin[k + 1]
-        cells = advance(rows, line, radius, extra, balls, levels, k, k + 1, span, low, high)
+        cells = advance(row, line_row, radius, extra, balls, levels, k, k + 1, span, low, high)
         if cells == FULL:
             return FULL
         found = span[2] > span[1]
@@ -224,7 +262,7 @@ def reach(
                 begin[k + 2] = span[2]
                 return k + 1
             radius[k + 1] = raised
-            cells = advance(rows, line, radius, extra, balls, levels, k, k + 1, span, low, high)
+            cells = advance(row, line_row, radius, extra, balls, levels, k, k + 1, span, low, high)
             if cells == FULL:
                 return FULL
             found = span[2] > span[1]

@@ -87,13 +87,18 @@ def off(poses: Floats, k: int, line: Floats, j: int, u: float, half: int) -> flo
 
 
 @jit()
-def nearest_on(poses: Floats, k: int, line: Floats, j: int, low: float, high: float) -> tuple[float, float, float]:
-    """The share in [low, high] where the larger of both distances is least, and both distances there.
+def nearest_on(
+    poses: Floats, k: int, line: Floats, j: int, low: float, high: float, tip_room: float, axis_room: float
+) -> tuple[float, float, float]:
+    """The share in [low, high] where the larger of both distances, over their room and 1, is least; both there.
 
     The larger of two parabolas is least at the foot of one of them or where they are equal.
     """
+    wide, broad = 1.0 + tip_room, 1.0 + axis_room
     a, b, c = parabola(poses, k, line, j, 0)
     d, e, f = parabola(poses, k, line, j, 1)
+    a, b, c = a / wide**2, b / wide**2, c / wide**2
+    d, e, f = d / broad**2, e / broad**2, f / broad**2
     best, best_u, best_tip, best_axis = np.inf, low, np.inf, np.inf
     square, slope, rest = a - d, b - e, c - f
     root = math.sqrt(max(slope * slope - 4.0 * square * rest, 0.0))
@@ -113,16 +118,27 @@ def nearest_on(poses: Floats, k: int, line: Floats, j: int, low: float, high: fl
             u = rest / q if q != 0.0 else low
         u = min(max(u, low), high)
         tip, axis = off(poses, k, line, j, u, 0), off(poses, k, line, j, u, 1)
-        if max(tip, axis) < best:
-            best, best_u, best_tip, best_axis = max(tip, axis), u, tip, axis
+        if max(tip / wide, axis / broad) < best:
+            best, best_u, best_tip, best_axis = max(tip / wide, axis / broad), u, tip, axis
     return best_u, best_tip, best_axis
 
 
 @jit()
 def nearest(
-    poses: Floats, line: Floats, begin: Ints, low: Floats, high: Floats, place: Floats, tip: Floats, axis: Floats
+    poses: Floats,
+    pose_room: Floats,
+    line: Floats,
+    line_room: Floats,
+    begin: Ints,
+    low: Floats,
+    high: Floats,
+    place: Floats,
+    tip: Floats,
+    axis: Floats,
 ) -> None:
     """For each pose, of the places low, high[begin[k]:begin[k + 1]] one that is nearest, and both distances there.
+
+    Near is what is near beside the room (n, 2) of poses and ways, and 1.
 
     Where they lie on more than LOOK ways, only these about the place of the pose before are looked at: what is found
     is then a place that can stand for the pose, if not the very nearest.
@@ -144,10 +160,14 @@ def nearest(
             bottom = max(low[i], min(start, high[i]))
             j = min(int(bottom), segments - 1)
             while j <= high[i] and j < segments and looked < LOOK:
-                u, off_tip, off_axis = nearest_on(poses, k, line, j, max(bottom - j, 0.0), min(high[i] - j, 1.0))
+                tip_room, axis_room = pose_room[k, 0] + line_room[j, 0], pose_room[k, 1] + line_room[j, 1]
+                u, off_tip, off_axis = nearest_on(
+                    poses, k, line, j, max(bottom - j, 0.0), min(high[i] - j, 1.0), tip_room, axis_room
+                )
                 looked += 1
-                if max(off_tip, off_axis) < best:
-                    best = max(off_tip, off_axis)
+                off_both = max(off_tip / (1.0 + tip_room), off_axis / (1.0 + axis_room))
+                if off_both < best:
+                    best = off_both
                     place[k], tip[k], axis[k] = j + u, off_tip, off_axis
                 j += 1
             i += 1

@@ -59,7 +59,8 @@ class Comparison:
         )
 
     def deviations(self, breaks: Floats, polynomials: Floats, at: Floats) -> tuple[Floats, Floats]:
-        """Deviation of tip and tool axis (n,) of the curve in tolerances, at the ascending parameters `at` (n,)."""
+        """Deviation of tip and tool axis (n,) of the curve at the ascending parameters `at` (n,), in the tolerances
+        that hold there."""
         from toolpace.kernels.fit.polyline import circular, distance, straight
         from toolpace.kernels.fit.quintic_spline import values
 
@@ -76,7 +77,8 @@ class Comparison:
         else:
             program = circular(line.s, line.axis, at)
         angle = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * distance(axis, program)))
-        return tip_off, angle / self.axis_tolerance
+        room = line.room_at(at)
+        return tip_off / room[:, 0], angle / self.axis_tolerance / room[:, 1]
 
 
 def dense(samples: Floats) -> Floats:

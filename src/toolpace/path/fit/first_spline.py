@@ -113,7 +113,8 @@ def smooth_samples(spline: Spline, data: Samples, weight: Floats, where: Floats 
 
 
 def deviation(spline: Spline, data: Samples) -> Floats:
-    """Deviation (m,) of tip or turn, whichever is more, at the samples."""
+    """Deviation (m,) of tip or turn, whichever is more, at the samples [their tolerances]."""
     everything = slice(None)
     tip = data.off(everything, spline.tip, 0, data.tip, data.metrics(0, everything))
-    return np.maximum(tip, data.off(everything, spline.turn, 0, data.turn, data.metric))
+    turn = data.off(everything, spline.turn, 0, data.turn, data.metric)
+    return np.maximum(tip / data.room[:, 0], turn / data.room[:, 1])

@@ -14,22 +14,24 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.errors import PathError, UsageError
+from toolpace.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.haste import Haste
 from toolpace.path.fit.knots import first_breaks, refined_at
-from toolpace.path.fit.polyline import Polyline, polylines
+from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
 from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.smooth import tighten
 from toolpace.path.fit.spline import Spline
 from toolpace.path.run import SplineRun
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 from toolpace.workers import Progress, Workers, side_by_side
 
@@ -54,15 +56,15 @@ class FittedRun(NamedTuple):
 
     run: SplineRun
     tip_deviation: float
-    """Of the tip [tolerances]."""
+    """Of the tip [m]."""
     axis_deviation: float
-    """Of the tool axis [tolerances]."""
+    """Of the tool axis [rad]."""
 
 
 def fit_runs(
     toolpath: ToolPath,
-    tip_tolerance: float,
-    axis_tolerance: float,
+    tip_tolerance: float | Tolerances,
+    axis_tolerance: float | Tolerances,
     machine: Machine | None,
     progress: Callable[[float], None] | None,
     hastes: Sequence[Haste] | None = None,
@@ -70,20 +72,18 @@ def fit_runs(
     """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s]."""
     from toolpace.kernels.warm import ensure_warm
 
-    for name, value in (("tip_tolerance", tip_tolerance), ("axis_tolerance", axis_tolerance)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise UsageError(f"{name} is {value:g}: give a positive tolerance")
     if len(toolpath) < 2:
         raise PathError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
+    tolerances = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
     ensure_warm()
-    lines = polylines(toolpath, tip_tolerance, axis_tolerance, machine)
-    starts = list(itertools.accumulate((tip_tolerance * line.s[-1] for line in lines), initial=0.0))
+    lines = polylines(toolpath, tolerances, machine)
+    starts = list(itertools.accumulate((tolerances.tip * line.s[-1] for line in lines), initial=0.0))
 
     def one(k: int, workers: Workers, told: Progress) -> FittedRun:
         line = lines[k]
         try:
             haste = hastes[k] if hastes is not None else None
-            return fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, starts[k], workers, told, haste)
+            return fit_run(line, toolpath, tolerances, machine, starts[k], workers, told, haste)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
@@ -91,14 +91,13 @@ def fit_runs(
     fitted = side_by_side(one, [len(line.s) for line in lines], progress)
     tip = max(run.tip_deviation for run in fitted)
     axis = max(run.axis_deviation for run in fitted)
-    return tuple(run.run for run in fitted), tip * tip_tolerance, axis * axis_tolerance, lines[0].wait
+    return tuple(run.run for run in fitted), tip, axis, lines[0].wait
 
 
 def fit_run(
     line: Polyline,
     toolpath: ToolPath,
-    tip_tolerance: float,
-    axis_tolerance: float,
+    tolerances: PlaceTolerances,
     machine: Machine | None,
     start: float,
     workers: Workers,
@@ -106,19 +105,24 @@ def fit_run(
     haste: Haste | None = None,
 ) -> FittedRun:
     """One run that starts at parameter `start` [m]. Raises PathError where no curve fits."""
+    tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
     check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
     if is_straight(line):
         haste = None
-    first, samples = inside_spline(line, first_breaks(line.s), weight, axis_tolerance, machine, check.between, workers)
+    first, samples = inside_spline(line, first_breaks(line), weight, axis_tolerance, machine, check.between, workers)
     spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
     where: Floats | None = None
 
     def finished(found: Deviations, spline: Spline) -> FittedRun:
-        run = piecewise(line, toolpath, spline.breaks, found, tip_tolerance, axis_tolerance, start)
-        return FittedRun(run, float(np.max(found.tip)), float(np.max(found.axis)))
+        tip, axis = (line.room_at(found.at) * np.stack([found.tip, found.axis], axis=1)).T
+        tip, axis = tip_tolerance * tip, axis_tolerance * axis
+        run = piecewise(line, toolpath, spline.breaks, found.polynomials, tolerances, start)
+        tip_off, axis_off = (largest_of_cells(spline.breaks, found.at, off) for off in (tip, axis))
+        run = replace(run, tip_off=tip_off, axis_off=axis_off)
+        return FittedRun(run, float(np.max(tip)), float(np.max(axis)))
 
     for repair in range(REPAIRS):
         # how many there will be nobody knows; the first one takes the longest
@@ -147,7 +151,7 @@ def fit_run(
             spline = spline.over(breaks)
         data = sample(line, breaks, axis_tolerance, machine, s, data)
     if haste is not None:
-        return fit_run(line, toolpath, tip_tolerance, axis_tolerance, machine, start, workers, progress)
+        return fit_run(line, toolpath, tolerances, machine, start, workers, progress)
     found = deviations(check, first, samples)
     if len(found.bad):
         raise PathError("the curve cannot be kept inside the tolerance")
@@ -230,13 +234,12 @@ def piecewise(
     line: Polyline,
     toolpath: ToolPath,
     breaks: Floats,
-    found: Deviations,
-    tip_tolerance: float,
-    axis_tolerance: float,
+    polynomials: Floats,
+    tolerances: PlaceTolerances,
     start: float,
 ) -> SplineRun:
     """The run in metres and radians; cells of one entry of the tool path become one block."""
-    polynomials = found.polynomials
+    tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
     scale = np.concatenate([np.full(3, tip_tolerance), np.full(polynomials.shape[2] - 3, axis_tolerance)])
     order = tip_tolerance ** -np.arange(6.0)
     head = np.flatnonzero(np.concatenate([[True], np.diff(line.entry) != 0]))
@@ -251,8 +254,6 @@ def piecewise(
         least_time=toolpath.least_time[entry],
         dwell=line.dwell,
         entry=entry,
-        tip_off=tip_tolerance * largest_of_cells(breaks, found.at, found.tip),
-        axis_off=axis_tolerance * largest_of_cells(breaks, found.at, found.axis),
     )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats
 from toolpace.errors import PathError
+from toolpace.path.fit.polyline import Polyline
 
 SPACING = 20.0
 """Least distance of the first knots [tolerances]: curves that differ by less than a tolerance need no closer ones."""
@@ -15,11 +16,13 @@ LEAST = 1e-4
 """Shortest cell [tolerances]."""
 
 
-def first_breaks(s: Floats) -> Floats:
-    """Breaks at vertices, SPACING apart or more, and graded; two cells at least."""
+def first_breaks(line: Polyline) -> Floats:
+    """Breaks at vertices, SPACING of their own tolerances apart or more, and graded; two cells at least."""
     from toolpace.kernels.fit.quintic_spline import thin
 
-    breaks = thin(s, SPACING)
+    s = line.s
+    own = np.concatenate([s[:1], np.cumsum(np.diff(s) / line.room.min(axis=1))])
+    breaks = s[np.searchsorted(own, thin(own, SPACING))] if np.any(line.room != 1.0) else thin(s, SPACING)
     if len(breaks) < 3:
         breaks = np.array([s[0], 0.5 * (s[0] + s[-1]), s[-1]])
     return graded(breaks)

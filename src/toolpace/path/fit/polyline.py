@@ -14,6 +14,7 @@ import numpy as np
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
+from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 
 LEAST_CELL = 1e-7
@@ -31,6 +32,25 @@ SOUND_TURN = 0.3
 
 
 @dataclass(frozen=True)
+class PlaceTolerances:
+    """The tolerances of a tool path, place by place: all else of a fit counts in the narrowest."""
+
+    tip: float
+    """The narrowest of the tip [m]."""
+    axis: float
+    """The narrowest of the tool axis [rad]."""
+    room: Floats
+    """(n, 2) those of tip and axis on the way to each point, in these."""
+
+    @classmethod
+    def of(cls, toolpath: ToolPath, tip: float | Tolerances, axis: float | Tolerances) -> PlaceTolerances:
+        """Those of the points of a tool path. Raises UsageError."""
+        along = np.stack([Tolerances.of(tip).tip_along(toolpath), Tolerances.of(axis).axis_along(toolpath)], axis=1)
+        least = along.min(axis=0)
+        return cls(float(least[0]), float(least[1]), along / least)
+
+
+@dataclass(frozen=True)
 class Polyline:
     """What one run shall follow; all in tolerances."""
 
@@ -44,16 +64,27 @@ class Polyline:
     """(k + 1, 3) unit tool axis."""
     entry: Ints
     """(k,) entry of the ToolPath that each cell leads to."""
+    room: Floats
+    """(k, 2) tolerance of tip and tool axis in each cell; 1 where they are the narrowest of the program."""
     dwell: float
     """Time to wait at the end [s]."""
     wait: float = 0.0
     """Time to wait at the start [s]; the first run only."""
 
+    def room_at(self, s: Floats) -> Floats:
+        """(n, 2) tolerance of tip and tool axis at parameters (n,); where two meet, the narrower."""
+        if np.all(self.room == 1.0):
+            return np.ones((len(s), 2))
+        last = len(self.room) - 1
+        before = np.clip(np.searchsorted(self.s, s, side="left") - 1, 0, last)
+        after = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, last)
+        room: Floats = np.minimum(self.room[before], self.room[after])
+        return room
 
-def polylines(
-    toolpath: ToolPath, tip_tolerance: float, axis_tolerance: float, machine: Machine | None
-) -> list[Polyline]:
+
+def polylines(toolpath: ToolPath, tolerances: PlaceTolerances, machine: Machine | None) -> list[Polyline]:
     """The runs of a ToolPath. Repeated points and runs of no length vanish; their dwells go to the run before."""
+    tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
     dense, entry = refined(toolpath, axis_tolerance, machine)
     tip = dense.tip / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
@@ -81,6 +112,7 @@ def polylines(
                 turn=turn[nodes],
                 axis=dense.axis[nodes],
                 entry=entry[start + 1 + kept],
+                room=tolerances.room[entry[start + 1 + kept]],
                 dwell=dwell,
                 wait=0.0 if runs else wait,
             )

@@ -28,6 +28,8 @@ class Samples:
     """(m, 2 or 3) [tolerances]"""
     metric: Floats
     """(m, d, d) what a deviation of the turn is on the sphere, squared."""
+    room: Floats
+    """(m, 2) tolerance of tip and turn, in the narrowest."""
     gap: Floats
     """(m,) half the distance between the neighbours."""
 
@@ -72,7 +74,7 @@ def sample(
         fresh = known.s[old] != s
         metric[~fresh] = known.metric[old[~fresh]]
     metric[fresh] = turn_metric(turn[fresh], axis_tolerance, machine)
-    return Samples(s, first, rows, straight(line.s, line.tip, s), turn, metric, np.gradient(s))
+    return Samples(s, first, rows, straight(line.s, line.tip, s), turn, metric, line.room_at(s), np.gradient(s))
 
 
 def usual(vertices: Floats, breaks: Floats) -> Floats:

@@ -56,11 +56,12 @@ def tighten(
         pull = (2.0 * np.pi / (WAVE * h[data.first[j]])) ** 6 * data.gap[j] * cells[data.first[j]]
         moved = x[base:end].copy()
         samples = tube.Samples(data.first[j] - base, data.rows[j], target[j], metric)
+        allowed = USED * radius[j] * data.room[j, which]
         steps, _, _ = smoothest(
-            tube.Roughness(third[base : end - 5], share), samples, tube.Tube(USED * radius[j], pull), moved,
+            tube.Roughness(third[base : end - 5], share), samples, tube.Tube(allowed, pull), moved,
             tube.Free(low - base, high - base), floor[base : end - 5], ACCURACY, STEPS,
         )  # fmt: skip
-        if 0 <= steps < STEPS or np.all(data.off(j, moved, base, target, metric) <= 1.02 * USED * radius[j]):
+        if 0 <= steps < STEPS or np.all(data.off(j, moved, base, target, metric) <= 1.02 * allowed):
             x[low:high] = moved[low - base : high - base]
 
     solve_ranges(ranges(spline.breaks, where), solve, workers, progress)

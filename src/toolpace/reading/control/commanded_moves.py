@@ -110,5 +110,6 @@ def _with_chords(table: MoveTable) -> MoveTable:
     is_last[last] = True
     return MoveTable(
         position, columns, table.stop[of] & is_last, np.where(is_last, table.dwell[of], 0.0),
-        {int(last[row]): arc for row, arc in table.arcs.items()}, {}, table.switched[of] & is_last, table.joining[of],
+        {int(last[row]): arc for row, arc in table.arcs.items()}, {}, table.switched[of] & is_last,
+        table.joining[of], table.asked[of],
     )  # fmt: skip

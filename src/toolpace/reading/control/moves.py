@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,15 @@ class Joining(NamedTuple):
     """Within which straight motions may be taken as one [m]; nan where the program does not say."""
 
 
+class Asked(NamedTuple):
+    """How far motions may stray from their way, by the program's own words; nan where it tells nothing."""
+
+    tip: float = math.nan
+    """[m]"""
+    axis: float = math.nan
+    """[rad]"""
+
+
 class Moves:
     """Rows of motions, appended one by one; stops and dwells are noted at the last position."""
 
@@ -61,6 +71,8 @@ class Moves:
         """Dwells before the first position [s]."""
         self.joinings: list[tuple[int, Joining]] = [(0, Joining())]
         """How rows meet, from which on."""
+        self.asked: list[tuple[int, Asked]] = [(0, Asked())]
+        """How far rows may stray, from which on."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -106,6 +118,12 @@ class Moves:
         if joining != self.joining:
             self.joinings.append((len(self.rows), joining))
 
+    def ask(self, **tolerances: float) -> None:
+        """Note how far motions may stray from now on: tip [m], axis [rad]; what is no length above zero is told no
+        more."""
+        told = {name: value if value > 0.0 else math.nan for name, value in tolerances.items()}
+        self.asked.append((len(self.rows), self.asked[-1][1]._replace(**told)))
+
     def dwell(self, seconds: float) -> None:
         """Come to rest at the last position and wait."""
         self.stop()
@@ -136,19 +154,20 @@ class Moves:
         at_rest, switched = stop.copy(), stop.copy()
         at_rest[last[list(self.exact)]] = True
         switched[last[list(self.switched)]] = True
-        joining = self._joining()[expansion.row]
+        joining = self._from_then_on(self.joinings)[expansion.row]
+        asked = self._from_then_on(self.asked)[expansion.row]
         first = self._start(array[:, self.kind], array[:, width + 6].astype(int)) if len(array) else 0
         arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
         curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}
-        array, joining = array[first:], joining[first:]
+        array, joining, asked = array[first:], joining[first:], asked[first:]
         at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
-        return MoveTable(array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining)
+        return MoveTable(array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, asked)
 
-    def _joining(self) -> Floats:
-        """(rows, 3) Joining of each row."""
-        begin = np.array([row for row, _ in self.joinings])
+    def _from_then_on(self, told: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
+        """(rows, k) what was told from a row on, of each row."""
+        begin = np.array([row for row, _ in told])
         rows = np.diff(np.append(begin, len(self.rows)))
-        return np.repeat(np.array([each for _, each in self.joinings]), rows, axis=0)
+        return np.repeat(np.array([each for _, each in told], dtype=float), rows, axis=0)
 
     @staticmethod
     def _start(kind: Floats, named: Ints) -> int:
@@ -182,3 +201,5 @@ class MoveTable(NamedTuple):
     """(n,) whether a control comes to rest whatever the mode: stops, and where something is switched."""
     joining: Floats
     """(n, 3) Joining of each row."""
+    asked: Floats
+    """(n, 2) Asked of each row."""

@@ -49,7 +49,7 @@ class Unroll:
         self.operation: Ints = operation.astype(np.int64)
         self.is_rapid = kind == RAPID
         self.tip_mode: Bools = tip_mode > 0
-        self.stop, self.dwell = table.stop, table.dwell
+        self.stop, self.dwell, self.asked = table.stop, table.dwell, table.asked
         self.arcs = ArcTable(list(table.arcs.values()))
         self.arc = np.full(len(self.end), -1)
         self.arc[list(table.arcs)] = np.arange(len(table.arcs))
@@ -164,6 +164,7 @@ class Unroll:
             dwell=np.where(ends, self.dwell[move], 0.0),
             rapid=self.is_rapid[move],
             operation=self.operation[move],
+            asked=self.asked[move],
             rotary=None if self.poses.machine is None else rotary,
             rotary_joints=self.poses.rotary_names,
         )

@@ -25,6 +25,8 @@ from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError,
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
+SMOOTHNESS = "G187"
+"""Of Haas: E tells how far corners may be rounded, none that it is as the control's settings say."""
 LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
@@ -109,6 +111,8 @@ class Executor:
             handlers[action.meaning](numbers, action.word)
         for word in block.ignored:
             control.findings.ignored(word)
+            if word == SMOOTHNESS:
+                control.moves.ask(tip=numbers.get("E", 0.0) * state.unit)
             if word.startswith("M"):
                 control.moves.switch()
         if numbers or (state.cycle_word and self.rs274):

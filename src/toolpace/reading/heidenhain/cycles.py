@@ -215,6 +215,19 @@ class Cycles:
         axes = self.axes(text)
         return lambda: self.tilting.cycle_19({x: evaluate(value) for _, x, value in axes}, axial=self.axial)
 
-    def tolerance(self, _: str) -> Step:
-        """32: told, not obeyed."""
-        return lambda: self.control.findings.ignored("CYCL DEF 32")
+    def tolerance(self, text: str) -> Step:
+        """32: T of the tip, TA of the rotary axes; a line 32.1 without T ends both. Noted, and obeyed where asked."""
+        told = [
+            (name, signed(found[1], self.parameters))
+            for name, letters in (("tip", "T"), ("axis", "TA"))
+            if (found := re.search(rf"(?<![A-Z]){letters}\s*(" + VALUE + ")", text))
+        ]
+
+        def note() -> None:
+            self.control.findings.ignored("CYCL DEF 32")
+            units = {"tip": self.state.unit, "axis": DEGREE}
+            values = {name: evaluate(value) * units[name] for name, value in told}
+            if values or not text.strip():
+                self.control.moves.ask(**(values or {"tip": 0.0, "axis": 0.0}))
+
+        return note

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from toolpace.reading.control.joint_moves import reference
@@ -87,7 +88,13 @@ class Commands:
         arguments = Arguments("CYCLE832", values, 24)
         mode = arguments.code(1) % TOP_SURFACE
         self.control.findings.ignored("CYCLE832")
-        if not values or mode % 10 == 0:
+        off = not values or mode % 10 == 0
+        turning = mode // 10 % 10 > 0
+        self.control.moves.ask(
+            tip=0.0 if off else arguments.number(0) * self.state.unit,
+            axis=math.radians(arguments.number(2)) if turning and not off else 0.0,
+        )
+        if off:
             if self._exact_stop_before is not None:
                 self.state.exact_stop, self._exact_stop_before = self._exact_stop_before, None
             return

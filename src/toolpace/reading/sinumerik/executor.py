@@ -13,11 +13,12 @@ from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.arguments import values_of
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED
-from toolpace.reading.sinumerik.given import Given, Words
+from toolpace.reading.sinumerik.given import Given, Words, bounded
 from toolpace.reading.sinumerik.motion import OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.units import DEGREE
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
@@ -114,6 +115,8 @@ class Executor:
             self._claim(now)
         for call in block.calls:
             self._call(call, words)
+        if words:
+            self._ask(words)
         moved = self._move(now) if words else False
         if now.stop_after:
             self.control.stop()
@@ -240,6 +243,14 @@ class Executor:
         for address in words:
             self._left(address)
         return moved
+
+    def _ask(self, words: Words) -> None:
+        """CTOL=, OTOL= and ATOL=: how far the contour and the orientation may stray; below zero as the machine's data
+        say."""
+        for address, name in (("CTOL", "tip"), ("OTOL", "axis"), ("ATOL", "axis")):
+            if address in words:
+                unit = self.state.unit if name == "tip" else DEGREE
+                self.control.moves.ask(**{name: bounded(words[address], address) * unit})
 
     def _left(self, address: str) -> None:
         """A word that nothing in its block took."""

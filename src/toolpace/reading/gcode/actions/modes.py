@@ -92,6 +92,8 @@ class Modes:
 
     def _exact(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = True
+        if self.rs274:
+            self.control.moves.ask(tip=math.nan)
         self.control.moves.join(Joining(EXACT_STOP if word == "G61.1" else EXACT_PATH))
 
     def _continuous(self, numbers: Numbers, word: str) -> None:
@@ -107,8 +109,10 @@ class Modes:
                 math.nan if cam_tolerance is None else cam_tolerance * unit,
             )
         )
+        if self.rs274:
+            self.control.moves.ask(tip=math.nan if tolerance is None else tolerance * unit)
         if tolerance is not None or cam_tolerance is not None:
-            # the tolerance of the path is given to the fit, not by the program
+            # noted, and obeyed where that is asked for
             self.control.findings.ignored(f"{word} P")
 
     def _polar(self, numbers: Numbers, word: str) -> None:

@@ -1,0 +1,124 @@
+"""How far a path may stray from its program, place by place: by operation, tool or blocks, or as the program asks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.errors import UsageError
+from toolpace.tolerances.places import points_of
+from toolpace.toolpath import ToolPath
+
+PROGRAM = "program"
+"""What says that the tolerances hold that the program tells itself."""
+
+
+@dataclass(frozen=True, init=False)
+class Tolerances:
+    """A tolerance of the tip [m] or of the tool axis [rad] that differs from place to place.
+
+    `Tolerances(20e-6, {"finish": 5e-6, "T2": 8e-6, "N100-N250": 5e-6})`: a place is the name of an operation, a tool
+    (T and its number or name), the blocks from one N word to another, or lines as messages count them ("120-250").
+    Of two places that hold the same block the later one counts. With `program=True` what the program asks for itself
+    (`ToolPath.tip_tolerance`, `axis_tolerance`) holds in place of the default.
+    """
+
+    default: float
+    places: tuple[tuple[str, float], ...]
+    """Place and tolerance, in order."""
+    program: bool
+    """Whether the tolerances hold that the program tells."""
+    most: float = math.inf
+    """None is wider than this: see `within`."""
+
+    def __init__(
+        self, default: float, places: Mapping[str, float] | Iterable[tuple[str, float]] = (), program: bool = False
+    ) -> None:
+        """Raises UsageError where a tolerance is not above zero and finite."""
+        pairs = tuple(places.items() if isinstance(places, Mapping) else places)
+        for place, value in (("", default), *pairs):
+            if not (isinstance(value, int | float | np.number) and 0.0 < value < math.inf):
+                raise UsageError(f"tolerance{f' of {place[:40]!r}' if place else ''} is {value!r}; give a positive one")
+        object.__setattr__(self, "default", float(default))
+        object.__setattr__(self, "places", tuple((place, float(value)) for place, value in pairs))
+        object.__setattr__(self, "program", program)
+        object.__setattr__(self, "most", math.inf)
+
+    @classmethod
+    def of(cls, tolerance: float | Tolerances) -> Tolerances:
+        """A number as one that is the same everywhere. Raises UsageError."""
+        return tolerance if isinstance(tolerance, Tolerances) else cls(tolerance)
+
+    @classmethod
+    def parse(cls, text: str, quantity: Callable[[str], float], default: float) -> Tolerances:
+        """From text such as "20um,finish:5um": the default, and places with their own; "program" where these hold.
+
+        `quantity` makes a number of "20um", `default` holds where none is told. Raises UsageError.
+        """
+        told: float | None = None
+        places, program = [], False
+        for part in (part.strip() for part in text.split(",")):
+            place, colon, value = part.rpartition(":")
+            if colon:
+                if not place.strip():
+                    raise UsageError(f"'{part[:40]}' names no operation, tool or block before its colon")
+                places.append((place.strip(), quantity(value)))
+            elif part.lower() == PROGRAM:
+                program = True
+            elif told is None:
+                told = quantity(part)
+            else:
+                raise UsageError(f"'{text[:60]}' has two tolerances for all: name the place of one, like finish:{part}")
+        return cls(default if told is None else told, places, program)
+
+    def text(self, quantity: Callable[[float], str]) -> str:
+        """The text that `parse` makes it from."""
+        places = [f"{place}:{quantity(value)}" for place, value in self.places]
+        return ",".join([quantity(self.default), *([PROGRAM] if self.program else []), *places])
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether it is the same at all places."""
+        return not self.places and not self.program
+
+    @property
+    def least(self) -> float:
+        """The narrowest that is told here; a program may tell less."""
+        return min([self.default, *(value for _, value in self.places)])
+
+    def __mul__(self, factor: float) -> Tolerances:
+        """All of them, as many times as wide; not those that the program tells. Raises UsageError."""
+        if self.program:
+            raise UsageError("tolerances that the program tells cannot be made wider or narrower")
+        return Tolerances(factor * self.default, [(place, factor * value) for place, value in self.places])
+
+    __rmul__ = __mul__
+
+    def within(self, most: float) -> Tolerances:
+        """All of them, none wider than `most`."""
+        found = Tolerances(self.default, self.places, self.program)
+        object.__setattr__(found, "most", min(self.most, most))
+        return found
+
+    def tip_along(self, toolpath: ToolPath) -> Floats:
+        """(n,) of the tip on the way to each point [m]. Raises UsageError where there is no such place."""
+        return self._along(toolpath, toolpath.tip_tolerance)
+
+    def axis_along(self, toolpath: ToolPath) -> Floats:
+        """(n,) of the tool axis on the way to each point [rad]. Raises UsageError where there is no such place."""
+        return self._along(toolpath, toolpath.axis_tolerance)
+
+    def _along(self, toolpath: ToolPath, told: Floats) -> Floats:
+        found = np.full(len(toolpath), self.default)
+        if self.program:
+            found = np.where(np.isnan(told), found, told)
+        for place, value in self.places:
+            found[points_of(place, toolpath)] = value
+        # no way leads to the first point
+        found[:1] = found[1:2]
+        along: Floats = np.minimum(found, self.most)
+        return along

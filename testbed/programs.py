@@ -1,0 +1,121 @@
+"""Programs of few points with much room between them: two that are known from papers and standards, and a contour."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.machine.machine import Machine
+from toolpace.toolpath import ToolPath
+
+S_SHAPE = """
+    -105.0250   68.8998  0.4738   0.0182 -0.1274 0.9917
+     -94.3018   68.3730  0.6353  -0.0026 -0.1588 0.9873
+     -83.5781   67.8463  0.7920  -0.0332 -0.1883 0.9816
+     -72.8447   67.5853  0.8756  -0.0713 -0.2050 0.9762
+     -62.1074   67.6348  0.8619  -0.1106 -0.2027 0.9730
+     -51.3701   67.7009  0.7960  -0.1486 -0.1865 0.9712
+     -40.6435   67.2680  0.7158  -0.1811 -0.1561 0.9710
+     -30.0662   65.4867  0.6532  -0.1979 -0.1100 0.9740
+     -20.2617   61.1928  0.6304  -0.1933 -0.0580 0.9794
+     -12.5525   53.7889  0.6438  -0.1840 -0.0147 0.9828
+      -8.0450   44.0902  0.6821  -0.1793  0.0206 0.9836
+      -6.8342   33.4530  0.7080  -0.1714  0.0496 0.9840
+      -8.7272   22.9128  0.6980  -0.1573  0.0693 0.9851
+     -13.5382   13.3463  0.6470  -0.1412  0.0789 0.9868
+     -20.8939    5.5640  0.5481  -0.1255  0.0801 0.9888
+     -30.0804    0.0536  0.3898  -0.1054  0.0714 0.9919
+"""
+"""Tool tip [mm] and tool axis of a pass along the S-shaped test piece (ISO 10791-7)."""
+TULSYAN = """
+    -126.8941 -218.1150  0.0020  -0.0903 -0.0045 0.9959
+    -128.4609 -216.2938  0.0106  -0.0876 -0.0086 0.9961
+    -129.9710 -212.4296  0.0195  -0.0852 -0.0127 0.9963
+    -131.4084 -208.5468  0.0334  -0.0832 -0.0169 0.9964
+    -132.7896 -204.6471  0.0582  -0.0808 -0.0212 0.9965
+    -134.1019 -200.6663  0.0992  -0.0795 -0.0255 0.9965
+    -135.3063 -196.6949  0.1599  -0.0793 -0.0304 0.9964
+    -136.4486 -192.7186  0.2432  -0.0789 -0.0353 0.9963
+    -137.5210 -188.6998  0.3545  -0.0790 -0.0402 0.9961
+    -138.5106 -184.6587  0.4980  -0.0799 -0.0453 0.9958
+    -139.4174 -180.5996  0.6779  -0.0814 -0.0505 0.9954
+    -142.1853 -164.2366  1.8069  -0.0968 -0.0725 0.9927
+    -142.6594 -160.1177  2.1913  -0.1030 -0.0782 0.9916
+    -143.0440 -156.0004  2.6151  -0.1102 -0.0840 0.9903
+    -143.5522 -147.7734  3.5784  -0.1285 -0.0956 0.9871
+    -143.6792 -143.6627  4.1199  -0.1394 -0.1011 0.9851
+    -143.7220 -139.5544  4.7185  -0.1513 -0.1065 0.9827
+    -143.6852 -135.4594  5.3892  -0.1643 -0.1118 0.9800
+    -143.5705 -131.3751  6.1222  -0.1782 -0.1169 0.9770
+    -143.3775 -127.3064  6.9027  -0.1930 -0.1217 0.9736
+    -143.1117 -123.2552  7.7297  -0.2085 -0.1262 0.9698
+    -142.7753 -119.2215  8.6075  -0.2246 -0.1305 0.9657
+    -142.3714 -115.2108  9.5388  -0.2414 -0.1345 0.9611
+    -141.9034 -111.2228 10.5266  -0.2588 -0.1381 0.9560
+    -141.3725 -107.2568 11.5716  -0.2769 -0.1413 0.9505
+    -140.7820 -103.3182 12.6719  -0.2954 -0.1442 0.9444
+    -140.1377  -99.4070 13.8258  -0.3143 -0.1467 0.9379
+    -139.4427  -95.5216 15.0328  -0.3333 -0.1488 0.9310
+    -133.6968  -90.6636 18.2926  -0.3526 -0.1506 0.9236
+"""
+"""Tool tip [mm] and tool axis. Source: O. Tulsyan and Y. Altintas, Local toolpath smoothing for five-axis machine
+tools, International Journal of Machine Tools and Manufacture 2015."""
+STEP = 24e-3
+"""Length of straight blocks of the contour [m]."""
+
+
+def s_shape(machine: Machine) -> ToolPath:
+    """A pass along the S-shaped test piece, in the middle of the machine's table."""
+    return of_table(S_SHAPE)
+
+
+def tulsyan(machine: Machine) -> ToolPath:
+    """29 points of Tulsyan and Altintas."""
+    return of_table(TULSYAN)
+
+
+def contour(machine: Machine) -> ToolPath:
+    """Three times round a wall of 120 by 80 mm with corners of 12 mm in 13 chords, leaning out by 15 to 25 degrees.
+
+    The tool axis stands still on the sides and turns in the corners, as cutter-location data of contours have it.
+    """
+    tips, axes = [], []
+    for level, lean in enumerate(np.radians([15.0, 20.0, 25.0])):
+        for quarter in range(4):
+            long, wide = ((60e-3, 40e-3), (40e-3, 60e-3))[quarter % 2]
+            # a side along +y at x = wide, then the corner to the left, all turned by quarters
+            count = round(2.0 * (long - 12e-3) / STEP)
+            side = np.linspace(-(long - 12e-3), long - 12e-3, max(count, 1) + 1)
+            angle = np.linspace(0.0, 0.5 * np.pi, 14)
+            x = np.concatenate([np.full(len(side), wide), wide - 12e-3 + 12e-3 * np.cos(angle[1:])])
+            y = np.concatenate([side, long - 12e-3 + 12e-3 * np.sin(angle[1:])])
+            turn = np.concatenate([np.zeros(len(side)), angle[1:]]) + 0.5 * np.pi * quarter
+            c, s = np.cos(0.5 * np.pi * quarter), np.sin(0.5 * np.pi * quarter)
+            tips.append(np.stack([c * x - s * y, s * x + c * y, np.full(len(x), -2e-3 * level)], axis=1)[1:])
+            out = np.stack([np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), np.full(len(x), np.cos(lean))])
+            axes.append(out.T[1:])
+    return of_points(np.round(np.concatenate(tips), 7), np.concatenate(axes))
+
+
+def of_table(text: str) -> ToolPath:
+    """The points of a table, about the middle of the part."""
+    rows = np.array(text.split(), dtype=float).reshape(-1, 6)
+    tip = 1e-3 * rows[:, :3]
+    return of_points(tip - 0.5 * (tip.min(axis=0) + tip.max(axis=0)), rows[:, 3:])
+
+
+def of_points(tip: Floats, axis: Floats) -> ToolPath:
+    """A tool path without feeds through tips (n, 3) [m] with tool axes (n, 3), at rest at its ends."""
+    n = len(tip)
+    stop = np.zeros(n, dtype=np.bool_)
+    stop[[0, -1]] = True
+    return ToolPath(
+        tip=tip,
+        axis=axis / np.linalg.norm(axis, axis=1)[:, None],
+        feed=np.full(n, np.inf),
+        least_time=np.zeros(n),
+        block=np.arange(1, n + 1),
+        stop=stop,
+        dwell=np.zeros(n),
+        blocks=n,
+    )
