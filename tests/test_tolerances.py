@@ -124,3 +124,22 @@ def test_a_default_that_holds_nowhere_changes_nothing(zigzag, machine):
     alone = plan_program(zigzag, machine, NARROW, AXIS).trajectory.duration
     almost = plan_program(zigzag, machine, Tolerances(WIDE, {"1-13": NARROW}), AXIS).trajectory.duration
     assert almost == pytest.approx(alone, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", [0, 4, 8])
+def test_paths_with_tolerances_at_random_are_within_them(seed, machine):
+    """Corners, specks and long blocks, tolerances from 1 to 200 micrometres and 0.01 to 1 degree in any order."""
+    r = np.random.default_rng(seed)
+    n = int(r.integers(6, 60))
+    way = r.normal(size=(n, 3)) * [1.0, 1.0, 0.2]
+    way *= 10.0 ** r.uniform(-4.3, -2.0, (n, 1)) / np.linalg.norm(way, axis=1)[:, None]
+    turn = np.cumsum(r.normal(size=(n, 2)), axis=0)
+    path = toolpath_through(
+        np.cumsum(way, axis=0) + [0.0, 0.0, 0.02], tilted(0.5 + 0.01 * turn[:, 0], 0.02 * turn[:, 1])
+    )
+    cuts = np.sort(r.integers(2, n + 1, 6)).reshape(3, 2)
+    tips = Tolerances(10.0 ** r.uniform(-6, -3.7), {f"{a}-{b}": 10.0 ** r.uniform(-6, -3.7) for a, b in cuts})
+    axes = Tolerances(math.radians(10.0 ** r.uniform(-2, 0)), {"2-4": math.radians(10.0 ** r.uniform(-2, 0))})
+    found = plan_program(path, machine, tips, axes, effort="low")
+    assert found.trajectory.usage().worst <= PROMISED
+    tp.verify(found.trajectory, machine, path, tips, axes).raise_if_failed()

@@ -167,9 +167,10 @@ def fit_program(
     for axis in rungs:
         rounds.begin(asked.within(axis), axis, last=axis == rungs[-1])
         if rounds.done and toolpath.least_duration > (1.0 - ROOM) * rounds.done[0].duration:
-            break
+            continue
         for power in POWERS[effort]:
-            rounds.follow(power)
+            rounds.follow(rounds.motion, power)
+            rounds.follow(rounds.elsewhere, power)
     told(1.0)
     return FittedProgram(rounds.candidates(), rounds.first, effort, tuple(rounds.done))
 
@@ -195,6 +196,12 @@ class PaceRounds:
         self.levels: list[list[tuple[float, Path]]] = []
         self.unknown: list[tuple[float, Path]] = []
         self.tried = 0
+        self.motion: Trajectory | None = None
+        """The fastest within the tolerance at hand."""
+        self.best: Trajectory | None = None
+        """The fastest of all."""
+        self.elsewhere: Trajectory | None = None
+        """The fastest within the tolerances before."""
 
     def begin(self, tolerances: Tolerances, widest: float, *, last: bool) -> None:
         """The path within tolerances of the axis, `widest` [rad] at most, that knows no pace.
@@ -202,7 +209,7 @@ class PaceRounds:
         One that cannot be had is passed over. Raises PathError where it is the last, and there was none before.
         """
         self.tolerances, self.widest = tolerances, widest
-        self.motion: Trajectory | None = None
+        self.elsewhere, self.motion = self.best, None
         self.levels.append([])
         try:
             path, self.motion = self._round(None)
@@ -216,12 +223,11 @@ class PaceRounds:
             self.unknown.append((0.0, path))
         self._note(path, self.motion, 0.0)
 
-    def follow(self, power: float) -> None:
-        """Rounds with the weight of one power of the pace, from the fastest motion in this tolerance on, while they
-        gain."""
-        if self.motion is None:
+    def follow(self, start: Trajectory | None, power: float) -> None:
+        """Rounds with the weight of one power of the pace, from a motion on, while they gain; none from none."""
+        if start is None:
             return
-        hastes = self._hastes(self.motion, power)
+        fastest, hastes = start.duration, self._hastes(start, power)
         for _ in range(int(np.clip(LONG // len(self.toolpath), 1, ROUNDS))):
             try:
                 path, motion = self._round(hastes)
@@ -230,8 +236,9 @@ class PaceRounds:
             self._note(path, motion, power)
             if motion is None:
                 return
-            gained = 1.0 - motion.duration / self.motion.duration
-            if gained > 0.0:
+            gained = 1.0 - motion.duration / fastest
+            fastest = min(fastest, motion.duration)
+            if self.motion is None or motion.duration < self.motion.duration:
                 self.motion = motion
             if gained < ENOUGH or motion.duration > WORSE * min(each.duration for each in self.done):
                 return
@@ -244,6 +251,8 @@ class PaceRounds:
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
         self.done.append(Round(motion.duration, power, kept, self.widest))
         self.levels[-1].append((motion.duration, path))
+        if self.best is None or motion.duration < self.best.duration:
+            self.best = motion
 
     def candidates(self) -> tuple[tuple[float, Path], ...]:
         """Of each tolerance the fastest paths and the first, and how long each may take [s]: the fastest first.
