@@ -135,7 +135,7 @@ def test_paths_with_tolerances_at_random_are_within_them(seed, machine):
     way *= 10.0 ** r.uniform(-4.3, -2.0, (n, 1)) / np.linalg.norm(way, axis=1)[:, None]
     turn = np.cumsum(r.normal(size=(n, 2)), axis=0)
     path = toolpath_through(
-        np.cumsum(way, axis=0) + [0.0, 0.0, 0.02], tilted(0.5 + 0.01 * turn[:, 0], 0.02 * turn[:, 1])
+        np.cumsum(way, axis=0) + np.array([0.0, 0.0, 0.02]), tilted(0.5 + 0.01 * turn[:, 0], 0.02 * turn[:, 1])
     )
     cuts = np.sort(r.integers(2, n + 1, 6)).reshape(3, 2)
     tips = Tolerances(10.0 ** r.uniform(-6, -3.7), {f"{a}-{b}": 10.0 ** r.uniform(-6, -3.7) for a, b in cuts})
