@@ -95,7 +95,7 @@ def aim_off(
     cut = cut_of_way(tool, toolpath)
     places = places_of(toolpath, machine, cut, tool.blend)
     cut = cut[places.origin]
-    least = Tolerances.of(tip_tolerance).least
+    least = Tolerances.of(tip_tolerance, "tip_tolerance").least
     enough = min(CONVERGED, 0.5 * RESERVE * least)
     bending = np.zeros((len(places.way), 3))
     changes: list[float] = []

@@ -105,7 +105,10 @@ def _judged(
             f"set-points of {points.q.shape[1]} joints ({', '.join(points.joints)}), "
             f"limits of {len(limits.velocity)} ({', '.join(limits.joints)})"
         )
-    tip_tolerance, axis_tolerance = Tolerances.of(tip_tolerance), Tolerances.of(axis_tolerance)
+    tip_tolerance, axis_tolerance = (
+        Tolerances.of(tip_tolerance, "tip_tolerance"),
+        Tolerances.of(axis_tolerance, "axis_tolerance"),
+    )
     first = _finite(points)
     if first is not None:
         return Verification((first,), dt, len(points)), None

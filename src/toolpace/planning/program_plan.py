@@ -161,7 +161,7 @@ def fit_program(
     if not POWERS[effort]:
         path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, told)
         return FittedProgram(((0.0, path),), path, effort)
-    asked = Tolerances.of(axis_tolerance)
+    asked = Tolerances.of(axis_tolerance, "axis_tolerance")
     rounds = PaceRounds(toolpath, machine, tip_tolerance, told)
     rungs = axis_tolerances(float(asked.axis_along(toolpath).max()))
     for axis in rungs:

@@ -49,9 +49,14 @@ class Tolerances:
         object.__setattr__(self, "most", math.inf)
 
     @classmethod
-    def of(cls, tolerance: float | Tolerances) -> Tolerances:
-        """A number as one that is the same everywhere. Raises UsageError."""
-        return tolerance if isinstance(tolerance, Tolerances) else cls(tolerance)
+    def of(cls, tolerance: float | Tolerances, name: str) -> Tolerances:
+        """A number as one that is the same everywhere. Raises UsageError, which says its name."""
+        if isinstance(tolerance, Tolerances):
+            return tolerance
+        try:
+            return cls(tolerance)
+        except UsageError as error:
+            raise UsageError(str(error).replace("tolerance is", f"{name} is", 1)) from None
 
     @classmethod
     def parse(cls, text: str, quantity: Callable[[str], float], default: float) -> Tolerances:

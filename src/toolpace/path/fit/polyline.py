@@ -45,7 +45,8 @@ class PlaceTolerances:
     @classmethod
     def of(cls, toolpath: ToolPath, tip: float | Tolerances, axis: float | Tolerances) -> PlaceTolerances:
         """Those of the points of a tool path. Raises UsageError."""
-        along = np.stack([Tolerances.of(tip).tip_along(toolpath), Tolerances.of(axis).axis_along(toolpath)], axis=1)
+        tips, axes = Tolerances.of(tip, "tip_tolerance"), Tolerances.of(axis, "axis_tolerance")
+        along = np.stack([tips.tip_along(toolpath), axes.axis_along(toolpath)], axis=1)
         least = along.min(axis=0)
         return cls(float(least[0]), float(least[1]), along / least)
 
