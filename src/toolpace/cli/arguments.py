@@ -80,13 +80,17 @@ def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tole
     def metres(text: str) -> float:
         value = units.parse_length(text)
         if not value > 0.0:
-            raise UsageError(f"--tip-tolerance {text}: a curve needs room to be smooth; give more, like 0.001mm")
+            raise UsageError(
+                f"--tip-tolerance {text}: a curve needs room to be smooth; give more than zero, like 0.001mm"
+            )
         return _within("--tip-tolerance", text, value, TIP_TOLERANCES, units.format_length)
 
     def radians(text: str) -> float:
         value = units.parse_angle(text)
         if not value > 0.0:
-            raise UsageError(f"--axis-tolerance {text}: a curve needs room to be smooth; give more, like 0.01deg")
+            raise UsageError(
+                f"--axis-tolerance {text}: a curve needs room to be smooth; give more than zero, like 0.01deg"
+            )
         return _within("--axis-tolerance", text, value, AXIS_TOLERANCES, units.format_angle)
 
     of_tip = Tolerances.parse(given.tip_tolerance, metres, metres(TIP_TOLERANCE))
