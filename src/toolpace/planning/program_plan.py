@@ -8,12 +8,13 @@ for some tolerances of the tool axis, up to the one asked for: a path within a n
         not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
 the fastest of these paths, planned in full
 while another one was hoped to take less than that came to, it too: the best is taken
+path and pace of that one changed together, and planned once more; taken where it is faster          (high)
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,10 +32,10 @@ from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import UNTOLD, Progress
 
-POWERS: dict[str, tuple[float, ...]] = {"low": (), "normal": (6.0,), "high": (6.0, 7.0, 5.0)}
+POWERS: dict[str, tuple[float, ...]] = {"low": (), "normal": (6.0,), "high": (6.0,)}
 """By effort, the powers of the pace in the weight of roughness, one after the other."""
 EFFORTS = tuple(POWERS)
-"""low: the path is fitted once; normal: a few rounds of pace and fit; high: more, with other weights."""
+"""low: the path is fitted once; normal: a few rounds of pace and fit; high: then both are changed together."""
 ROUNDS = 4
 """Most rounds with each of these."""
 LONG = 40_000
@@ -63,6 +64,8 @@ FITTED = 0.6
 """Share of a round, for progress, that its fit takes."""
 ROUNDS_DONE = 0.3
 """Share of a whole plan that the rounds take."""
+PLANNED, CHANGED = 0.2, 0.7
+"""Share of what follows that is done before path and pace are changed together; and of that, when they are."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,37 @@ class Round:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Together:
+    """A program whose path may be changed together with its pace."""
+
+    toolpath: ToolPath
+    tolerances: tuple[float, float]
+    """Of the tip [m] and of the tool axis [rad]."""
+    ramp: float
+    """In which time an acceleration builds up [s]."""
+
+    def faster(
+        self, best: ProgramPlan, machine: Machine, check: Callable[[AxisPath], None], progress: Progress
+    ) -> ProgramPlan:
+        """The plan on the changed path, or the one that is given where that is no faster."""
+        from toolpace.planning.together.fine import Fine
+        from toolpace.planning.together.refit import refitted
+
+        motion = best.trajectory
+        changed = progress.part(0.0, CHANGED)
+        path = refitted(self.toolpath, machine, best.path, motion, self.tolerances, self.ramp, changed)
+        length = sum(run.s1 - run.s0 for run in path.runs)
+        try:
+            axis_path = AxisPath.follow(path, machine)
+            check(axis_path)
+            planner = Fine(motion.duration, length, self.ramp)
+            found = plan(axis_path, machine, planner=planner, progress=progress.part(CHANGED, 1.0))
+        except (InfeasibleError, ReachError):
+            return best
+        return replace(best, path=path, trajectory=found) if found.duration < motion.duration else best
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class FittedProgram:
     """The paths that a program may be planned on."""
 
@@ -90,6 +124,8 @@ class FittedProgram:
     effort: str
     rounds: tuple[Round, ...] = ()
     """The first path and each that followed; none where it was fitted once."""
+    together: Together | None = None
+    """What it takes to change path and pace together, where that is asked for."""
 
     def __repr__(self) -> str:
         return one_line(self, f"effort {self.effort}", counted(max(len(self.rounds) - 1, 0), "round"))
@@ -124,9 +160,9 @@ def plan_program(
     """The fastest motion of a tool path within the tolerances [m], [rad] and the limits of a machine.
 
     `effort` "low" fits the smoothest path and plans it; "normal" spends the tolerance where the motion is fast, in a
-    few rounds of pace and fit; "high" takes more of them. Paths are ranked by motions with their limits held at the
-    nodes, and the path of "low" is planned too where it may be the best. Another planner than the optimal one takes
-    the path as "low" does. `progress` is told the share done. Raises UsageError for what makes no
+    few rounds of pace and fit; "high" then changes path and pace together. Paths are ranked by motions with their
+    limits held at the nodes, and the path of "low" is planned too where it may be the best. Another planner than the
+    optimal one takes the path as "low" does. `progress` is told the share done. Raises UsageError for what makes no
     sense, PathError where no curve fits, InfeasibleError where no motion exists.
     """
     told = Progress(progress or (lambda share: None))
@@ -172,7 +208,8 @@ def fit_program(
             rounds.follow(rounds.motion, power)
             rounds.follow(rounds.elsewhere, power)
     told(1.0)
-    return FittedProgram(rounds.candidates(), rounds.first, effort, tuple(rounds.done))
+    together = Together(toolpath, (tip_tolerance, axis_tolerance), rounds.ramp) if effort == "high" else None
+    return FittedProgram(rounds.candidates(), rounds.first, effort, tuple(rounds.done), together)
 
 
 def axis_tolerances(widest: float) -> list[float]:
@@ -311,10 +348,13 @@ def plan_fitted(
     Raises as `check` and `plan` do of the first path, where no other will do.
     """
 
+    told = Progress(progress or (lambda share: None))
+    planning = told.part(0.0, PLANNED if fitted.together is not None else 1.0)
+
     def whole(path: Path) -> ProgramPlan:
         axis_path = AxisPath.follow(path, machine)
         check(axis_path)
-        trajectory = plan(axis_path, machine, planner=planner, progress=progress)
+        trajectory = plan(axis_path, machine, planner=planner, progress=planning)
         return ProgramPlan(path, trajectory, fitted.effort, fitted.rounds)
 
     best: ProgramPlan | None = None
@@ -333,4 +373,6 @@ def plan_fitted(
     if best is None:
         assert problem is not None
         raise problem
-    return best
+    if fitted.together is None:
+        return best
+    return fitted.together.faster(best, machine, check, told.part(PLANNED, 1.0))

@@ -1,0 +1,56 @@
+"""The plan of a path that was changed together with its pace: on a fine mesh, slowed down where limits are passed.
+
+Such a path has many joints at their limits at once, and little else than its own pace will do: between states that are
+given, stretches that the guard would solve again have no motion but one that swings from node to node. On a mesh so
+fine that the nodes leave next to nothing between them, what is passed is taken away by going slower there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.axispath.run import AxisRun
+from toolpace.machine.limits import Limits
+from toolpace.planning.bound.pieces import bound_long_run
+from toolpace.planning.bound.relaxation import places_in_time
+from toolpace.planning.endstate import EndState
+from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.planned_run import PlannedRun
+from toolpace.workers import Progress, Workers
+
+CELLS = 300.0
+"""Mesh cells in the time in which an acceleration builds up."""
+FEWEST, MOST = 1000, 1_000_000
+"""Of a run."""
+SOLVED = 0.7
+"""Share of the work, for progress, before the bound."""
+
+
+@dataclass(frozen=True)
+class Fine:
+    """The optimal planner on a mesh of given density."""
+
+    duration: float
+    """About that of the whole motion [s]."""
+    length: float
+    """Of the parameter of all runs together."""
+    ramp: float
+    """In which time an acceleration builds up [s]."""
+
+    @property
+    def name(self) -> str:
+        """That of the planner whose motions these are."""
+        return "optimal"
+
+    def plan_run(
+        self, run: AxisRun, limits: Limits, start: EndState, end: EndState, workers: Workers, progress: Progress
+    ) -> PlannedRun:
+        """The law of one run, with its bound. Raises InfeasibleError."""
+        time = self.duration * (run.s1 - run.s0) / self.length
+        cells = int(np.clip(CELLS * time / self.ramp, FEWEST, MOST))
+        told = progress.part(0.0, SOLVED)
+        law, points = fastest_law(run, limits, cells, start, end, True, workers, told, most_rounds=0)
+        bound = bound_long_run(run, limits, law, start, end, workers, progress.part(SOLVED, 1.0))
+        return PlannedRun(law, points, bound.seconds, places_in_time(run, law, bound))

@@ -1,0 +1,155 @@
+"""A planned path changed together with its pace, run by run: what the next plan is made on.
+
+of a run, its path and the motion along it:
+  knots: those of the path, and more where the motion takes long from one to the next
+  the fastest change of path and pace within limits and tolerances, window by window between fixed ends,
+  then of windows over their seams
+  the path with its part of the change; where it strays from the tube between the places, the tube is held there too
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from math import comb, factorial
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from toolpace.arrays import Floats
+from toolpace.axispath.follow import FollowRun
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.machine import Machine
+from toolpace.path.fit.deviation import Comparison
+from toolpace.path.fit.fit import LIMIT, largest_of_cells
+from toolpace.path.fit.polyline import Polyline, polylines
+from toolpace.path.path import Path
+from toolpace.path.run import SplineRun
+from toolpace.planning.together.interior_point import fastest
+from toolpace.planning.together.stretch import SLOT, Known, Stretch, slots_of
+from toolpace.toolpath import ToolPath
+from toolpace.trajectory import Trajectory
+from toolpace.workers import Progress, Workers, side_by_side
+
+LONGEST = 0.08
+"""Most time from knot to knot, in that in which an acceleration builds up."""
+FEWEST = 16
+"""Cells of a run below which it stays as it is."""
+WINDOW, SEAM = 500, 120
+"""Slots of a window, and on either side of a seam that move again."""
+FIXED_AT_END = 3
+"""Slots at an end of a run that stay: there position, velocity and acceleration are given."""
+REPAIRS = 2
+"""Times that the tube is held in more places."""
+
+
+def refitted(
+    toolpath: ToolPath,
+    machine: Machine,
+    path: Path,
+    motion: Trajectory,
+    tolerances: tuple[float, float],
+    ramp: float,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """The path changed so that its motion gets faster, within tolerances of tip [m] and tool axis [rad].
+
+    `motion` is one along the path that holds its limits, `ramp` the time in which an acceleration builds up [s]. Runs
+    for which nothing is found stay as they are.
+    """
+    lines = polylines(toolpath, *tolerances, machine)
+    scale = np.repeat(tolerances, [3, 2])
+    in_joints = toolpath.rotary is not None
+
+    def one(k: int, workers: Workers, told: Progress) -> tuple[SplineRun, float, float]:
+        run, axis_run = path.runs[k], motion.axis_path.runs[k]
+        assert isinstance(run, SplineRun)
+        assert isinstance(axis_run, FollowRun)
+        known = known_run(run, axis_run, motion.laws[k], lines[k], machine, scale, LONGEST * ramp)
+        check = Comparison(lines[k], tolerances[1], machine, in_joints)
+        changed = changed_run(known, check, workers, told)
+        return (run, path.tip_deviation, path.axis_deviation) if changed is None else changed
+
+    done = side_by_side(one, [len(run.breaks) for run in path.runs], progress)
+    tip, axis = max(each[1] for each in done), max(each[2] for each in done)
+    return replace(path, runs=tuple(each[0] for each in done), tip_deviation=tip, axis_deviation=axis)
+
+
+def known_run(
+    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, machine: Machine, scale: Floats, longest: float
+) -> Known:
+    """A run with knots that its motion passes at most `longest` [s] after each other."""
+    times = law.times_at(run.breaks)
+    times[0], times[-1] = 0.0, law.duration
+    parts = np.maximum(np.ceil(np.diff(times) / longest), 1).astype(np.int64)
+    cell = np.repeat(np.arange(len(parts)), parts)
+    share = (np.arange(len(cell)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[cell]
+    finer = np.append(times[cell] + share * np.diff(times)[cell], times[-1])
+    breaks = law.at(finer)[0]
+    breaks[np.append(share == 0.0, True)] = run.breaks
+    return Known(run, joints, law, line, machine, scale, breaks, finer, run.s0)
+
+
+def changed_run(
+    known: Known, check: Comparison, workers: Workers, progress: Progress
+) -> tuple[SplineRun, float, float] | None:
+    """A run with its change, and its deviations of tip [m] and tool axis [rad]; None where nothing is found."""
+    if len(known.breaks) <= FEWEST:
+        return None
+    also = known.begin + known.scale[0] * known.line.s
+    for repair in range(REPAIRS):
+        told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
+        x = fastest_change(known, also, workers, told)
+        run = with_change(known, x)
+        units = known.scale[0] ** np.arange(6.0)[:, None] / known.scale
+        breaks = (run.breaks - known.begin) / known.scale[0]
+        samples = np.union1d(breaks, known.line.s)
+        at, tip, axis = check.closely(run.coefficients * units, breaks, samples)
+        if max(tip.max(), axis.max()) <= LIMIT:
+            off = [largest_of_cells(breaks, at, each) * size for each, size in zip((tip, axis), known.scale[[0, 4]])]
+            return replace(run, tip_off=off[0], axis_off=off[1]), float(off[0].max()), float(off[1].max())
+        also = np.union1d(also, known.begin + known.scale[0] * at[~(np.maximum(tip, axis) <= LIMIT)])
+    return None
+
+
+def fastest_change(known: Known, also: Floats, workers: Workers, progress: Progress) -> Floats:
+    """Coefficients (slots, 6) of the change, the tube held at the parameters `also` too."""
+    count = slots_of(known.breaks)
+    x = np.zeros((count, SLOT))
+    stages = windows(count)
+
+    def solve(part: tuple[int, int]) -> None:
+        low, high = part
+        free = np.zeros(count, dtype=np.bool_)
+        free[low:high] = True
+        first, last = max(low - SLOT + 1, 0), min(high, count - SLOT + 1)
+        found = fastest(Stretch(known, first, last, also), x, free)
+        if found is not None:
+            x[low:high] = found[low:high]
+
+    for stage, told in zip(stages, progress.split([len(stage) for stage in stages])):
+        workers.each(solve, stage, told)
+    return x
+
+
+def windows(count: int) -> list[list[tuple[int, int]]]:
+    """Ranges of slots that move, stage by stage; those of a stage have no cell in common."""
+    low, high = FIXED_AT_END, count - FIXED_AT_END
+    seams = np.linspace(low, high, max(1, round((high - low) / WINDOW)) + 1).astype(int)
+    first = [(int(a), int(b) - (SLOT - 1 if b < high else 0)) for a, b in pairwise(seams)]
+    return [first, [(int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1]]]
+
+
+def with_change(known: Known, x: Floats) -> SplineRun:
+    """The run with the path's part of the change."""
+    run, breaks = known.run, known.breaks
+    cell = np.clip(np.searchsorted(run.breaks, breaks[:-1], side="right") - 1, 0, len(run.breaks) - 2)
+    given, ahead = run.coefficients[cell], (breaks[:-1] - run.breaks[cell])[:, None]
+    padded = np.concatenate([np.repeat(breaks[0], 5), breaks, np.repeat(breaks[-1], 5)])
+    change = BSpline(padded, x[:, :5] * known.scale, 5)
+    taylor = [
+        sum(comb(i, k) * given[:, i] * ahead ** (i - k) for i in range(k, 6)) + change(breaks[:-1], nu=k) / factorial(k)
+        for k in range(6)
+    ]
+    return replace(run, breaks=breaks, coefficients=np.stack(taylor, axis=1), tip_off=np.zeros(0), axis_off=np.zeros(0))

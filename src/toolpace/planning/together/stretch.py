@@ -1,0 +1,239 @@
+"""What a stretch of a motion feels where its path and its pace change a little.
+
+Over the time t of the motion at hand, tip and rotary joints x(t) change by d(t), and the pace by z = (dt / dt_new)^2,
+which was 1. The joints q then have, with primes for derivatives by t,
+
+    velocity q' z^(1/2)      acceleration q'' z + q' z' / 2      jerk (q''' z + 3/2 q'' z' + 1/2 q' z'') z^(1/2)
+
+in which q' to q''' are those of the motion plus J d and its derivatives: J is the derivative of the joints by tip and
+rotary joints along the path, with its own derivatives by t, and exact to the second order of d, which is next to
+nothing within tolerances. So all rows are bilinear in d and z.
+
+d is a quintic spline on the knots of the path, z a cubic one. Coefficient k of the one and k - 1 of the other make
+slot k: each cell has six neighbouring slots of six unknowns, the last of them that of the pace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from toolpace.arrays import Floats, Ints
+from toolpace.axispath.follow import FollowRun
+from toolpace.laws.law import TimeLaw
+from toolpace.machine.machine import Machine
+from toolpace.path.fit.polyline import Polyline
+from toolpace.path.fit.samples import turn_metric
+from toolpace.path.run import SplineRun
+
+PLACES = (np.arange(4) + 0.5) / 4.0
+"""In each cell, at which limits are held."""
+NUDGE = 1e-4
+"""By which coordinates are moved to see what joints do [m or rad]."""
+SLOT = 6
+"""Unknowns of a slot, and slots of a cell."""
+GROUPS = slice(0, 3), slice(3, 5)
+"""Columns of tip and turn: a ball each."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A run that is fitted and planned, and what it was fitted to."""
+
+    run: SplineRun
+    joints: FollowRun
+    law: TimeLaw
+    line: Polyline
+    machine: Machine
+    scale: Floats
+    """(5,) tolerances of tip [m] and of rotary joints [rad]: units of the change."""
+    breaks: Floats
+    """(cells + 1,) parameters of the knots of the change [m], from the start of the path on."""
+    times: Floats
+    """(cells + 1,) when the motion passes them [s]."""
+    begin: float
+    """Parameter at which the run starts [m]."""
+
+    def off(self, s: Floats) -> Floats:
+        """(n, 5) deviation of the path from the program at s (n,) [tolerances]."""
+        from toolpace.kernels.fit.polyline import straight
+
+        jet = self.run.evaluate(s)
+        at = (s - self.begin) / self.scale[0]
+        assert jet.rotary is not None
+        wanted = np.concatenate([straight(self.line.s, each, at) for each in (self.line.tip, self.line.turn)], axis=1)
+        return np.asarray(np.concatenate([jet.tip[0], jet.rotary[0]], axis=1) / self.scale - wanted)
+
+
+class Tube:
+    """Where a stretch is held to the program."""
+
+    def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
+        """Of cells low to high; at their ends, thirds and at the parameters `also`."""
+        breaks = known.breaks[low : high + 1]
+        inner = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.array([0.0, 1.0, 2.0]) / 3.0).ravel()[1:]
+        s = np.unique(np.concatenate([inner, also[(also > breaks[0]) & (also < breaks[-1])]]))
+        cell = np.searchsorted(breaks, s, side="right") - 1
+        self.first = low + cell
+        """(n,) first slot of each place."""
+        self.start = np.searchsorted(cell, np.arange(high - low))
+        """(cells,) first place of each cell."""
+        self.basis = local_basis(known.breaks, 5, s, 0)
+        """(n, 6)"""
+        self.off = known.off(s)
+        """(n, 5) deviation before any change."""
+        rotary = known.run.evaluate(s).rotary
+        assert rotary is not None
+        self.metric = np.zeros((len(s), 5, 5))
+        self.metric[:, :3, :3] = np.eye(3)
+        self.metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
+
+
+class Stretch:
+    """The cells low to high of a run, at whose places limits are rows."""
+
+    def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
+        breaks, times = known.breaks[low : high + 1], known.times[low : high + 1]
+        self.low, self.cells = low, high - low
+        t = (times[:-1, None] + np.diff(times)[:, None] * PLACES).ravel()
+        self.weight = np.repeat(np.diff(times) / len(PLACES), len(PLACES))
+        """(n,) time of each place [s]."""
+        self.first = low + np.repeat(np.arange(self.cells), len(PLACES))
+        """(n,) first slot of each place."""
+        state = known.law.at(t)
+        s = np.clip(state[0] - known.law.s0 + known.begin, breaks[0], breaks[-1])
+        self.pace = [local_basis(known.times, 3, t, order) for order in range(3)]
+        """Derivatives 0 to 2 by t, each (n, 4), of the functions of the pace."""
+        basis = in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)
+        jet = known.run.evaluate(s)
+        assert jet.rotary is not None
+        tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
+        self.q = known.machine.linear_jets(tip, rotary)
+        """(4, n, m) the joints before any change, and derivatives 1 to 3 by t."""
+        moved = moves(known.machine, tip, rotary) * known.scale
+        self.moved = [
+            sum(comb(k, i) * moved[k - i][:, :, None, :] * basis[i][:, None, :, None] for i in range(k + 1))
+            for k in range(4)
+        ]
+        """Derivatives 0 to 3 by t, each (n, m, 6, 5), of the joints by the coefficients of the change."""
+        limits = known.machine.limits
+        self.limits = np.stack([limits.velocity, limits.acceleration, limits.jerk])
+        cap = known.joints.speed_cap(s)
+        self.feed = np.where(np.isfinite(cap), state[1] / cap, 0.0)
+        """(n,) ds/dt over what feed and block times allow."""
+        self.tube = Tube(known, low, high, also)
+
+    def at(self, x: Floats) -> State:
+        """What is felt with coefficients x (slots, 6)."""
+        local = x[self.first[:, None] + np.arange(SLOT)]
+        z = [np.einsum("nk,nk->n", each, local[:, 1:5, 5]) for each in self.pace]
+        z[0] = z[0] + 1.0
+        change = local[:, :, :5].reshape(len(local), -1, 1)
+        joints = self.q.shape[2]
+        q = [now + (by.reshape(len(local), joints, -1) @ change)[:, :, 0] for now, by in zip(self.q, self.moved)]
+        tube = self.tube
+        there = x[tube.first[:, None] + np.arange(SLOT)][:, :, :5]
+        off = tube.off + np.einsum("nk,nkc->nc", tube.basis, there)
+        force = np.einsum("ncd,nd->nc", tube.metric, off)
+        return State(z, q, off, force)
+
+    def used(self, now: State) -> Floats:
+        """(n, 3 m + 1) acceleration, jerk and velocity over their limits, and ds/dt over its own."""
+        z, slope, bend = (each[:, None] for each in now.z)
+        _, first, second, third = now.q
+        velocity, acceleration, jerk = self.limits
+        root = np.sqrt(z)
+        rows = (
+            (second * z + 0.5 * first * slope) / acceleration,
+            (third * z + 1.5 * second * slope + 0.5 * first * bend) * root / jerk,
+            first * root / velocity,
+            self.feed[:, None] * root,
+        )
+        return np.concatenate(rows, axis=1)
+
+    def slopes(self, now: State, used: Floats) -> Floats:
+        """(n, 3 m + 1, 36) derivatives of what is used by the unknowns of the cell."""
+        m = self.q.shape[2]
+        out = np.zeros((len(self.first), 3 * m + 1, SLOT, SLOT))
+        z, slope, bend = (each[:, None, None, None] for each in now.z)
+        root = np.sqrt(z)
+        velocity, acceleration, jerk = (each[:, None, None] for each in self.limits)
+        by1, by2, by3 = self.moved[1:]
+        out[:, :m, :, :5] = (by2 * z + 0.5 * by1 * slope) / acceleration
+        out[:, m : 2 * m, :, :5] = (by3 * z + 1.5 * by2 * slope + 0.5 * by1 * bend) * (root / jerk)
+        out[:, 2 * m : 3 * m, :, :5] = by1 * (root / velocity)
+        first, second, third = (each[:, :, None] for each in now.q[1:])
+        b0, b1, b2 = (each[:, None, :] for each in self.pace)
+        root = root[:, :, :, 0]
+        velocity, acceleration, jerk = (each[:, None] for each in self.limits)
+        half = used[:, :, None] * (0.5 / now.z[0])[:, None, None] * b0
+        out[:, :m, 1:5, 5] = (second * b0 + 0.5 * first * b1) / acceleration
+        felt = third * b0 + 1.5 * second * b1 + 0.5 * first * b2
+        out[:, m : 2 * m, 1:5, 5] = felt * root / jerk + half[:, m : 2 * m]
+        out[:, 2 * m :, 1:5, 5] = half[:, 2 * m :]
+        return out.reshape(len(out), -1, SLOT * SLOT)
+
+
+@dataclass(frozen=True)
+class State:
+    """A stretch with some change."""
+
+    z: list[Floats]
+    """Of the pace, with derivatives 1 and 2 by t, each (n,)."""
+    q: list[Floats]
+    """Joints and derivatives 1 to 3 by t, each (n, m)."""
+    off: Floats
+    """(k, 5) deviation from the program where the tube is held [tolerances]."""
+    force: Floats
+    """(k, 5) metric times deviation."""
+
+    def excess(self, radius: Floats) -> Floats:
+        """(k, 2) half the squared deviation of tip and turn, less that of the radius (k, 2)."""
+        squared = np.stack([np.einsum("nc,nc->n", self.force[:, g], self.off[:, g]) for g in GROUPS], axis=1)
+        return np.asarray(0.5 * (squared - radius**2))
+
+
+def local_basis(breaks: Floats, degree: int, at: Floats, order: int) -> Floats:
+    """(n, degree + 1) a derivative of the B-splines that are not zero, at places (n,) inside the cells."""
+    padded = np.concatenate([np.repeat(breaks[0], degree), breaks, np.repeat(breaks[-1], degree)])
+    count, width = len(breaks) + degree - 1, degree + 1
+    # of any neighbouring ones each has a column of its own
+    unit = np.zeros((count, width))
+    unit[np.arange(count), np.arange(count) % width] = 1.0
+    cell = np.clip(np.searchsorted(breaks, at, side="right") - 1, 0, len(breaks) - 2)
+    column = (cell[:, None] + np.arange(width)) % width
+    return np.take_along_axis(BSpline(padded, unit, degree)(at, nu=order), column, axis=1)
+
+
+def in_time(by_s: Floats, state: Floats) -> Floats:
+    """Value and derivatives 1 to 3 by t (4, n, k) from those by s (4, n, k), and the state (4, n) of s."""
+    v, a, j = (each[:, None] for each in state[1:])
+    x, first, second, third = by_s
+    return np.stack([x, first * v, second * v**2 + first * a, third * v**3 + 3.0 * second * v * a + first * j])
+
+
+def moves(machine: Machine, tip: Floats, rotary: Floats) -> Floats:
+    """(4, n, m, 5) the derivative of the joints by tip and rotary joints along a path, and its derivatives 1 to 3 by
+    t; tip (4, n, 3) and rotary (4, n, 2) with theirs."""
+    columns = []
+    for coordinate in range(5):
+        sides = []
+        for nudge in (NUDGE, -NUDGE):
+            moved = [tip.copy(), rotary.copy()]
+            moved[coordinate // 3][0, :, coordinate % 3] += nudge
+            sides.append(machine.linear_jets(moved[0], moved[1]))
+        columns.append((sides[0] - sides[1]) / (2.0 * NUDGE))
+    return np.stack(columns, axis=3)
+
+
+def slots_of(breaks: Floats) -> int:
+    """How many slots a run with these breaks has."""
+    return len(breaks) + 4
+
+
+def sums_of_cells(values: Floats, start: Ints) -> Floats:
+    """(cells, ...) sums over the places of each cell, which begin at `start` (cells,); none has no place."""
+    return np.add.reduceat(values, start, axis=0)

@@ -1,0 +1,107 @@
+"""Path and pace changed together: never slower, within the same limits and tolerances, and from true derivatives."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from tests.support.tool_paths import toolpath_through
+from toolpace import demo
+from toolpace.path.fit.polyline import polylines
+from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.program_plan import plan_program
+from toolpace.planning.together.interior_point import banded, eased
+from toolpace.planning.together.refit import known_run, windows
+from toolpace.planning.together.stretch import SLOT, Stretch, slots_of
+
+TIP, AXIS = 10e-6, math.radians(0.05)
+
+
+@pytest.fixture(scope="module")
+def machine():
+    return tp.Machine.load(demo.MACHINE)
+
+
+@pytest.fixture(scope="module")
+def blade():
+    return toolpath_through(*demo.blade_flank(120), feed=np.inf)
+
+
+@pytest.fixture(scope="module")
+def normal(blade, machine):
+    return plan_program(blade, machine, TIP, AXIS)
+
+
+def test_path_and_pace_together_save_time_within_limits_and_tolerances(normal, blade, machine):
+    high = plan_program(blade, machine, TIP, AXIS, effort="high")
+    assert high.trajectory.duration < 0.99 * normal.trajectory.duration
+    assert high.trajectory.usage().worst <= PROMISED
+    assert high.path.tip_deviation <= TIP and high.path.axis_deviation <= AXIS
+    assert high.trajectory.lower_bound <= high.trajectory.duration
+    tp.verify(high.trajectory, machine, blade, TIP, AXIS).raise_if_failed()
+
+
+def test_slopes_are_those_of_what_is_used(normal, blade, machine):
+    """Against differences, about a change of path and pace."""
+    (line,) = polylines(blade, TIP, AXIS, machine)
+    run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
+    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.01)
+    stretch = Stretch(known, 40, 48, np.zeros(0))
+    r = np.random.default_rng(2)
+    x = 0.01 * r.standard_normal((slots_of(known.breaks), SLOT))
+    step = 1e-5 * r.standard_normal(x.shape)
+    now = stretch.at(x)
+    slopes = stretch.slopes(now, stretch.used(now))
+    local = step[stretch.first[:, None] + np.arange(SLOT)].reshape(-1, SLOT * SLOT)
+    change = stretch.used(stretch.at(x + step)) - stretch.used(stretch.at(x - step))
+    assert np.allclose(2.0 * np.einsum("nrk,nk->nr", slopes, local), change, rtol=1e-5, atol=1e-8)
+
+
+def test_without_a_change_a_stretch_uses_what_its_motion_does(normal, blade, machine):
+    (line,) = polylines(blade, TIP, AXIS, machine)
+    run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
+    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.01)
+    assert np.diff(known.times).max() <= 0.01 * (1.0 + 1e-9) and np.isin(run.breaks, known.breaks).all()
+    stretch = Stretch(known, 10, 60, np.zeros(0))
+    used = stretch.used(stretch.at(np.zeros((slots_of(known.breaks), SLOT))))
+    assert 0.9 < np.abs(used).max() <= PROMISED
+
+
+def test_windows_of_a_stage_have_no_cell_in_common():
+    for count in (30, 700, 5000):
+        first, seams = windows(count)
+        moved = np.zeros(count, dtype=bool)
+        for stage in (first, seams):
+            for (_, end), (begin, _) in pairwise(stage):
+                assert begin - end >= SLOT - 1
+            for low, high in stage:
+                moved[low:high] = True
+        assert moved[3:-3].all() and not moved[:3].any() and not moved[-3:].any()
+
+
+def test_blocks_of_neighbouring_cells_add_up_and_what_is_fixed_stays():
+    r = np.random.default_rng(3)
+    root = r.standard_normal((3, 36, 36))
+    blocks = root @ root.transpose(0, 2, 1)
+    whole = 0.5 * np.eye(48)
+    for k in range(3):
+        whole[6 * k : 6 * k + 36, 6 * k : 6 * k + 36] += blocks[k]
+    fixed = np.zeros(48, dtype=bool)
+    fixed[[0, 1, 20, 47]] = True
+    whole[fixed], whole[:, fixed] = 0.0, 0.0
+    whole[fixed, fixed] = 1.0
+    band = banded(blocks, 0.5, fixed)
+    for k in range(36):
+        assert np.allclose(band[k, : 48 - k], np.diagonal(whole, -k))
+
+
+def test_the_pace_is_taken_back_but_not_at_the_ends():
+    free = np.zeros(100, dtype=bool)
+    free[10:90] = True
+    x = eased(np.zeros((100, SLOT)), free)
+    assert (x[:, :5] == 0.0).all() and (x[~free] == 0.0).all()
+    assert x[10, 5] == x[89, 5] == 0.0 and x[50, 5] == pytest.approx(-0.12)
