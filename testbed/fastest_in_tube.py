@@ -25,7 +25,7 @@ from toolpace.arrays import Floats
 from toolpace.kernels.fit.polyline import circular, straight
 from toolpace.kernels.kinematics.geometry import A0, C0, C1, C2, LINEAR, U1, U2
 from toolpace.machine.machine import Machine
-from toolpace.path.fit.polyline import polylines
+from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 
@@ -67,7 +67,9 @@ class Stretch:
 
     def program(self, t: Floats) -> tuple[Floats, Floats]:
         """Tips (n, 3) [m] and axes (n, 3) of the program at the parameters that the motion passes at t (n,)."""
-        (line,) = polylines(self.toolpath, self.tip_tolerance, self.axis_tolerance, self.machine)
+        (line,) = polylines(
+            self.toolpath, PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.axis_tolerance), self.machine
+        )
         s = self.trajectory.parameter(t) / self.tip_tolerance
         tip = self.tip_tolerance * straight(line.s, line.tip, s)
         if self.toolpath.rotary is None:

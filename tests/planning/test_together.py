@@ -11,7 +11,7 @@ import pytest
 import toolpace as tp
 from tests.support.tool_paths import toolpath_through
 from toolpace import demo
-from toolpace.path.fit.polyline import polylines
+from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.program_plan import plan_program
 from toolpace.planning.together.interior_point import banded, eased
@@ -47,7 +47,7 @@ def test_path_and_pace_together_save_time_within_limits_and_tolerances(normal, b
 
 def test_slopes_are_those_of_what_is_used(normal, blade, machine):
     """Against differences, about a change of path and pace."""
-    (line,) = polylines(blade, TIP, AXIS, machine)
+    (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
     known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.01)
     stretch = Stretch(known, 40, 48, np.zeros(0))
@@ -62,7 +62,7 @@ def test_slopes_are_those_of_what_is_used(normal, blade, machine):
 
 
 def test_without_a_change_a_stretch_uses_what_its_motion_does(normal, blade, machine):
-    (line,) = polylines(blade, TIP, AXIS, machine)
+    (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
     known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.01)
     assert np.diff(known.times).max() <= 0.01 * (1.0 + 1e-9) and np.isin(run.breaks, known.breaks).all()

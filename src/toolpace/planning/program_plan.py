@@ -24,6 +24,7 @@ from toolpace.errors import InfeasibleError, PathError, ReachError, ToolpaceErro
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.path.fit.haste import Haste
+from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.mesh.guess import ramp_time
 from toolpace.planning.planner import Planner, plan, planner_of
@@ -51,7 +52,7 @@ RAMPS = 0.02, 0.5
 """Between which that time is taken to be [s]."""
 RUNGS = np.radians([0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0])
 """Tolerances of the tool axis that are tried within a wider one [rad]: those that people ask for."""
-APART = 1.1
+APART = 1.2
 """How much wider than these the one asked for must be, for them to be tried beside it."""
 WORSE = 1.1
 """How much longer than the best a motion may take for its path to be worth another round."""
@@ -87,8 +88,7 @@ class Together:
     """A program whose path may be changed together with its pace."""
 
     toolpath: ToolPath
-    tolerances: tuple[float, float]
-    """Of the tip [m] and of the tool axis [rad]."""
+    tolerances: PlaceTolerances
     ramp: float
     """In which time an acceleration builds up [s]."""
 
@@ -208,7 +208,9 @@ def fit_program(
             rounds.follow(rounds.motion, power)
             rounds.follow(rounds.elsewhere, power)
     told(1.0)
-    together = Together(toolpath, (tip_tolerance, axis_tolerance), rounds.ramp) if effort == "high" else None
+    together = None
+    if effort == "high":
+        together = Together(toolpath, PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance), rounds.ramp)
     return FittedProgram(rounds.candidates(), rounds.first, effort, tuple(rounds.done), together)
 
 

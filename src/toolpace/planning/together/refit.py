@@ -23,7 +23,7 @@ from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.fit import LIMIT, largest_of_cells
-from toolpace.path.fit.polyline import Polyline, polylines
+from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
 from toolpace.path.path import Path
 from toolpace.path.run import SplineRun
 from toolpace.planning.together.interior_point import fastest
@@ -40,6 +40,8 @@ WINDOW, SEAM = 500, 120
 """Slots of a window, and on either side of a seam that move again."""
 FIXED_AT_END = 3
 """Slots at an end of a run that stay: there position, velocity and acceleration are given."""
+SAME = 1e-9
+"""Relative difference up to which two lengths of a parameter are one."""
 REPAIRS = 2
 """Times that the tube is held in more places."""
 
@@ -49,27 +51,32 @@ def refitted(
     machine: Machine,
     path: Path,
     motion: Trajectory,
-    tolerances: tuple[float, float],
+    tolerances: PlaceTolerances,
     ramp: float,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """The path changed so that its motion gets faster, within tolerances of tip [m] and tool axis [rad].
+    """The path changed so that its motion gets faster, within the tolerances that it was fitted in.
 
     `motion` is one along the path that holds its limits, `ramp` the time in which an acceleration builds up [s]. Runs
-    for which nothing is found stay as they are.
+    for which nothing is found stay as they are; so do all where tolerances differ from place to place.
     """
-    lines = polylines(toolpath, *tolerances, machine)
-    scale = np.repeat(tolerances, [3, 2])
+    if not np.all(tolerances.room == 1.0):
+        return path
+    lines = polylines(toolpath, tolerances, machine)
+    scale = np.repeat([tolerances.tip, tolerances.axis], [3, 2])
     in_joints = toolpath.rotary is not None
 
     def one(k: int, workers: Workers, told: Progress) -> tuple[SplineRun, float, float]:
         run, axis_run = path.runs[k], motion.axis_path.runs[k]
         assert isinstance(run, SplineRun)
         assert isinstance(axis_run, FollowRun)
+        unchanged = run, path.tip_deviation, path.axis_deviation
+        if not np.isclose(tolerances.tip * lines[k].s[-1], run.s1 - run.s0, rtol=SAME, atol=0.0):
+            return unchanged  # fitted within another tolerance of the axis: its parameter is another
         known = known_run(run, axis_run, motion.laws[k], lines[k], machine, scale, LONGEST * ramp)
-        check = Comparison(lines[k], tolerances[1], machine, in_joints)
+        check = Comparison(lines[k], tolerances.axis, machine, in_joints)
         changed = changed_run(known, check, workers, told)
-        return (run, path.tip_deviation, path.axis_deviation) if changed is None else changed
+        return unchanged if changed is None else changed
 
     done = side_by_side(one, [len(run.breaks) for run in path.runs], progress)
     tip, axis = max(each[1] for each in done), max(each[2] for each in done)
