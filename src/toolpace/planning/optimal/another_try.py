@@ -13,6 +13,7 @@ the better plan stays, and a note says what it was
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -119,12 +120,17 @@ def another_try(
 def on_fewer_cells(
     run: AxisRun, limits: Limits, plan: Plan, start: EndState, end: EndState, with_cells: Callable[[int], SplineLaw]
 ) -> tuple[Plan, str]:
-    """The plan, or that on half as many nodes, `UNCUT` at most, if it is faster, and what that says; "" if not."""
+    """The plan, or that on half as many nodes, `UNCUT` at most, or twice that, if it is faster, and what that says; ""
+    if not."""
     cells = min(max(len(plan.law.nodes) // 2, FEWEST), UNCUT)
-    try:
-        law = with_cells(cells)
-    except InfeasibleError:
+    laws = {}
+    for count in (cells, 2 * cells):
+        with contextlib.suppress(InfeasibleError):
+            laws[count] = with_cells(count)
+    if not laws:
         return plan, ""
+    cells = min(laws, key=lambda count: laws[count].duration)
+    law = laws[cells]
     gain = 1.0 - law.duration / plan.law.duration
     if gain <= WORTH_SAYING:
         return plan, ""
