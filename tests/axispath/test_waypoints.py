@@ -336,5 +336,8 @@ def test_waypoints_and_their_spline_are_the_same_path() -> None:
     spline = make_interp_spline(S, POINTS, k=5, bc_type=([(3, still), (4, still)],) * 2)
     one, other = tp.AxisPath.from_waypoints(POINTS, s=S), tp.AxisPath.from_spline(spline)
     t = np.linspace(S[0], S[-1], 301)
-    np.testing.assert_allclose(one.runs[0].evaluate(t), other.runs[0].evaluate(t), rtol=1e-12, atol=1e-12)
+    jets, expected = one.runs[0].evaluate(t), other.runs[0].evaluate(t)
+    # of each derivative's own size: where it passes zero, its last digit is that of what is around
+    size = np.abs(expected).max(axis=(1, 2), keepdims=True)
+    np.testing.assert_allclose(jets / size, expected / size, rtol=0.0, atol=1e-12)
     assert repr(one) == repr(other) == "<AxisPath 1 run, 3 joints q1 q2 q3>"
