@@ -11,7 +11,6 @@ import pytest
 
 import toolpace as tp
 from tests.support.tool_paths import toolpath_through
-from toolpace import demo
 from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
 from toolpace.laws.linear import LinearLaw
@@ -23,17 +22,6 @@ from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
 
 TIP, AXIS = 10e-6, math.radians(0.05)
-
-
-@pytest.fixture(scope="module")
-def machine():
-    return tp.Machine.load(demo.MACHINE)
-
-
-@pytest.fixture(scope="module")
-def blade():
-    """Once round a blade, as fast as the machine can."""
-    return toolpath_through(*demo.blade_flank(120), feed=np.inf)
 
 
 @pytest.fixture(scope="module")

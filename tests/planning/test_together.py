@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from tests.support.tool_paths import toolpath_through
-from toolpace import demo
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.program_plan import plan_program
@@ -19,16 +17,6 @@ from toolpace.planning.together.refit import known_run, windows
 from toolpace.planning.together.stretch import SLOT, Stretch, slots_of
 
 TIP, AXIS = 10e-6, math.radians(0.05)
-
-
-@pytest.fixture(scope="module")
-def machine():
-    return tp.Machine.load(demo.MACHINE)
-
-
-@pytest.fixture(scope="module")
-def blade():
-    return toolpath_through(*demo.blade_flank(120), feed=np.inf)
 
 
 @pytest.fixture(scope="module")
