@@ -19,7 +19,8 @@ NEAR = 2e-7
 
 def _program(tilt: str) -> str:
     blocks = [f"G1 X{x} Y{y} Z{z} {tilt}{a} C{c} F3000" for x, y, z, a, c in PLACES]
-    return "\n".join(["G21 G90 G94 G61", "M428", *blocks, "M429", "M2", ""])
+    # the dwell lets the means of three cycles come to rest: a switch at once, now and then, leaves micrometres undriven
+    return "\n".join(["G21 G90 G94 G61", "M428", *blocks, "G4 P0.1", "M429", "M2", ""])
 
 
 def _words(machine: Machine, log: Log) -> np.ndarray:

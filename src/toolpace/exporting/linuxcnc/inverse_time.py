@@ -39,6 +39,8 @@ CHUNK = 20_000
 """Rows that are turned into text at once."""
 LIFTED = ("MAX_LINEAR_VELOCITY and each MAX_VELOCITY 1e6", "MAX_LINEAR_ACCELERATION and each MAX_ACCELERATION 1e9")
 """Settings with which the stream was measured."""
+SETTLE = "G4P0.1\nM429\n"
+"""A joint is the mean of three cycles: where the kinematics switch at once, the last micrometres are never driven."""
 _WORD = re.compile(r"([XYZABCUVW])([-+]?[0-9.]+)")
 
 
@@ -79,7 +81,7 @@ class InverseTime:
             for start in range(0, len(written), CHUNK):
                 part = written[start : start + CHUNK] + 0.0  # zero has no sign
                 stream.write((form * len(part)) % tuple(part.ravel().tolist()))
-            stream.write(("M429\n" if self.tip else "") + "G94\nM2\n")
+            stream.write((SETTLE if self.tip else "") + "G94\nM2\n")
         what = "tip and rotary joints" if self.tip else "joints"
         show = [format_angle if turns else format_length for turns in motion.rotary]
         sag = ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(motion.joints, show, rows.sag))
