@@ -23,7 +23,7 @@ toolpath = tp.read_text(demo.impeller_program(machine, 30), machine, feed="none"
 durations = []
 for tolerance in TOLERANCES:
     path = tp.Path.fit(toolpath, tip_tolerance=tolerance, axis_tolerance=100.0 * tolerance, machine=machine)
-    trajectory = tp.plan(path, machine)
+    trajectory = tp.plan(path, machine, bound=False)
     durations.append(trajectory.duration)
     print(f"{tolerance * 1e6:5.0f} µm  {trajectory.duration:8.3f} s")
 

@@ -1,4 +1,4 @@
-"""Programs of few points with much room between them: two that are known from papers and standards, and a contour."""
+"""Programs of few points with much room between them: an S, a pass that is known from a paper, and a contour."""
 
 from __future__ import annotations
 
@@ -8,25 +8,6 @@ from toolpace.arrays import Floats
 from toolpace.machine.machine import Machine
 from toolpace.toolpath import ToolPath
 
-S_SHAPE = """
-    -105.0250   68.8998  0.4738   0.0182 -0.1274 0.9917
-     -94.3018   68.3730  0.6353  -0.0026 -0.1588 0.9873
-     -83.5781   67.8463  0.7920  -0.0332 -0.1883 0.9816
-     -72.8447   67.5853  0.8756  -0.0713 -0.2050 0.9762
-     -62.1074   67.6348  0.8619  -0.1106 -0.2027 0.9730
-     -51.3701   67.7009  0.7960  -0.1486 -0.1865 0.9712
-     -40.6435   67.2680  0.7158  -0.1811 -0.1561 0.9710
-     -30.0662   65.4867  0.6532  -0.1979 -0.1100 0.9740
-     -20.2617   61.1928  0.6304  -0.1933 -0.0580 0.9794
-     -12.5525   53.7889  0.6438  -0.1840 -0.0147 0.9828
-      -8.0450   44.0902  0.6821  -0.1793  0.0206 0.9836
-      -6.8342   33.4530  0.7080  -0.1714  0.0496 0.9840
-      -8.7272   22.9128  0.6980  -0.1573  0.0693 0.9851
-     -13.5382   13.3463  0.6470  -0.1412  0.0789 0.9868
-     -20.8939    5.5640  0.5481  -0.1255  0.0801 0.9888
-     -30.0804    0.0536  0.3898  -0.1054  0.0714 0.9919
-"""
-"""Tool tip [mm] and tool axis of a pass along the S-shaped test piece (ISO 10791-7)."""
 TULSYAN = """
     -126.8941 -218.1150  0.0020  -0.0903 -0.0045 0.9959
     -128.4609 -216.2938  0.0106  -0.0876 -0.0086 0.9961
@@ -60,13 +41,24 @@ TULSYAN = """
 """
 """Tool tip [mm] and tool axis. Source: O. Tulsyan and Y. Altintas, Local toolpath smoothing for five-axis machine
 tools, International Journal of Machine Tools and Manufacture 2015."""
+S_POINTS, S_RADIUS, S_SWEEP, S_LEAN = 27, 45e-3, np.radians(160.0), np.radians(12.0)
+"""Points of the S, radius [m] and sweep [rad] of its arcs, and how far the tool leans beside them [rad]."""
 STEP = 24e-3
 """Length of straight blocks of the contour [m]."""
 
 
 def s_shape(machine: Machine) -> ToolPath:
-    """A pass along the S-shaped test piece, in the middle of the machine's table."""
-    return of_table(S_SHAPE)
+    """A pass along a wall in the form of an S: two arcs, beside which the tool leans to one side and to the other.
+
+    The kind of wall that ISO 10791-7 tests five-axis machines with; form and lean are of our own.
+    """
+    u = np.linspace(-1.0, 1.0, S_POINTS)
+    heading = S_SWEEP * (np.abs(u) - 0.5)
+    x = np.sign(u) * S_RADIUS * (np.sin(heading) + np.sin(0.5 * S_SWEEP))
+    y = np.sign(u) * S_RADIUS * (np.cos(0.5 * S_SWEEP) - np.cos(heading))
+    lean = S_LEAN * np.sin(0.5 * np.pi * u)
+    axis = np.stack([-np.sin(lean) * np.sin(heading), np.sin(lean) * np.cos(heading), np.cos(lean)], axis=1)
+    return of_points(np.round(np.stack([x, y, np.zeros(S_POINTS)], axis=1), 7), axis)
 
 
 def tulsyan(machine: Machine) -> ToolPath:

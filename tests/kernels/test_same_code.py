@@ -48,6 +48,7 @@ def code(folder: Path) -> dict[str, tuple[bytes, bytes]]:
     return {file.name: pickle.loads(file.read_bytes()[DIGEST:])[0][2] for file in files}
 
 
+@pytest.mark.sweep
 def test_code_does_not_depend_on_what_was_compiled_before(tmp_path):
     run(COMPILE, tmp_path / "together", 1, *KERNELS)
     for seed, name in enumerate(KERNELS):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
+from testbed.programs import s_shape, tulsyan
 from tests.support.tool_paths import toolpath_through
 from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
@@ -34,6 +35,13 @@ def test_rounds_of_pace_and_fit_save_time(plans):
     assert normal.trajectory.duration < 0.985 * low.trajectory.duration
     assert low.rounds == () and low.effort == "low"
     assert len(normal.rounds) >= 2 and normal.rounds[0].power == 0.0
+
+
+@pytest.mark.parametrize("program", [s_shape, tulsyan])
+def test_rounds_save_time_where_blocks_are_long(program, machine):
+    """With few points to a block the fit for a pace strays between its samples at first, and has to find back."""
+    rounds = fit_program(program(machine), machine, TIP, AXIS, effort="normal").rounds
+    assert min(each.duration for each in rounds) < 0.92 * rounds[0].duration
 
 
 def test_limits_and_tolerances_hold_as_they_did(plans, blade, machine):

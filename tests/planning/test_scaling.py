@@ -40,8 +40,13 @@ def results(seed: int, planner: Planner, q: float = 1.0, s: float = 1.0, t: floa
 
 
 @pytest.mark.parametrize(
-    "planner", [Optimal(mesh=200), Optimal(mesh=200, guard=False), Optimal(), SecondOrder(mesh=200), Genetic()], ids=str
-)
+    "planner",
+    [
+        Optimal(mesh=200), Optimal(mesh=200, guard=False), pytest.param(Optimal(), marks=pytest.mark.sweep),
+        SecondOrder(mesh=200), Genetic(),
+    ],
+    ids=str,
+)  # fmt: skip
 def test_scaled_units_change_nothing(planner):
     for seed in range(2):
         random = np.random.default_rng([seed, 5])

@@ -151,7 +151,9 @@ def test_a_dwell_before_the_first_motion_takes_nothing_off_it():
     assert 1.0 < times.sum() < 1.2
 
 
-@pytest.mark.parametrize("mode", ["G64", "G64 P0.1", "G61", "G61.1"])
+@pytest.mark.parametrize(
+    "mode", ["G64", *(pytest.param(mode, marks=pytest.mark.sweep) for mode in ("G64 P0.1", "G61", "G61.1"))]
+)
 def test_tiny_accelerations_take_longer_cycles_and_the_same_time(mode, monkeypatch):
     """A millionth of the acceleration takes a thousand times as long, and no more work."""
     rng = np.random.default_rng(0)

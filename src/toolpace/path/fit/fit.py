@@ -45,10 +45,11 @@ LOCAL = 3
 """Repairs that keep the knots."""
 REPAIRS = 10
 """Repairs before the first spline is taken as it is."""
-ASTRAY = 4.0
+ASTRAY = 1.5
 """Deviation between the samples from which the tube's solver may not find back [tolerances]."""
-MORE_SAMPLES = 20
-"""Times the samples of the first spline that are too many: it strays everywhere, and each look finds as many more."""
+MORE_SAMPLES, MANY_SAMPLES = 20, 10_000
+"""Times the samples of the first spline that are too many, where they are many: it strays everywhere, and each look
+finds as many more."""
 
 
 class FittedRun(NamedTuple):
@@ -143,7 +144,7 @@ def fit_run(
         if repair >= LOCAL:
             breaks = refined_at(line.s, breaks, where)
             s = np.union1d(s, breaks)
-        if len(s) > MORE_SAMPLES * len(samples.s):
+        if len(s) > max(MORE_SAMPLES * len(samples.s), MANY_SAMPLES):
             break
         if not np.max(found.off) <= ASTRAY:
             spline, where = first.over(breaks), None
