@@ -46,14 +46,15 @@ def around(meshed: MeshedRun, first: Ints, last: Ints, ramps: float) -> list[Str
 
 def stretches(meshed: MeshedRun, cells: Bools, ramps: float = MEND_RAMPS) -> list[Stretch]:
     """The stretches around the marked cells, so much wider on either side as the motion takes `ramps` ramps for."""
-    marked = np.flatnonzero(cells)
-    merged: list[Stretch] = []
-    for part in around(meshed, marked, marked + 1, ramps):
-        if merged and part.low <= merged[-1].high + 1:
-            merged[-1] = merged[-1]._replace(high=max(part.high, merged[-1].high), last=part.last)
-        else:
-            merged.append(part)
-    return merged
+    first = np.flatnonzero(cells)
+    low, high = meshed.around(first, first + 1, ramps)
+    high = np.maximum.accumulate(high)
+    # those that meet are one
+    begins = np.concatenate([np.ones(min(len(first), 1), dtype=np.bool_), low[1:] > high[:-1] + 1])
+    begin = np.flatnonzero(begins)
+    end = np.append(begin[1:], len(first))[: len(begin)] - 1
+    parts = low[begin], high[end], first[begin], first[end] + 1
+    return [Stretch(*part) for part in zip(*(each.tolist() for each in parts))]
 
 
 def solve_run(
