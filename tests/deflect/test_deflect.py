@@ -241,6 +241,8 @@ def test_bad_arguments(options: dict[str, object], words: str) -> None:
         deflect.replan(old, 1.0, DEFLECTION, **options)
     with pytest.raises(UsageError, match="not within"):
         deflect.replan(old, 99.0, DEFLECTION)
+    with pytest.raises(UsageError, match=r"replan: time is .*; give seconds"):
+        deflect.replan(old, DEFLECTION, 1.0)
     with pytest.raises(UsageError, match="finite coordinates"):
         deflect.replan(old, 1.0, (0.0, 0.0))
 

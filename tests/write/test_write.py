@@ -140,6 +140,12 @@ def test_an_old_plan_survives_a_failed_one(tmp_path, program):
     assert len(list(tmp_path.iterdir())) == 2
 
 
+def test_a_name_with_a_zero_byte_is_one_line(tmp_path):
+    with pytest.raises(UsageError, match="zero byte"), whole_file(tmp_path / "law\0.bin"):
+        raise AssertionError
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"duration_s": "x"}', '{"duration_s": 1}', "\udcff"])
 def test_a_damaged_plan_is_one_line(tmp_path, text):
     (tmp_path / "plan.json").write_bytes(text.encode("utf-8", "surrogateescape"))

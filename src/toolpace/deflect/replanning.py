@@ -12,6 +12,7 @@ replan: a trajectory, a time, a deflection, its cause
 from __future__ import annotations
 
 import time as clock
+from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -175,6 +176,10 @@ def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt
         raise UsageError(f"replan: unknown cause '{cause}'; {did_you_mean(str(cause), CAUSES)}")
     if cause == "bending" and axis is not None:
         raise UsageError("replan: a bending is made up for at the tip, and the tool axis stays; leave axis out")
+    if not isinstance(time, Real):
+        raise UsageError(
+            f"replan: time is {str(time)[:40]!r}; give seconds: replan(trajectory, time, deflection, machine)"
+        )
     if not 0.0 <= time <= trajectory.duration:
         raise UsageError(f"replan: time {time:g} s is not within the trajectory's {trajectory.duration:.6g} s")
     if any(law.jumps.size for law in trajectory.laws):

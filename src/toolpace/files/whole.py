@@ -23,6 +23,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     not."""
     target = Path(path)
     try:
+        if "\0" in str(target):
+            raise ValueError("no name of a file has a zero byte")
         target.parent.mkdir(parents=True, exist_ok=True)
         sweep(target)
         with uninterrupted():
