@@ -1,4 +1,4 @@
-"""Programs of few points with much room between them: an S, a pass that is known from a paper, and a contour."""
+"""Programs: an S, a pass known from a paper, a contour with much room between its points, waves of any length."""
 
 from __future__ import annotations
 
@@ -43,6 +43,8 @@ TULSYAN = """
 tools, International Journal of Machine Tools and Manufacture 2015."""
 S_POINTS, S_RADIUS, S_SWEEP, S_LEAN = 27, 45e-3, np.radians(160.0), np.radians(12.0)
 """Points of the S, radius [m] and sweep [rad] of its arcs, and how far the tool leans beside them [rad]."""
+WAVE_BLOCKS = 400
+"""Blocks from one side of the waves to the other."""
 STEP = 24e-3
 """Length of straight blocks of the contour [m]."""
 
@@ -87,6 +89,23 @@ def contour(machine: Machine) -> ToolPath:
             out = np.stack([np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), np.full(len(x), np.cos(lean))])
             axes.append(out.T[1:])
     return of_points(np.round(np.concatenate(tips), 7), np.concatenate(axes))
+
+
+def waves(blocks: int) -> str:
+    """G-code of so many blocks of 0.3 mm to and fro over a wavy face of 120 by 80 mm, the tool leaning and turning."""
+    lines = ["G21 G90 G43.4 H1 F3000"]
+    passes = round(blocks / WAVE_BLOCKS)
+    for k in range(passes):
+        u = np.linspace(0.0, 1.0, WAVE_BLOCKS)[:: 1 if k % 2 == 0 else -1]
+        columns = (
+            120.0 * u - 60.0,
+            np.full(WAVE_BLOCKS, 80.0 * k / passes - 40.0),
+            4.0 * np.sin(6.0 * u + 0.02 * k) + 2.0 * np.cos(17.0 * u) - 20.0,
+            8.0 * np.sin(4.0 * u + 0.01 * k) - 20.0,
+            30.0 * np.cos(3.0 * u),
+        )
+        lines += [f"G1 X{x:.4f} Y{y:.4f} Z{z:.4f} A{a:.4f} C{c:.4f}" for x, y, z, a, c in zip(*columns)]
+    return "\n".join([*lines, "G49", "M2", ""])
 
 
 def of_table(text: str) -> ToolPath:
