@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,9 +34,21 @@ from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import UNTOLD, Progress
 
-POWERS: dict[str, tuple[float, ...]] = {"low": (), "normal": (6.0,), "high": (6.0,)}
-"""By effort, the powers of the pace in the weight of roughness, one after the other."""
-EFFORTS = tuple(POWERS)
+
+class Measure(NamedTuple):
+    """How a pace weighs the roughness of the path that is fitted for it."""
+
+    power: float
+    """Of the pace."""
+    smoothed: float
+    """Time over which it is a mean, in the time in which an acceleration builds up."""
+
+
+ROUGH, FINE = Measure(6.0, 0.3), Measure(4.0, 0.15)
+"""The one finds far better paths than the first soon, the other goes on from the best of these."""
+MEASURES: dict[str, tuple[Measure, ...]] = {"low": (), "normal": (ROUGH, FINE), "high": (ROUGH, FINE)}
+"""By effort, one after the other."""
+EFFORTS = tuple(MEASURES)
 """low: the path is fitted once; normal: a few rounds of pace and fit; high: then both are changed together."""
 ROUNDS = 4
 """Most rounds with each of these."""
@@ -43,8 +56,6 @@ LONG = 40_000
 """Points of a program for which one round is made; of one that is shorter, as many more as take that long."""
 ENOUGH = 1e-3
 """Share of the duration that a round must gain for another to follow."""
-SMOOTHED = 0.3
-"""Time over which a pace is smoothed, in the time in which an acceleration builds up."""
 CANDIDATES = 3
 """Fastest paths within each tolerance that are kept: a motion that holds its limits at the nodes may not be held
 between them at its pace."""
@@ -176,7 +187,7 @@ def plan_program(
 
 def effort_for(effort: str, planner: str | Planner) -> str:
     """The effort that is made: the one asked for, or "low" with a planner of another pace. Raises UsageError."""
-    if effort not in POWERS:
+    if effort not in MEASURES:
         raise UsageError(f"effort is {str(effort)[:40]!r}; {did_you_mean(str(effort), EFFORTS)}")
     name = planner if isinstance(planner, str) else planner.name
     return effort if name == "optimal" else "low"
@@ -194,7 +205,7 @@ def fit_program(
     """The path that may be passed the fastest, of those that an effort looks at. Raises as `Path.fit`."""
     check_machine(machine, "plan_program")
     told = Progress(progress or (lambda share: None))
-    if not POWERS[effort]:
+    if not MEASURES[effort]:
         path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, told)
         return FittedProgram(((0.0, path),), path, effort)
     asked = Tolerances.of(axis_tolerance, "axis_tolerance")
@@ -204,9 +215,9 @@ def fit_program(
         rounds.begin(asked.within(axis), axis, last=axis == rungs[-1])
         if rounds.done and toolpath.least_duration > (1.0 - ROOM) * rounds.done[0].duration:
             continue
-        for power in POWERS[effort]:
-            rounds.follow(rounds.motion, power)
-            rounds.follow(rounds.elsewhere, power)
+        for measure in MEASURES[effort]:
+            rounds.follow(rounds.motion, measure)
+            rounds.follow(rounds.elsewhere, measure)
     told(1.0)
     together = None
     if effort == "high":
@@ -262,17 +273,17 @@ class PaceRounds:
             self.unknown.append((0.0, path))
         self._note(path, self.motion, 0.0)
 
-    def follow(self, start: Trajectory | None, power: float) -> None:
-        """Rounds with the weight of one power of the pace, from a motion on, while they gain; none from none."""
+    def follow(self, start: Trajectory | None, measure: Measure) -> None:
+        """Rounds with one measure of the pace, from a motion on, while they gain; none from none."""
         if start is None:
             return
-        fastest, hastes = start.duration, self._hastes(start, power)
+        fastest, hastes = start.duration, self._hastes(start, measure)
         for _ in range(int(np.clip(LONG // len(self.toolpath), 1, ROUNDS))):
             try:
                 path, motion = self._round(hastes)
             except PathError:
                 return
-            self._note(path, motion, power)
+            self._note(path, motion, measure.power)
             if motion is None:
                 return
             gained = 1.0 - motion.duration / fastest
@@ -281,7 +292,7 @@ class PaceRounds:
                 self.motion = motion
             if gained < ENOUGH or motion.duration > WORSE * min(each.duration for each in self.done):
                 return
-            hastes = [now.mean_with(before) for now, before in zip(self._hastes(motion, power), hastes)]
+            hastes = [now.mean_with(before) for now, before in zip(self._hastes(motion, measure), hastes)]
 
     def _note(self, path: Path, motion: Trajectory | None, power: float) -> None:
         """Put a round down, and keep its path where it is among the fastest."""
@@ -304,8 +315,9 @@ class PaceRounds:
             chosen += best if not level or any(each is level[0] for each in best) else [*best, level[0]]
         return (*sorted(chosen, key=duration_of), *self.unknown)
 
-    def _hastes(self, motion: Trajectory, power: float) -> list[Haste]:
-        return [Haste.of_law(law, SMOOTHED * self.ramp, self.ramp, power) for law in motion.laws]
+    def _hastes(self, motion: Trajectory, measure: Measure) -> list[Haste]:
+        smoothed = measure.smoothed * self.ramp
+        return [Haste.of_law(law, smoothed, self.ramp, measure.power) for law in motion.laws]
 
     def _round(self, hastes: Sequence[Haste] | None) -> tuple[Path, Trajectory | None]:
         """A path, and its motion with limits held at the nodes; None where there is none (a whole plan will say why),
