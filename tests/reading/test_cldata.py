@@ -122,6 +122,27 @@ def test_circle_turns_clockwise_seen_from_the_tip_of_its_vector(k, sweep):
     assert set(p.block[1:]) == {4} and p.feed[1:] == pytest.approx(9 * MM_MIN)
 
 
+@pytest.mark.parametrize(("k", "sweep"), [(1, math.pi / 2), (-1, -1.5 * math.pi)])
+def test_circle_without_radius_turns_by_the_right_hand_rule(k, sweep):
+    """SolidWorks CAM: the radius is that of the start. Fillets of its contours tell the sense."""
+    p = path(f"FEDRAT/9\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,{k}\nGOTO/0,10,0")
+    assert np.hypot(p.tip[:, 0], p.tip[:, 1]) == pytest.approx(0.01, abs=1e-12)
+    angle = np.unwrap(np.arctan2(p.tip[:, 1], p.tip[:, 0]))
+    assert angle[-1] == pytest.approx(sweep)
+
+
+def test_what_solidworks_cam_tells_of_tools_and_stock():
+    body = (
+        "UNIT/MM\nINSERT/[HOLDER=C40-M20EM3] 20MM CRB 2FL 38 LOC\nCSI_SET_FLUTE_LENGTH/38.\n"
+        "INSERT/Stock Size X50. Y100. Z60.\nTRNTYP/WORLD,0,0,0\nFEDRAT/9,MMPM\n"
+        "GOTO/0,0,0\nCUTCOM/LEFT\nGOTO/1,0,0\nCUTCOM/OFF"
+    )
+    p = path(body, compensation="program")
+    assert p.skipped == {"INSERT": 2, "CSI_SET_FLUTE_LENGTH": 1, "TRNTYP": 1, "CUTCOM": 2}
+    with pytest.raises(ProgramError, match=r"CUTCOM is not read: .* give --compensation program"):
+        path(body)
+
+
 def test_circle_in_any_plane_with_turning_axis_and_helix():
     n = np.array([1, 2, 2]) / 3
     u = np.array([2, 1, -2]) / 3
@@ -173,9 +194,10 @@ START = "FEDRAT/100\nGOTO/0,0,0\n"
         ("CUTCOM/LEFT", "CUTCOM is not read: the control would shift the tool"),
         ("ROTATE/TABLE,90", "ROTATE is not read: it moves or turns the points"),
         ("ORIGIN/1,0,0", "ORIGIN is not read: it moves or turns the points"),
+        ("TRNTYP/WORLD,1,0,0", "TRNTYP is not read: it moves or turns the points"),
         ("INSERT/G0", "INSERT is not read: it holds code of the control"),
         ("FROM/1,0,0", "FROM is not read: it names the start"),
-        ("CIRCLE/0,0,0,0,0,1", "it takes centre, direction and radius"),
+        ("CIRCLE/0,0,0,0,1", "it takes centre, direction and radius"),
         ("GOTO/1,2,3,0,0,1,0,0,1", "GOTO with 9 numbers is not read"),
         ("PPFUN/3", "PPFUN is not read"),
         ("SET/MODE,INCR", "SET/INCR is not read: the points after it would be increments"),

@@ -64,6 +64,15 @@ def test_steps_of_a_hole(cycle, steps):
     assert heights(cycle) == [(height, bool(feeds)) for height, feeds in steps]
 
 
+def test_cycles_of_solidworks_cam():
+    """CYCLE/INIT before each cycle: FEDTO is the depth; 1STPECK and SUBPECK are the pecks of DEEP2."""
+    drill = "CYCLE/INIT\nCYCLE/DRILL,FEDTO,5.,MMPM,1712.6,RAPTO,3.,RTRCTO,25.,DWELL,0"
+    assert heights(drill) == [(25, False), (3, False), (-5, True), (25, False)]
+    deep = "CYCLE/INIT\nCYCLE/DEEP2,FEDTO,9.,1STPECK,5.,SUBPECK,4.,MMPM,800,RAPTO,3.,RTRCTO,25."
+    down = [height for height, feeds in heights(deep) if feeds]
+    assert down == [-2, -6, -9]
+
+
 def test_a_cycle_that_returns_to_the_plane_comes_and_goes_at_its_height():
     p = path(
         "UNITS/MM\nGOTO/0,0,50\nCYCLE/DRILL,DEPTH,10,MMPM,250,CLEAR,5,RETURN,0\nGOTO/0,0,0\nGOTO/9,0,20\nCYCLE/OFF"

@@ -204,3 +204,26 @@ def test_a_value_of_another_control_is_no_header_of_a_table():
         assert dialect_of(Source.from_text(header + "\n1,2,3\n")).dialect == "csv"
     with pytest.raises(ProgramError, match="this header is of Okuma's OSP"):
         dialect_of(Source.from_text("$O1001.MIN%\n" + text, "part.min"))
+
+
+def test_a_macro_takes_m_as_an_argument():
+    """Fanuc B-63944EN, "Argument specification I": M is #13, as D is #7; G65 stands before all of them."""
+    body = "G65 P2000 X4. M48 D3\nM30\nO2000\nG1 X#24 Y#13 Z#7\nM99"
+    assert tips("fanuc", START + body)[-1] == [4, 48, 3]
+    assert tips("fanuc", START + body.replace("M48", "M[40+8]"))[-1] == [4, 48, 3]
+
+
+def test_an_alarm_that_a_program_raises_is_refused_and_ends_it():
+    """Fanuc B-63944EN, "Macro alarms": #3000=1 stops the control with alarm 3001."""
+    body = START + "G1 X1.\nIF [#5041 LT 5] GOTO 7\nN7 #3000=12 (TOO SHORT)\nG123 X2.\nM30"
+    with pytest.raises(ProgramError, match=r"#3000=12 is not read: the program stops itself with this alarm") as caught:
+        read_for("fanuc", body)
+    assert "G123" not in str(caught.value)
+
+
+def test_holes_round_a_pole_by_increments_of_the_angle():
+    """Fanuc B-63944EN, "Polar coordinate command (G15, G16)": the bolt hole circle, by G90 and by G91."""
+    body = "G16\nG81 X100. Y30. Z-20. R-5. F200.\n{}\nG15 G80\nM30"
+    wanted = tips("fanuc", START + body.format("Y150.\nY270."))
+    assert tips("fanuc", START + body.format("G91 Y120.\nY120.")) == wanted
+    assert tips("fanuc", START + body.format("G91 Y120. K2")) == wanted

@@ -191,6 +191,8 @@ def test_the_p_of_g64_beside_an_arc_counts_its_turns():
         ("G68 X0. Y0. R90.\nG1 X2. Y0.\nG69\nX5.", [[0, 0, 0], [0, 2, 0], [5, 2, 0]]),
         ("G68 X1. Y1. R180.\nG1 X0. Y0.\nG69", [[0, 0, 0], [2, 2, 0]]),
         ("G16\nG1 X10. Y90.\nY180.\nG15\nX1. Y0.", [[0, 0, 0], [0, 10, 0], [-10, 0, 0], [1, 0, 0]]),
+        ("G16\nG1 X10. Y30.\nG91 Y60.\nY90.\nG90\nG15\nX1. Y0.",
+         [[0, 0, 0], [8.660254, 5, 0], [0, 10, 0], [-10, 0, 0], [1, 0, 0]]),
         ("G51 X0. Y0. Z0. P2000\nG1 X3. Y1.\nG50\nX3.", [[0, 0, 0], [6, 2, 0], [3, 2, 0]]),
         ("G51 X0. Y0. Z0. I-1000 J1000 K1000\nG1 X3. Y1.\nG50", [[0, 0, 0], [-3, 1, 0]]),
         ("G51.1 X2.\nG1 X3. Y1.\nG50.1 X0.\nX3.", [[0, 0, 0], [1, 1, 0], [3, 1, 0]]),
@@ -265,6 +267,9 @@ def test_g43_4_fixes_its_frame_where_the_table_stands_on_fanuc():
     """Fanuc A-79348E: the frame of tool centre point control is fixed to the table where G43.4 is read."""
     body = "G90 G21 F600\nG0 A0. C90.\nG43.4 H1 X10. Y0. Z0.\nG1 X20.\nM30"
     a, b = ends(read_for("fanuc", body, MACHINE))[-2:], ends(read_for("haas", body, MACHINE))[-2:]
+    assert any("where the table stands turned" in told for told in read_for("fanuc", body, MACHINE).assumed)
+    at_zero = read_for("fanuc", body.replace("C90.", "C0."), MACHINE)
+    assert not any("where the table stands turned" in told for told in at_zero.assumed)
     assert np.abs(b - [[10, 0, 0], [20, 0, 0]]).max() < 1e-9
     assert np.abs(np.linalg.norm(a, axis=1) - [10, 20]).max() < 1e-9 and np.abs(a[:, 0]).max() < 1e-9
 

@@ -80,6 +80,16 @@ def test_a_block_goes_on_behind_the_tilde_and_where_a_post_leaves_it_out():
     assert tips(with_mark + hole)[:, 2].min() == pytest.approx(-5)
 
 
+def test_a_remark_goes_on_behind_the_tilde_in_lines_without_numbers():
+    """So controls write remarks that are longer than a line; a row of tildes is no such mark."""
+    remark = (
+        "7 ;This program is free software: you can redistribute it~\n under the terms of the GNU Licence~\n or not.\n"
+    )
+    assert last(remark + "8 L X+3 F100") == (3, 0, 0)
+    assert last("7 ;~~~~~~~~\nL X+3 F100\n8 ;A remark ~\n9 L Y+2") == (3, 2, 0)
+    assert last(";a remark of a file without numbers ~\nL X+3 F100") == (3, 0, 0)
+
+
 def test_a_formula_behind_a_cycle_is_a_block_of_its_own():
     cycle = "7 CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-5 ~\n Q206=100 ~\n Q202=5 ~\n Q203=0\n"
     assert last(cycle + "8 Q204 = 7\n9 L X+Q204 F100") == (7, 0, 0)

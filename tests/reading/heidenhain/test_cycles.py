@@ -33,6 +33,17 @@ def test_drilling_pecks_out_of_the_hole():
     assert np.allclose(path.tip[3:, :2], (0.03, 0.04))
 
 
+def test_feeds_of_cycles_as_controls_write_them():
+    """iTNC 530, cycles: "Q206: 0 to 99999.999, alternatively FAUTO, FU"; exported programs say AUTO and MAX."""
+    hole = LEVELS.replace("Q206=+150", "Q206= AUTO ;FEED")
+    text = f"TOOL CALL 2 Z S1000 F120\nCYCL DEF 201 REAMING ~\n{hole}Q208= MAX ;BACK\nL X+1 FMAX M99"
+    path = read(ABOVE + text)
+    down = int(path.tip[:, 2].argmin())
+    assert path.feed[down] * 6e4 == pytest.approx(120) and path.rapid[down + 1]
+    with pytest.raises(ProgramError, match=r"Q206 takes the F of TOOL CALL \(FAUTO\), which has none"):
+        read(ABOVE + text.replace(" F120", ""))
+
+
 def test_a_hole_in_one_stroke():
     assert levels(cycle(200, "Q202=+50"))[0] == [100, 12, -10, 60]
 

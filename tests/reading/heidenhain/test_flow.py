@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.support.heidenhain import CONTROLLER, last, read, tips
+from tests.support.heidenhain import CONTROLLER, findings, last, read, reader, tips
 from toolpace.errors import ProgramError
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.reader import HeidenhainReader
@@ -73,6 +73,35 @@ def test_a_subprogram_that_calls_itself_is_one_error():
 def test_faults_of_labels(text, message):
     with pytest.raises(ProgramError, match=message):
         read(text)
+
+
+def test_a_call_of_the_end_ends_the_program():
+    """Shops leave a program by CALL LBL 99, which stands before END PGM."""
+    made = reader("L X+1 F100\nCALL LBL 99\nLBL 1\nL X+2\nLBL 0\nLBL 99")
+    assert made.executed().toolpath().tip[-1, 0] == 0.001
+    assert any("CALL LBL 99, which stands before END PGM" in sentence for sentence in made.findings.assumptions)
+
+
+def test_a_parameter_without_a_value_is_named_and_not_those_that_hang_on_it():
+    text = "Q2 = Q1 + 1\nFN 1: Q3 = +Q2 + +1\nL X+Q3 F100\nQ2 = 5\nL Y+Q2"
+    made = findings(text)
+    assert [(each.word, each.line) for each in made.refusals] == [("Q1", 4)]
+    assert last(text, skip_unknown=True) == (0, 5, 0)
+    system = findings("FN 18: SYSREAD Q1 = ID270 NR1 IDX1\nL X+Q1 F100\nL X+5")
+    assert [each.word for each in system.refusals] == ["FN 18"]
+
+
+def test_a_loop_that_hangs_on_a_parameter_without_a_value_is_gone_through_once():
+    """What else is not read is found behind the jump; where it is met again, nothing new is."""
+    text = "LBL 1\nL IX+1 F100\nFN 12: IF +Q7 LT +1 GOTO LBL 2\nFL X1\nFN 9: IF +0 EQU +0 GOTO LBL 1\nLBL 2\nL IX+9"
+    assert [each.word for each in findings(text).refusals] == ["Q7", "FL"]
+    assert last(text, skip_unknown=True) == (2, 0, 0)
+
+
+def test_an_error_that_the_program_raises_is_refused_and_ends_it():
+    """FN 14: ERROR: the control shows the error, and the program stops."""
+    with pytest.raises(ProgramError, match="FN 14: ERROR= 1005 is not read: the program stops itself with this error"):
+        read("L X+1 F100\nFN 14: ERROR= 1005\nFL X2")
 
 
 def test_stop_and_the_end_of_the_program():

@@ -10,6 +10,7 @@ import pytest
 from tests.support.heidenhain import MACHINE, SetUp, findings, last, read
 from toolpace.errors import ProgramError
 from toolpace.machine.machine import Machine
+from toolpace.reading.coordinates.setup import Tool
 from toolpace.units import DEGREE
 
 
@@ -127,10 +128,11 @@ def linear_joints(machine, tip, rotary):
 
 
 def test_m140_mb_max_goes_to_the_end_of_travel():
-    """M140 MB MAX: to the limit of the range of traverse along the tool axis, and no other joint moves."""
+    """M140 MB MAX: to the limit of the range of traverse along the tool axis, short of it by the parameter moveBack
+    (TNC 640, "Retraction from the contour in the tool-axis direction: M140"); no other joint moves."""
     machine = Machine.load("xyzbc-trunnion")
     path = read("L X+10 Y+20 Z+0 B+0 C+0 F100\nM140 MB MAX\nL M128\nL Z+30 B+90 FMAX\nM140 MB MAX", machine)
-    top = float(machine.travel[2, 1])
+    top = float(machine.travel[2, 1]) - 1e-3
     up = path.tip[path.block == 5][-1]
     assert linear_joints(machine, up, (0.0, 0.0)) == pytest.approx((0.01, 0.02, top), abs=1e-9)
     before, after = (path.tip[path.block == line][-1] for line in (7, 8))
@@ -152,3 +154,20 @@ def test_functions_that_may_move_are_refused():
 def test_dwells():
     path = read("L X+1 F100\nCYCL DEF 9.0 DWELL TIME\nCYCL DEF 9.1 DWELL 1.5\nL X+2\nFUNCTION DWELL TIME2\nL X+3")
     assert path.dwell.tolist() == [0, 1.5, 2, 0]
+
+
+def test_oversize_of_the_tool_lifts_it():
+    """TOOL CALL, DL: "delta value for the length": a tool that is called longer stands higher, until the next one."""
+    machine = Machine.load("xyzac-trunnion")
+    path = read("TOOL CALL 2 Z DL+0.5\nL X+1 Z+3 F100\nTOOL CALL DL-0.25\nL X+2 Z+3\nTOOL CALL 3\nL X+3 Z+3", machine)
+    ends = [path.tip[path.block == line][-1][2] * 1e3 for line in (5, 7, 9)]
+    assert ends == pytest.approx([3.5, 2.75, 3.0])
+
+
+def test_q108_is_the_radius_of_the_tool():
+    """Preassigned Q parameters: Q108 is the radius of the tool table, plus DR of TOOL CALL."""
+    sheet = SetUp(tools={"2": Tool(0.1, 0.004)})
+    path = read("TOOL CALL 2 Z DR+0.5\nL X+Q108 F100\nTOOL CALL 2 Z\nL X+Q108", setup=sheet)
+    assert (path.tip[1:, 0] * 1e3).round(9).tolist() == [4.5, 4]
+    with pytest.raises(ProgramError, match="Q108 is not read: it is the radius of the tool: give the tool"):
+        read("TOOL CALL 2 Z\nL X+Q108 F100\nL X+1")

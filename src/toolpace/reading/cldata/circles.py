@@ -13,8 +13,8 @@ from toolpace.reading.source import Source
 
 MOST_TURNS = 1000
 """Most times that an arc is gone round: more is a slip, and would fill memory with points."""
-CREO_NUMBERS, NX_NUMBERS = 7, 11
-"""How many numbers a CIRCLE has: centre, direction, radius; NX adds two of tolerance and two of the tool."""
+BARE_NUMBERS, CREO_NUMBERS, NX_NUMBERS = 6, 7, 11
+"""How many numbers a CIRCLE has: centre, direction; with radius; NX adds two of tolerance and two of the tool."""
 CLOSED = 1e-7
 """Ends closer than this [m] close a circle of CATIA: it writes five decimals."""
 TANGENT = 0.1
@@ -39,7 +39,7 @@ class Circle(NamedTuple):
     normal: Point
     """Unit vector about which the motion turns by the right-hand rule."""
     radius: float
-    """[m]"""
+    """[m]; nan where it is that of the start"""
     turns: int = 1
 
 
@@ -48,7 +48,8 @@ def circle(source: Source, statement: Statement, unit: float, findings: Findings
 
     Siemens' description of the CLSF record (CLSF Manager, CIRCLE) gives its direction for clockwise motion:
     clockwise for one who looks at the tip of the vector, so against the right-hand rule. PTC's has seven numbers
-    and follows it. TIMES,n asks for n turns of a helix, and is NX's.
+    and follows it; so do six, without a radius (SolidWorks CAM: the fillets of its contours tell). TIMES,n asks for n
+    turns of a helix, and is NX's.
     """
     words, turns = statement.minors, 1
     if "TIMES" in words:
@@ -59,13 +60,16 @@ def circle(source: Source, statement: Statement, unit: float, findings: Findings
         words, turns = words[:at], int(count[0])
         findings.assumed("TIMES of CIRCLE is taken for how often it is gone round")
     values = numbers(source, statement, words)
-    if len(values) < CREO_NUMBERS:
+    if len(values) < BARE_NUMBERS:
         source.fail(f"CIRCLE has {len(values)} numbers: it takes centre, direction and radius", statement.line)
     length = math.hypot(*values[3:6])
     if abs(length - 1) > 0.02:
         source.fail(f"the direction of CIRCLE has length {length:.4g}, not 1: correct it", statement.line)
     sense = -1.0
-    if len(values) == CREO_NUMBERS and "TIMES" not in statement.minors:
+    if len(values) == BARE_NUMBERS:
+        sense, values = 1.0, [*values, math.nan]
+        findings.assumed("CIRCLE with six numbers turns about its vector by the right-hand rule, from where it starts")
+    elif len(values) == CREO_NUMBERS and "TIMES" not in statement.minors:
         sense = 1.0
         findings.assumed("CIRCLE with seven numbers turns about its vector by the right-hand rule, as in Creo")
     elif len(values) != NX_NUMBERS:

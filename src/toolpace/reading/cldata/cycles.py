@@ -19,10 +19,10 @@ LinuxCNC's is 0.010 inch (G73, G83).
 """
 MOST_PECKS = 10_000
 """Of one hole."""
-TYPES = frozenset(("DRILL", "DEEP", "BRKCHP", "FACE", "TAP", "BORE", "REAM", "CSINK", "CBORE", "DRAG"))
+TYPES = frozenset(("DRILL", "DEEP", "DEEP2", "BRKCHP", "FACE", "TAP", "BORE", "REAM", "CSINK", "CBORE", "DRAG"))
 VALUES = frozenset(
     ("RAPTO", "FEDTO", "RTRCTO", "STEP", "DWELL", "DEPTH", "CLEAR", "RETURN", "BACK", "REV", "TIMES", "AUTO")
-)
+) | {"1STPECK", "SUBPECK"}
 SAID = frozenset(("OPTION", "CAM", "TIMES"))
 """Words of which nothing follows for the motion, as far as is known."""
 CURE = "write RAPTO and FEDTO (or DEPTH and CLEAR) of a plain cycle, or let the CAM system write GOTO points"
@@ -101,6 +101,13 @@ class CycleReader:
 
     def __init__(self, source: Source, feed: ClFeed, findings: Findings) -> None:
         self.source, self.feed, self.findings = source, feed, findings
+        self.depths = False
+        """Whether FEDTO is how deep a hole is, above zero; else where it ends, below zero."""
+
+    def begin(self) -> None:
+        """CYCLE/INIT, which SolidWorks CAM writes before each cycle: its FEDTO is a depth."""
+        self.depths = True
+        self.findings.assumed("FEDTO of CYCLE is the depth of the hole, as CYCLE/INIT of SolidWorks CAM has it")
 
     def read(self, statement: Statement, unit: float) -> Cycle | None:
         """The cycle of a statement such as CYCLE/DRILL,RAPTO,3,FEDTO,-10,MMPM,250; None where it is refused."""
@@ -141,7 +148,7 @@ class CycleReader:
         return cycle
 
     def _of_nx(self, given: dict[str, list[float]]) -> Cycle:
-        start, bottom = given["RAPTO"][0], given["FEDTO"][0]
+        start, bottom = given["RAPTO"][0], -given["FEDTO"][0] if self.depths else given["FEDTO"][0]
         if bottom == 0.0:
             self.findings.assumed("CYCLE with FEDTO,0 has no depth: it feeds to the point itself")
         retract = max(given["RTRCTO"][0], start) if given.get("RTRCTO") else start
@@ -177,9 +184,11 @@ class CycleReader:
         if feeds_out and "TAP" not in given:
             self.findings.assumed("CYCLE with BORE or REAM is taken to feed out as it feeds in")
         pecks = tuple(lengths["STEP"]) if "STEP" in given else cycle.pecks
-        if "DEEP" not in given and "BRKCHP" not in given:
+        if "DEEP2" in given:
+            pecks = tuple(depth for word in ("1STPECK", "SUBPECK") for depth in lengths.get(word, ()))
+        elif "DEEP" not in given and "BRKCHP" not in given:
             pecks = ()
-        if any(pecks) and ("DEEP" in given or "BACK" not in given):
+        if any(pecks) and ("DEEP" in given or "DEEP2" in given or "BACK" not in given):
             self.findings.assumed("pecks of CYCLE step back by, or stay off the last one by, 0.254 mm")
         wait = given.get("DWELL") or given.get("REV")
         return replace(

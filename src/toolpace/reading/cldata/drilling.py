@@ -21,6 +21,7 @@ class Drilling:
 
     def __init__(self, source: Source, track: Track, feed: ClFeed, findings: Findings) -> None:
         self.source, self.track, self.feed, self.findings = source, track, feed, findings
+        self._reader = CycleReader(source, feed, findings)
         self.active = False
         self._cycle: Cycle | None = None
         """The last cycle; None where it was refused, or there was none."""
@@ -39,8 +40,11 @@ class Drilling:
                 self.findings.ignored("CYCLE")
             self.active = False
             return
+        if first == "INIT":
+            self._reader.begin()
+            return
         if first != "ON":
-            self._cycle = CycleReader(self.source, self.feed, self.findings).read(statement, unit)
+            self._cycle = self._reader.read(statement, unit)
         elif self._cycle is None:
             self.findings.refused("CYCLE/ON", statement.line, "no cycle stands before it: write the cycle")
         self.active, self._line, self._plane = True, statement.line, self.track.tip

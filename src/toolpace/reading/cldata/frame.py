@@ -24,8 +24,8 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 class ClFrame:
     """The unit and the coordinate system as they stand at a point of the program."""
 
-    def __init__(self, source: Source, findings: Findings) -> None:
-        self.source, self.findings = source, findings
+    def __init__(self, source: Source, findings: Findings, follow: bool = False) -> None:
+        self.source, self.findings, self.follow = source, findings, follow
         self.unit = self._unit_unsaid("\n".join(source.lines))
         self._systems: dict[str, tuple[float, ...]] = {}
         self._rows: list[float] | None = None
@@ -79,8 +79,8 @@ class ClFrame:
         self.centre_line = "OUTPUT_ON_CENTER" in statement.minors
 
     def cutcom(self, statement: Statement) -> None:
-        """CUTCOM: no offset where the points are of the centre line, else refused."""
-        if self.centre_line or (statement.minors[:1] != [] and statement.minors[0] in CANCELLED_BY):
+        """CUTCOM: no offset where the points are of the centre line (--compensation program says so), else refused."""
+        if self.follow or self.centre_line or (statement.minors[:1] != [] and statement.minors[0] in CANCELLED_BY):
             self.findings.ignored("CUTCOM")
             if self.centre_line:
                 self.findings.assumed("CUTCOM offsets nothing: the points are of the tool's centre line")

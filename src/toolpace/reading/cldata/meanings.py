@@ -15,6 +15,8 @@ PASSED = frozenset(
         "CLDIST",
         "CLPRNT",
         "CLSF",
+        "CSI_SET_EXTENSION_LENGTH",
+        "CSI_SET_FLUTE_LENGTH",
         "CUTTER",
         "DISPLY",
         "DRAFT",
@@ -65,7 +67,7 @@ PASSED_BUT_SAID = {
 CANCELLED_BY = frozenset(("OFF", "CANCEL", "NOMORE"))
 """Minor words that make a statement of motion end something, such as CYCLE/OFF."""
 CANCELLABLE = frozenset(("CUTCOM", "TRACUT", "COPY", "TRANS", "ROTATE", "ROTABL", "INDEX", "MATRIX", "THICK"))
-FRAMES = frozenset(("CSYS", "MATRIX", "ORIGIN", "ROTABL", "ROTATE", "TRACUT", "TRANS"))
+FRAMES = frozenset(("CSYS", "MATRIX", "ORIGIN", "ROTABL", "ROTATE", "TRACUT", "TRANS", "TRNTYP"))
 """Statements that shift or turn the points after them, unless their numbers say nothing."""
 
 _POINTS = "let the CAM system write GOTO points"
@@ -80,7 +82,7 @@ CURES = {
     **dict.fromkeys(("CLEARP", "RETRCT", "PROBE", "AIR"), _MACHINE),
     **dict.fromkeys(("CALSUB", "DEFSUB", "ENDSUB", "JUMPTO", "IF", "CALL", "MACRO", "TERMAC"), _PROGRAM),
     **dict.fromkeys(("MOVARC", "ARC", "HELIX", "FNURBS", "THREAD"), f"its form is not known here: {_POINTS}"),
-    "CUTCOM": "the control would shift the tool: write points of the tool's centre, without CUTCOM",
+    "CUTCOM": "the control would shift the tool: give --compensation program where the points are of its centre",
     "INSERT": "it holds code of the control that may move something: write it as statements, or remove it",
     "PPFUN": "what it asks of the post-processor is not known here: remove it where it moves nothing",
     "MODE": "the points after it would be increments: write them as they are, without MODE/INCR",

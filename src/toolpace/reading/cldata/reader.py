@@ -24,10 +24,12 @@ from toolpace.reading.cldata.operations import ClOperations
 from toolpace.reading.cldata.track import Track
 from toolpace.reading.cldata.words import DATA, NOTE, Statement, statements, without_cards
 from toolpace.reading.findings import Findings
-from toolpace.reading.options import ReadOptions
+from toolpace.reading.options import PROGRAM, ReadOptions
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
+_REMARK = re.compile(r"[/\s]*(?:\[HOLDER=|STOCK SIZE\b)")
+"""What SolidWorks CAM tells of tools and stock, which no control reads as code."""
 _HARMLESS = re.compile(r"(?:\([^()]*+\)|[NST][0-9]++|M(?!9[789])[0-9]{1,2}(?![0-9])|;.*|[\s/%$])*+")
 """Code of the control that moves nothing: comments, numbers of blocks, spindle and tools, M but calls."""
 _END_OF_CIRCLE = frozenset(("GOTO", "GODLTA"))
@@ -43,7 +45,7 @@ class ClReader:
     def __init__(self, source: Source, options: ReadOptions, findings: Findings) -> None:
         self.source, self.options, self.findings = source, options, findings
         self.track = Track(source)
-        self.frame = ClFrame(source, self.findings)
+        self.frame = ClFrame(source, self.findings, options.compensation == PROGRAM)
         self.feed = ClFeed(source, options.default_feed, self.findings)
         self.motion = ClMotion(source, self.track, self.feed, self.frame, self.findings)
         self.curves = ClCurves(source, self.motion, self.findings)
@@ -113,7 +115,7 @@ class ClReader:
         elif major in self.states:
             self.states[major](statement)
         elif not major.startswith(DATA):
-            self.findings.refused(major[:20], statement.line, cure(major))
+            self.findings.refused(major[:40], statement.line, cure(major))
 
     def _refuse_open_circle(self) -> None:
         if self.motion.circle is not None:
@@ -147,7 +149,9 @@ class ClReader:
 
     def _insert(self, statement: Statement) -> None:
         """Code of the control within the program: a stop where none of its words moves anything."""
-        if _HARMLESS.fullmatch(statement.text.upper()):
+        if _REMARK.match(statement.text.upper()):
+            self.findings.ignored("INSERT")
+        elif _HARMLESS.fullmatch(statement.text.upper()):
             self.findings.assumed("INSERT of code without G words and axis words moves nothing")
             self.findings.ignored("INSERT")
             self.track.stop()

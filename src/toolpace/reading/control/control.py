@@ -34,6 +34,12 @@ from toolpace.toolpath import ToolPath
 
 LONGEST_DWELL = 86400.0
 """A day [s]: a longer dwell is a slip of units."""
+TURNED = (
+    "tip mode fixes X, Y, Z to the part where the table stands turned then; with tip_frame_where_switched = false in "
+    "the controller's file it is where the table is at zero"
+)
+STILL = 1e-9
+"""Rotary positions that are zero [rad]."""
 ALL = 7
 """Bits of X, Y and Z."""
 
@@ -147,18 +153,20 @@ class Control:
         coordinates = self.coordinates
         if on and not coordinates.tip_mode and self.rules.fixed_where_switched:
             coordinates.fixed_at = self.placement.place(self.words)[3:]
+            if any(abs(turned) > STILL for turned in self.poses.carried(coordinates.fixed_at)):
+                self.findings.assumed(TURNED)
         if not on:
             coordinates.fixed_at = None
         coordinates.tip_mode = on
         self._replaced()
 
-    def set_length(self, tool: str | None) -> None:
-        """Reckon with the length of a tool of the table; None: with none."""
+    def set_length(self, tool: str | None, oversize: float = 0.0) -> None:
+        """Reckon with the length of a tool of the table, and that much more [m]; None: with none."""
         if tool is not None:
             self._know(tool)
         coordinates = self.coordinates
         coordinates.compensated, coordinates.length_of = tool is not None, tool or coordinates.length_of
-        coordinates.told = None
+        coordinates.told, coordinates.oversize = None, oversize
         self._replaced()
 
     def set_tool_offset(self, x: float, y: float, length: float) -> None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.coordinates.placement import INSIDE
 
 SAG = 0.45e-6
 """Most distance of the tip from the chords of a turn [m]; as of arcs."""
@@ -39,12 +40,16 @@ def retract(control: Control, distance: float | None, *, rapid: bool) -> None:
 
 
 def room(control: Control, joints: list[float], way: np.ndarray) -> float:
-    """How far [m] linear joints (3,) can go along a way (3,) a metre before one is at the end of its travel."""
+    """How far [m] linear joints (3,) can go along a way (3,) a metre before one is at the end of its travel.
+
+    The end is INSIDE short of it, as for reference points: a smooth path swings about its points ("M140 MB MAX" stops
+    before the limit switch by the machine parameter moveBack, TNC 640 "M140").
+    """
     machine = control.poses.machine
     assert machine is not None
     travel = np.asarray(machine.travel)[list(control.poses.linear)]
     ends = [
-        ((high if way[k] > 0.0 else low) - joints[k]) / way[k]
+        ((high - INSIDE if way[k] > 0.0 else low + INSIDE) - joints[k]) / way[k]
         for k, (low, high) in enumerate(travel)
         if abs(way[k]) > STILL
     ]

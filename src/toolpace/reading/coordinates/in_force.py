@@ -32,6 +32,8 @@ class Coordinates:
     """Tool whose length counts; "" is the one in the spindle."""
     compensated: bool = False
     """Whether the control reckons with that length."""
+    oversize: float = 0.0
+    """By how much longer than the table says the program calls the tool [m]."""
     told: tuple[float, float, float] | None = None
     """Offset of the tool that the program itself tells, in place of the table's: along X, Y, and its length [m]."""
 
@@ -39,11 +41,15 @@ class Coordinates:
         """Along X, Y and Z [m], that the control reckons with."""
         if self.told is not None:
             return self.told
-        return (0.0, 0.0, self.datum.length(self.length_of or tool) if self.compensated else 0.0)
+        return (0.0, 0.0, self.length(tool) if self.compensated else 0.0)
+
+    def length(self, tool: str) -> float:
+        """Of the tool that counts, as the program has it [m]."""
+        return self.datum.length(self.length_of or tool) + self.oversize
 
     def placement(self, tool: str) -> Placement:
         """Of words, with a tool in the spindle."""
-        length = self.datum.length(self.length_of or tool) if self.told is None else self.told[2]
+        length = self.length(tool) if self.told is None else self.told[2]
         longer = length - self.datum.own_length
         if (self.tip_mode or self.tilted) and self.datum.poses.machine is not None:
             return self._on_part(longer, self.fixed_at)

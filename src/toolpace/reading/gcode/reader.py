@@ -29,6 +29,7 @@ MOST_KEPT = 5000
 """Lines that are kept taken apart: those of loops come again, those of long programs do not."""
 MACROS = ("macro call", "modal macro call")
 ALARM, PAUSE = 3000, 3006
+RAISED = "the program stops itself with this alarm: correct what it tests before"
 _CODE = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[GXYZ][ \t]*+[-+.#\[0-9]", re.IGNORECASE)
 
 
@@ -212,6 +213,7 @@ class WordAddressReader:
         variables = self.variables
         for key, value in values:
             if key == ALARM and variables.is_system(key):
+                self.findings.refused(f"#{ALARM}={value or 0:g}", self.control.line, RAISED)
                 self.state.ended = True
             elif key == PAUSE and variables.is_system(key):
                 self.control.stop()

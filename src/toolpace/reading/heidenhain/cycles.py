@@ -18,7 +18,9 @@ from toolpace.reading.heidenhain.tilting import Tilting
 from toolpace.units import DEGREE
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
-_ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:(F\s*MAX|F\s*AUTO|PREDEF)|(" + VALUE + "))")
+_ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:((?:F\s*)?(?:MAX|AUTO)|PREDEF)|(" + VALUE + "))")
+FEEDS = {"MAX": "FMAX", "AUTO": "FAUTO"}
+"""Feeds as controls write them into programs, and as manuals name them."""
 _AXIS = re.compile(r"(CC|I?)([A-CU-Z])\s*(" + VALUE + ")")
 _FIGURE = re.compile(r"(?:[^-+0-9,.Q]|\.(?![0-9]))*+(" + VALUE + r")\s*+")
 OLD_PECKING = {1: 200, 2: 201, 3: 202, 4: 211, 5: 206}
@@ -97,7 +99,8 @@ class Cycles:
         if rest:
             raise BlockError(f"'{rest[:20]}' is not read in CYCL DEF: does a ~ stand in front of it by mistake?")
         for number, word, value in _ITEM.findall(text):
-            found[int(number)] = "".join(word.split()) if word else signed(value, self.parameters)
+            joined = "".join(word.split())
+            found[int(number)] = FEEDS.get(joined, joined) if word else signed(value, self.parameters)
         return found
 
     def evaluated(self, items: dict[int, Value | str]) -> Items:

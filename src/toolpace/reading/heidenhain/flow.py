@@ -45,6 +45,8 @@ class Flow:
         self.calls: list[Call] = []
         self.repeats: dict[int, int] = {}
         self.programs: dict[str, Program] = {program.source.name: program}
+        self.passed: set[tuple[str, int]] = set()
+        """Jumps that nothing decided, and that were passed."""
 
     def line(self, line: int) -> int:
         """The line of the main program at which a block of this line is executed."""
@@ -57,10 +59,20 @@ class Flow:
             raise BlockError(f"there is no LBL {label} in this program: correct the name of the label")
         self.at = index
 
+    def undecided(self) -> None:
+        """A jump hangs on a parameter without a value: go on behind it once, to find what else is not read."""
+        place = self.program.source.name, self.at
+        self.state.ended = self.state.ended or place in self.passed
+        self.passed.add(place)
+
     def call(self, label: str, line: int) -> None:
         """Run from a label to LBL 0, and come back."""
         made = Call(self.program, self.at, self.line(line))
         self.to(label)
+        if self.at < len(self.program.blocks) and self.program.blocks[self.at].text.startswith("END"):
+            # shops leave a program so: whether the control ends it or stops with an alarm, nothing moves any more
+            self.findings.assumed(f"CALL LBL {label}, which stands before END PGM, ends the program")
+            return
         self._push(made)
 
     def repeat(self, label: str, times: int) -> None:

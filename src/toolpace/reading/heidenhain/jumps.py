@@ -8,7 +8,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError
 from toolpace.reading.heidenhain.klartext.program import label_of
 
 _LABEL = re.compile(r"(?:\"([^\"]*)\"|([0-9]+))")
@@ -17,6 +17,8 @@ _CALL = re.compile(_NAME + r"(?:\s*REP\s*([0-9]+|Q[LR]?[0-9]+)(?:\s*/\s*[0-9]+)?
 _FUNCTION = re.compile(r"([0-9]+)\s*:\s*(.*)")
 _RESULT = re.compile(r"(Q[LR]?[0-9]+)\s*=\s*(.+)")
 _TEST = re.compile(r"EQU|NE(?!G)|GT|LT")
+ALARM = 14
+RAISED = "the program stops itself with this error: correct what it tests before"
 MESSAGES = (15, 16, 19, 20, 29, 37, 38)
 """FN that print, send, and wait for the machine: no motion."""
 
@@ -77,13 +79,31 @@ class Jumps:
             if result is None:
                 raise BlockError(f"FN {number} gives a Q parameter: write FN {number}: Q1 = ..")
             name, value = result[1], formula(result[2], self.parameters)
-            return lambda: self.parameters.set(name, evaluate(value))
+            return lambda: self.parameters.assign(name, lambda: evaluate(value))
         if number <= 12:
             return self.jump(number, rest)
+        if number == ALARM:
+            return self.alarm(rest)
         if number in MESSAGES:
             return lambda: self.control.findings.ignored(f"FN {number}")
         cure = "write the value that it gives as Q1 = .., or leave it out where nothing comes back"
-        return lambda: self.control.findings.refused(f"FN {number}", self.control.line, cure)
+        given = re.search(r"Q[LR]?[0-9]+(?=\s*=)", rest)
+
+        def refuse() -> None:
+            self.control.findings.refused(f"FN {number}", self.control.line, cure)
+            if given:
+                self.parameters.forget(given[0])
+
+        return refuse
+
+    def alarm(self, text: str) -> Step:
+        """FN 14: ERROR = 1000; the control stops with it."""
+
+        def run() -> None:
+            self.control.findings.refused(f"FN {ALARM}: {text[:20]}", self.control.line, RAISED)
+            self.flow.state.ended = True
+
+        return run
 
     def jump(self, number: int, text: str) -> Step:
         """FN 9 to 12: IF a EQU b GOTO LBL."""
@@ -96,7 +116,11 @@ class Jumps:
         right, test = formula(condition[found.end() :], self.parameters), found[0]
 
         def run() -> None:
-            a, b = evaluate(left), evaluate(right)
+            try:
+                a, b = evaluate(left), evaluate(right)
+            except UnsetError:
+                self.flow.undecided()
+                raise
             if (test == "EQU" and a == b) or (test == "NE" and a != b) or (test == "GT" and a > b) or (
                 test == "LT" and a < b
             ):  # fmt: skip

@@ -17,6 +17,7 @@ from toolpace.reading.options import PROGRAM, ReadOptions
 from toolpace.reading.source import Source
 
 UNSET = "it has no value here: set it in the program, or as a variable on the set-up sheet"
+RADIUS = "it is the radius of the tool: give the tool of TOOL CALL on the set-up sheet"
 
 
 class HeidenhainReader:
@@ -71,7 +72,9 @@ class HeidenhainReader:
         except (BlockError, ArcError) as error:
             program.source.fail(str(error), block.line)
         except UnsetError as error:
-            self.findings.refused(str(error), line, UNSET)
+            name = str(error)
+            if name:
+                self.findings.refused(name, line, RADIUS if name == "Q108" else UNSET)
 
     def _execute_end(self, program: Program) -> None:
         try:

@@ -237,7 +237,7 @@ class Statements:
             cure = "write Q1 = with a formula of numbers and Q parameters"
             return lambda: self.findings.refused(text[:20], self.control.line, cure)
         name, value = found[1], formula(found[2], parameters)
-        return lambda: parameters.set(name, evaluate(value))
+        return lambda: parameters.assign(name, lambda: evaluate(value))
 
     def heading(self, text: str) -> Step:
         """`* -`: the name of what follows."""

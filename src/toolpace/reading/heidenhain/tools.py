@@ -15,7 +15,6 @@ from toolpace.units import MINUTE
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
-LENGTH = "correct the tool's length on the set-up sheet, and write DL+0"
 
 
 class Tools:
@@ -43,12 +42,10 @@ class Tools:
         def run() -> None:
             if letter:
                 self.axis(letter)
-            tool = self.name(found)
-            if tool:
-                self.change(tool)
             figures = {name: evaluate(value) for name, value in words.items()}
-            if figures.get("DL"):
-                self.control.findings.refused("DL of TOOL CALL", self.control.line, LENGTH)
+            tool = self.name(found)
+            if tool or "DL" in figures or "DR" in figures:
+                self.change(tool or self.control.tool, figures)
             if "VC" in figures:
                 self.control.findings.refused("VC of TOOL CALL", self.control.line, "write the spindle speed S")
             if "S" in figures:
@@ -77,14 +74,21 @@ class Tools:
             return f"{self.parameters.get(found[3]):g}"
         return f"{float(found[4]):g}" if found[4] else ""
 
-    def change(self, tool: str) -> None:
-        """Take it, and reckon with its length; 0 is none, whose length is zero."""
+    def change(self, tool: str, figures: dict[str, float]) -> None:
+        """Take it, and reckon with its length and oversize; 0 is none, whose length is zero."""
         control = self.control
         table = {name.upper(): name for name in control.setup.tools}
         tool = table.get(tool, tool)
         if tool != control.tool or tool == "0":
             control.change_tool(tool)
-        if tool not in control.setup.tools and control.setup.tools:
+        if tool and tool not in control.setup.tools and control.setup.tools:
             control.findings.assumed(f"tool {tool} is not on the set-up sheet: it is as long as the machine's own")
-        control.set_length(None if tool == "0" else tool)
+        control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
+        known = control.setup.tool(tool)
+        if known is None:
+            if "Q108" not in map(str.upper, control.setup.variables):
+                self.parameters.shared.pop("Q108", None)
+        else:
+            # "Q108: radius R of the tool table, plus DR of TOOL CALL" (Q parameters that the control assigns)
+            self.parameters.set("Q108", known.radius / self.state.unit + figures.get("DR", 0.0))
         self.state.came_from = []

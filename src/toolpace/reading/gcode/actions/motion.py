@@ -100,7 +100,7 @@ class MotionReader:
         if state.stands or state.along:
             target[:3] = self._stated()
         if state.polar:
-            self._from_polar(numbers)
+            self._from_polar(numbers, target)
         named = 0
         along = state.along
         for letter, value in numbers.items():
@@ -176,17 +176,24 @@ class MotionReader:
     def _say_along(self) -> None:
         self.control.findings.assumed(f"{self.along} moves along the tool axis, away from the part where positive")
 
-    def _from_polar(self, numbers: dict[str, float]) -> None:
-        """Replace radius and angle by the coordinates of the plane."""
+    def _from_polar(self, numbers: dict[str, float], present: list[float]) -> None:
+        """Replace radius and angle by the coordinates of the plane; G91 adds to the angle, about the same pole.
+
+        "Specifying angles with incremental commands and a polar radius with absolute commands" (B-63944EN, "Polar
+        coordinate command (G15, G16)"): G81 X100 Y30, then G91 Y120 and Y120.
+        """
         state = self.state
         first, second = ("XY", "ZX", "YZ")[state.plane]
         if first not in numbers and second not in numbers:
             return
-        if not state.absolute:
-            raise WordError("polar coordinates under G91 are not read: write them under G90")
-        state.pole |= {letter: numbers[letter] for letter in (first, second) if letter in numbers}
+        if not state.absolute and first in numbers:
+            raise WordError("a polar radius under G91 is not read: write it under G90")
+        before = {} if state.absolute else state.pole
+        state.pole |= {x: numbers[x] + before.get(x, 0.0) for x in (first, second) if x in numbers}
         radius, angle = state.pole.get(first, 0.0), state.pole.get(second, 0.0) * DEGREE
-        numbers[first], numbers[second] = radius * math.cos(angle), radius * math.sin(angle)
+        for letter, value in ((first, radius * math.cos(angle)), (second, radius * math.sin(angle))):
+            slot = self.control.slots[letter]
+            numbers[letter] = value if state.absolute else value - present[slot] / state.unit
 
     def _has_vector(self, numbers: dict[str, float]) -> bool:
         return self.state.vectors and any(letter in numbers for letter in "IJK")

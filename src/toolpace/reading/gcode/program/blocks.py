@@ -146,7 +146,7 @@ class Compiler:
             return
         whole = []
         for letter, text in found:
-            if letter == "G" or letter == "M":
+            if letter == "G" or (letter == "M" and not _calls_macro(block)):
                 self.code(block, letter, bounded(float(text)))
             elif letter in block.fixed:
                 self._twice(block, letter)
@@ -163,7 +163,7 @@ class Compiler:
             block.ignored.append("second T")
             return
         # a macro takes I, J and K several times
-        if not any(action.meaning in ("macro call", "modal macro call") for action in block.actions):
+        if not _calls_macro(block):
             raise WordError(f"word {letter} stands twice in one block: remove one")
 
     def code(self, block: Block, letter: str, value: float) -> None:
@@ -228,7 +228,7 @@ class Compiler:
         block.assignments.append((reference, parser.expression()))
 
     def _word(self, block: Block, key: str, node: Node) -> None:
-        if key in ("G", "M"):
+        if key == "G" or (key == "M" and not _calls_macro(block)):
             if isinstance(node, float):
                 self.code(block, key, node)
             else:
@@ -241,6 +241,11 @@ class Compiler:
         else:
             block.computed.append((key, node))
         block.arguments.append((key, node))
+
+
+def _calls_macro(block: Block) -> bool:
+    """Whether what stands behind in the block is handed to a macro, M too ("G65 P L <argument>", M is #13)."""
+    return any(action.meaning in ("macro call", "modal macro call") for action in block.actions)
 
 
 def _refuse_unknown_o_word(text: str) -> None:

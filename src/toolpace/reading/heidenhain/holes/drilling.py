@@ -119,6 +119,8 @@ class Holes:
         found = self.items.get(q)
         if found == "FAUTO":
             found = self.state.tool_feed
+            if found is None:
+                raise BlockError(f"Q{q} takes the F of TOOL CALL (FAUTO), which has none: write one there, or here")
         number = found if isinstance(found, float) else self.value(q)
         if not 0.0 < number <= 1e9:
             raise BlockError(f"Q{q} of CYCL DEF {self.number} is a feed and must be above zero: correct it")

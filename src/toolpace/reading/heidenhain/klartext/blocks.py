@@ -11,7 +11,7 @@ from toolpace.reading.source import Source
 
 _NUMBER = re.compile(r"[Nn]?[0-9]+(?=[\s/;*]|$)")
 _BEGIN = re.compile(r"\s*(?:N?[0-9]+\s+)?BEGIN\s+PGM\b", re.IGNORECASE)
-_ITEM = re.compile(r"Q[0-9]{3,4}\s*=\s*(?:[-+]?(?:[0-9.,]+|Q[LR]?[0-9]+)|F\s*MAX|F\s*AUTO|PREDEF)")
+_ITEM = re.compile(r"Q[0-9]{3,4}\s*=\s*(?:[-+]?(?:[0-9.,]+|Q[LR]?[0-9]+)|(?:F\s*)?(?:MAX|AUTO)|PREDEF)")
 _QUOTED = re.compile(r"(?:[^\";]++|\"[^\"]*+(?:\"|$))*+")
 """All up to the first semicolon that stands in no text."""
 _OPERATION = re.compile(r"(?:TOOL NAME|OPERATION)\b[\s:=]*(\S.*)")
@@ -29,7 +29,7 @@ class Block(NamedTuple):
 def blocks_of(source: Source, findings: Findings, block_delete: bool) -> list[Block]:
     """The blocks of a program in order, empty ones left out; headings and comments that name a tool begin with `*`."""
     found: list[tuple[int, list[str]]] = []
-    goes_on = False
+    goes_on = remarks = False
     sheet = _sheet(source.lines)
     if sheet:
         findings.ignored("( before BEGIN PGM")
@@ -38,7 +38,13 @@ def blocks_of(source: Source, findings: Findings, block_delete: bool) -> list[Bl
         number = _NUMBER.match(text)
         if number:
             text = text[number.end() :].lstrip()
+        # a remark that is too long for its line goes on in lines without numbers ("~" ends all but the last)
+        remarks = not number and remarks and _ITEM.match(text.upper()) is None
+        if remarks:
+            remarks = text.endswith("~")
+            continue
         text, comment = without_comment(text.upper())
+        remarks = bool(number) and not text and comment.endswith("~") and not comment.endswith("~~")
         if text.startswith("/"):
             text = text[1:].lstrip()
             hidden = _NUMBER.match(text)

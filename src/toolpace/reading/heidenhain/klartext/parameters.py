@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 LARGEST = 1e9
 """Beyond which a value is a slip: no machine travels so far."""
@@ -14,7 +14,7 @@ class BlockError(Exception):
 
 
 class UnsetError(Exception):
-    """A parameter is read that has no value; the message is its name."""
+    """A parameter is read that has no value; the message is its name, "" where it hangs on another that has none."""
 
 
 class Parameters:
@@ -24,6 +24,8 @@ class Parameters:
         self.shared: dict[str, float] = {name.upper(): value for name, value in given.items()}
         self.local: dict[str, float] = {}
         self.texts: dict[str, str] = {}
+        self.hanging: set[str] = set()
+        """Names whose value hangs on parameters that have none."""
 
     def get(self, name: str) -> float:
         """Value of Q5, QL5 or QR5. Raises UnsetError."""
@@ -31,7 +33,20 @@ class Parameters:
         try:
             return values[name]
         except KeyError:
-            raise UnsetError(name) from None
+            raise UnsetError("" if name in self.hanging else name) from None
+
+    def assign(self, name: str, value: Callable[[], float]) -> None:
+        """Give it the value of a formula. Raises BlockError, UnsetError: then it has none from there on."""
+        try:
+            self.set(name, value())
+        except UnsetError:
+            self.forget(name)
+            raise
+
+    def forget(self, name: str) -> None:
+        """Take it for one whose value hangs on what is not known."""
+        (self.local if name.startswith("QL") else self.shared).pop(name, None)
+        self.hanging.add(name)
 
     def set(self, name: str, value: float) -> None:
         """Give it a value. Raises BlockError where that is none."""

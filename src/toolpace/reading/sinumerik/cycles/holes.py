@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
+from toolpace.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.sinumerik.cycles.along import Along, Levels
 from toolpace.reading.sinumerik.cycles.strokes import stop_distance, strokes_of
@@ -205,9 +206,28 @@ class Holes:
         pitch = self._pitch(arguments, 7, 8, 13)
         speed = arguments.number(10) or self.control.feed.spindle * MINUTE
         back = arguments.number(11) or speed
-        if arguments.code(15):
-            raise Unread("CYCLE84 with chip breaking (_VARI)", "its strokes are not read: let the CAM write them out")
-        self._tap(levels, pitch * speed / MINUTE, pitch * back / MINUTE, self._dwell(arguments.number(5)))
+        strokes = self._tapping_strokes(arguments, levels)
+        self._tap(levels, pitch * speed / MINUTE, pitch * back / MINUTE, self._dwell(arguments.number(5)), strokes)
+
+    def _tapping_strokes(self, arguments: Arguments, levels: Levels) -> list[tuple[float, float]]:
+        """Levels of the strokes before the last, and levels that are gone back to behind them.
+
+        _VARI 1 breaks chips: back by _VRT; 2 removes them: back to the top. Each stroke is _DAM deeper ("max. depth
+        infeed"), the first from the reference plane (PZ, CYCLE84, "Sequence: tapping with chip breaking").
+        """
+        kind, unit = arguments.code(15) % 10, self.state.unit
+        step, retract = abs(arguments.number(16)) * unit, abs(arguments.number(17)) * unit
+        whole = abs(levels.reference - levels.bottom)
+        if not kind or not 0.0 < step < whole:
+            return []
+        if whole > MOST_PECKS * step:
+            raise ValueFault(f"CYCLE84 taps in more than {MOST_PECKS} strokes: correct _DAM, its argument 17")
+        if kind == 1 and not retract:
+            raise Unread("CYCLE84 with chip breaking without _VRT", "write how far it goes back, argument 18")
+        down = math.copysign(1.0, levels.bottom - levels.reference)
+        ends = [levels.reference + down * step * k for k in range(1, math.ceil(whole / step - 1e-9))]
+        most = math.inf if kind == 2 else retract
+        return [(end, end - down * min(most, abs(end - levels.top))) for end in ends]
 
     def _floating_tap(self, arguments: Arguments, levels: Levels) -> None:
         spindle = self.control.feed.spindle
@@ -218,10 +238,17 @@ class Holes:
             speed = self.control.feed.rate(self.state.inverse, self.control.line).speed
         self._tap(levels, speed, speed, self._dwell(arguments.number(5)))
 
-    def _tap(self, levels: Levels, into: float, out: float, dwell: float) -> None:
+    def _tap(
+        self, levels: Levels, into: float, out: float, dwell: float, strokes: Sequence[tuple[float, float]] = ()
+    ) -> None:
         way = self._along(levels)
         way.over()
         self.control.stop()
+        for end, back in strokes:
+            way.feed(end, into)
+            self.control.stop()
+            way.feed(back, out)
+            self.control.stop()
         way.feed(levels.bottom, into)
         self.control.stop()
         way.pause(dwell)
