@@ -227,3 +227,9 @@ def test_holes_round_a_pole_by_increments_of_the_angle():
     wanted = tips("fanuc", START + body.format("Y150.\nY270."))
     assert tips("fanuc", START + body.format("G91 Y120.\nY120.")) == wanted
     assert tips("fanuc", START + body.format("G91 Y120. K2")) == wanted
+
+
+def test_what_the_operator_may_interrupt_moves_nothing():
+    """Fanuc B-63944EN, "Automatic operation control": #3003 and #3004; #3001 and #3002 are clocks."""
+    path = read_for("fanuc", START + "#3001=0\n#3003=1\n#3004=2\nG1 X1.\n#3003=0\nM30")
+    assert path.tip[-1, 0] == 0.001 and path.skipped["#3003"] == 2

@@ -29,6 +29,8 @@ MOST_KEPT = 5000
 """Lines that are kept taken apart: those of loops come again, those of long programs do not."""
 MACROS = ("macro call", "modal macro call")
 ALARM, PAUSE = 3000, 3006
+SWITCHES = (3001, 3002, 3003, 3004)
+"""Clocks, and what the operator may interrupt ("#3003, #3004: automatic operation control"): they move nothing."""
 RAISED = "the program stops itself with this alarm: correct what it tests before"
 _CODE = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[GXYZ][ \t]*+[-+.#\[0-9]", re.IGNORECASE)
 
@@ -217,6 +219,8 @@ class WordAddressReader:
                 self.state.ended = True
             elif key == PAUSE and variables.is_system(key):
                 self.control.stop()
+            elif key in SWITCHES and variables.is_system(key):
+                self.findings.ignored(variables.text(key))
             elif variables.is_system(key):
                 self.findings.refused(
                     variables.text(key),
