@@ -118,6 +118,8 @@ def test_a_subprogram_beside_the_program(tmp_path):
     program = tmp_path / "part.mpf"
     program.write_text("")
     assert xs('FINISH(5)\nCALL "finish"', name=str(program)) == [5, 0]
+    # EXTCALL("<program name>") (Job Planning, "External subprograms")
+    assert xs('FINISH(5)\nEXTCALL("finish")', name=str(program)) == [5, 0]
 
 
 def test_save_gives_the_modes_back():

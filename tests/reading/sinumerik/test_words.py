@@ -58,6 +58,7 @@ REFUSED = (
     "ASPLINE X5", "FLIN", "POS[X]=5", "POSA[B]=5", "WHEN $AA_IM[X]>5 DO M8", "MEAS=1 X5", "CYCLE961()",
     "G291", "DIAMON", "A6=1 X1", "ORICURVE", "ORICONTO", "GEOAX(1,X1)", "NOSUCHCYCLE(5)", "NOSUCHWORD",
     "CHR=5 X1", "LEAD=3 X1", 'EXTCALL "FAR"', "$P_PFRAME=CTRANS(X,5)", "TOFRAME", "G33 Z-5 K2",
+    "SETAL(65000)",
 )  # fmt: skip
 
 

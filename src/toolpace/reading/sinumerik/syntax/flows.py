@@ -203,7 +203,8 @@ def _passed(parser: Parser, kind: str) -> Flow:
 
 
 def _call(parser: Parser, kind: str) -> Flow:
-    """CALL "NAME", CALL BLOCK A TO B, MCALL NAME(...), MCALL alone."""
+    """CALL "NAME", EXTCALL("NAME"), CALL BLOCK A TO B, MCALL NAME(...), MCALL alone."""
+    bracket = kind == "EXTCALL" and parser.sign("(")
     token = parser.take()
     if token.kind == END and kind == "MCALL":
         return Flow("MCALL")
@@ -213,6 +214,8 @@ def _call(parser: Parser, kind: str) -> Flow:
             raise SyntaxFault("CALL BLOCK lacks TO: write it like CALL BLOCK A TO B")
         return Flow("CALL BLOCK", (None,), (*labels, _label(parser)))
     if token.kind == TEXT:
+        if bracket:
+            parser.need(")")
         return Flow(kind, (), (), Call(token.text.upper()))
     if token.kind == NAME or (token.kind == WORD and token.text[0] == "L"):
         bracketed = parser.sign("(")
