@@ -129,6 +129,18 @@ def test_a_program_beside_is_called(tmp_path, name):
     assert path.block.tolist() == [2, 5, 6]
 
 
+def test_a_selected_program_is_called(tmp_path):
+    """SEL PGM, CALL SELECTED PGM (TNC 640, "Calling any NC program as subprogram")."""
+    (tmp_path / "part.h").write_text(PART)
+    text = MAIN.format("{}").replace("CALL PGM {}", 'SEL PGM "part.h"\nCALL SELECTED PGM')
+    path = program(tmp_path, "main.h", text).executed().toolpath()
+    assert path.tip[1:].round(9).tolist() == [[0.0254, 0, 0], [0.001, 0.006, 0]]
+    with pytest.raises(ProgramError, match="no program is selected here: write SEL PGM before its call"):
+        read("CALL SELECTED PGM")
+    with pytest.raises(ProgramError, match=r"SEL TABLE .* is not read: write what the table holds"):
+        read('SEL TABLE "NULL.D"\nL X+1 F100')
+
+
 def test_a_program_that_is_not_there_is_refused_with_its_cure(tmp_path):
     with pytest.raises(ProgramError, match=r"main\.h:5: CALL PGM PART is not read: put the file into the folder"):
         program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()

@@ -17,6 +17,7 @@ _CALL = re.compile(_NAME + r"(?:\s*REP\s*([0-9]+|Q[LR]?[0-9]+)(?:\s*/\s*[0-9]+)?
 _FUNCTION = re.compile(r"([0-9]+)\s*:\s*(.*)")
 _RESULT = re.compile(r"(Q[LR]?[0-9]+)\s*=\s*(.+)")
 _TEST = re.compile(r"EQU|NE(?!G)|GT|LT")
+SELECTS = "write what the table holds: shifts as CYCL DEF 7, places as blocks with M99"
 ALARM = 14
 RAISED = "the program stops itself with this error: correct what it tests before"
 MESSAGES = (15, 16, 19, 20, 29, 37, 38)
@@ -28,6 +29,8 @@ class Jumps:
 
     def __init__(self, flow: Flow, parameters: Parameters, control: Control) -> None:
         self.flow, self.parameters, self.control = flow, parameters, control
+        self.selected = ""
+        """Name of the program that SEL PGM chose."""
 
     def label(self, text: str) -> Step:
         """LBL: 0 ends a subprogram. Raises BlockError."""
@@ -51,6 +54,8 @@ class Jumps:
             if not name:
                 raise BlockError("CALL PGM needs the name of a program: write it")
             return lambda: self.flow.call_program(name, self.control.line)
+        if text == "SELECTED PGM":
+            return self.call_selected
         found = _CALL.fullmatch(text) if text.startswith("LBL") else None
         if found is None:
             cure = "write CALL LBL with a label, or CALL PGM with the name of a file"
@@ -67,6 +72,23 @@ class Jumps:
             self.flow.repeat(self.target(found), int(value))
 
         return run
+
+    def select(self, text: str) -> Step:
+        """SEL PGM: the program that CALL SELECTED PGM runs; other tables are refused."""
+        name = text[3:].strip()
+        if not text.startswith("PGM") or not name:
+            return lambda: self.control.findings.refused(f"SEL {text[:20]}", self.control.line, SELECTS)
+
+        def run() -> None:
+            self.selected = name
+
+        return run
+
+    def call_selected(self) -> None:
+        """CALL SELECTED PGM. Raises BlockError."""
+        if not self.selected:
+            raise BlockError("no program is selected here: write SEL PGM before its call")
+        self.flow.call_program(self.selected, self.control.line)
 
     def function(self, text: str) -> Step:
         """FN. Raises BlockError."""

@@ -82,6 +82,7 @@ class Statements:
             "LBL": jumps.label,
             "CALL": jumps.call,
             "FN": jumps.function,
+            "SEL": jumps.select,
             "TOOL": self.tool(Tools(control, state, frames, parameters)),
             "CYCL": self.cycle(cycles),
             "PATTERN": lambda text: patterns.compile(text),
