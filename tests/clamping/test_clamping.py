@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.support.curved_pass import curved_pass
+from testbed.curved_pass import curved_pass
 from toolpace.clamping.clamping import AS_GIVEN, Clamping, orientation
 from toolpace.clamping.side import ROOM, with_side
 from toolpace.errors import ReachError

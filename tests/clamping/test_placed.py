@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.support.curved_pass import curved_pass
+from testbed.curved_pass import curved_pass
 from toolpace.clamping.clamping import Clamping
 from toolpace.clamping.placed import MARGIN, nearest_within, placed
 from toolpace.clamping.trial import centre_of

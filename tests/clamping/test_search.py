@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from tests.support.curved_pass import curved_pass
+from testbed.curved_pass import curved_pass
 from toolpace.clamping.choices import Choice, Choices
 from toolpace.clamping.trial import Task, as_tips_and_axes, centre_of, tried_there
 from toolpace.errors import ReachError, UsageError

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import toolpace as tp
-from tests.support.curved_pass import curved_pass
+from testbed.curved_pass import curved_pass
 from toolpace.cli import main
 from toolpace.write.cldata import cldata_text
 

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from tests.support import works
-from toolpace.cluster import open_pool, opening
+from toolpace.cluster import open_pool, opening, scheduler_notes
 from toolpace.cluster.pool import ThisProcess
 from toolpace.errors import ClusterError, UsageError
 
@@ -79,6 +79,14 @@ def test_what_all_have_in_common_outlives_the_workers_that_had_it(two, tmp_path)
         item: 100_000 for item in range(12) if item != 5
     }
     assert "died each time" in found[5].error and len(found) == 12
+
+
+def test_the_scheduler_keeps_no_note_of_tasks_that_are_done(two, monkeypatch):
+    """Else it grows with every task, for as long as it runs: see `benchmarks.cluster --only small`."""
+    monkeypatch.setattr(scheduler_notes, "OFTEN", 20)
+    assert len(list(two.each(works.added, 0, range(100)))) == 100
+    names, kinds = two._client.run_on_scheduler(works.scheduler_notes)
+    assert 0 < names <= 40 and 0 < kinds <= 40
 
 
 def test_a_client_of_ones_own_stays_open(two):

@@ -37,3 +37,11 @@ def killing_with_much(common: tuple[str, bytes], item: int) -> int:
     """As `killing`, with more in common; how much."""
     killing(common[0], item)
     return len(common[1])
+
+
+def scheduler_notes(dask_scheduler) -> tuple[int, int]:
+    """What the scheduler that this runs in has noted: names of tasks, and kinds of collections in the fullest span."""
+    from dask.utils import key_split
+
+    spans = dask_scheduler.extensions["spans"].spans.values()
+    return key_split.cache_info().currsize, max(len((span.metadata or {})["collections"]) for span in spans)

@@ -1,7 +1,8 @@
 """One trial of the search: a clamping, moved to where it fits, and about how long the program takes then.
 
 The plan is a cheap one: the smooth path has wider tolerances, limits hold at the nodes of its mesh alone, and no bound
-is worked out. What that does to the order of clampings is measured in docs/design/clamping.md.
+is worked out. Where the pace falls to next to nothing between two nodes, which a whole plan mends, the cell counts as
+passed at the pace of its ends. What all this does to the order of clampings is measured in docs/design/clamping.md.
 """
 
 from __future__ import annotations
@@ -84,7 +85,8 @@ def tried_there(task: Task, clamping: Clamping) -> Trial:
         path = Path.fit(task.toolpath, WIDER * task.tip_tolerance, WIDER * task.axis_tolerance, machine)
         axis_path = AxisPath.follow(path, machine)
         check_travel(axis_path)
-        return Trial(clamping, plan(axis_path, machine, bound=False, guard=False).duration)
+        motion = plan(axis_path, machine, bound=False, guard=False)
+        return Trial(clamping, motion.duration - sum(law.lost_in_dips() for law in motion.laws))
     except ReachError:
         return Trial(clamping, beyond(0.0))
     except ToolpaceError:

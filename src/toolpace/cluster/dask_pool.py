@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 import uuid
 import warnings
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import cloudpickle
 from distributed import KilledWorker
 
-from toolpace.cluster import remote
+from toolpace.cluster import remote, scheduler_notes
 from toolpace.cluster.pool import Outcome, Pool, PoolWork, too_large
 from toolpace.errors import ClusterError, printable
 from toolpace.version import __version__
@@ -116,6 +117,8 @@ class _Run(Generic[C, T, R]):
         allowed = self.there.difference(self.work.avoid) if self.work.avoid else frozenset()
         # Another try is another task: the scheduler still counts what happened to the first.
         self.tries += 1
+        if self.tries % scheduler_notes.OFTEN == 0:
+            self._tidy()
         future = self._submit(
             remote.do,
             remote.WorkItem(self.work.do, item),
@@ -201,6 +204,11 @@ class _Run(Generic[C, T, R]):
             # A program of some megabytes is no mistake: it is what there is to do.
             warnings.filterwarnings("ignore", message="Sending large graph")
             return self.client.submit(*words, pure=False, **options)
+
+    def _tidy(self) -> None:
+        # One that takes no functions (distributed.scheduler.pickle: false), or is gone: the next look will tell.
+        with contextlib.suppress(OSError, ValueError):
+            self.client.run_on_scheduler(scheduler_notes.throw_away)
 
     def _look_again(self) -> None:
         if time.monotonic() - self.looked >= LOOK:

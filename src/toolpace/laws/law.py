@@ -60,6 +60,13 @@ class TimeLaw(ABC):
     def probes(self) -> Iterator[Probe]:
         """States between which nothing is hidden, in pieces that do not take much memory."""
 
+    def lost_in_dips(self) -> float:
+        """Time [s] that is lost in cells in which the pace falls far below that of both their nodes, to none at times.
+
+        A law whose limits hold at the nodes alone may lose hours so; one whose limits hold everywhere does not.
+        """
+        return 0.0
+
     def states_at(self, s: Floats) -> Floats:
         """(4, n) the states in which places s (n,) in order are passed."""
         return self.at(self.times_at(s))

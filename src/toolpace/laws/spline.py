@@ -51,6 +51,12 @@ class SplineLaw(TimeLaw):
 
         return spline_law.dips(self.nodes, self.cells, self.inside)
 
+    def lost_in_dips(self) -> float:
+        dips = self.dips()
+        ends = np.sqrt(self.z_at_nodes())
+        spent, level = np.diff(self.times)[dips], (2.0 * np.diff(self.nodes) / (ends[:-1] + ends[1:]))[dips]
+        return float((spent - level).sum())
+
     def at(self, t: Floats) -> Floats:
         from toolpace.kernels.motion import spline_law
 

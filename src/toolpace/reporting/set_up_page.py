@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -46,7 +47,11 @@ def set_up_page(
         _panel("Time over the place", "all else as in the best set-up; cheap plans", _map(found)),
         _panel("What limits, before and after", "share of the time; pale as given, strong as found", _limits(found)),
         "</div>",
-        _panel("Set-up sheet", "setup.toml, to be given with --setup", f"<pre>{escape(sheet)}</pre>"),
+        _panel(
+            "Set-up sheet",
+            "setup.toml, for --setup with program.apt; machine.toml has it too",
+            f"<pre>{escape(sheet)}</pre>",
+        ),
         f"</main><footer>toolpace {escape(__version__)} · {found.trials} clampings tried · seed {found.seed}</footer>",
     ]
     return framed(f"Set-up for {program} on {best.machine.name}", "\n".join(parts), STYLE)
@@ -76,20 +81,25 @@ def _cards(found: FoundSetUp) -> str:
 
 
 def _machines(others: Sequence[tuple[str, FoundSetUp | str]]) -> str:
-    """A row a machine, where there is more than one."""
+    """A row a machine, fastest first, where there is more than one."""
     if len(others) < 2:
         return ""
     rows = "".join(
-        f"<tr><td>{escape(name)}</td><td colspan=3>{escape(found)}</td></tr>"
+        f"<tr><td>{escape(name)}</td><td colspan=4>{escape(found)}</td></tr>"
         if isinstance(found, str)
         else f"<tr><td>{escape(name)}</td><td class=n>{duration(found.best[0].duration)}</td>"
+        f"<td class=n>{duration(found.given.duration) if found.given is not None else 'cannot be run'}</td>"
         f"<td class=n>{_gain(found.best[0], found.given)}</td>"
         f"<td>{escape(found.best[0].clamping.words(found.best[0].machine))}</td></tr>"
-        for name, found in others
+        for name, found in sorted(others, key=_time)
     )
-    head = "<th>Machine</th><th class=n>Time</th><th class=n>Gain</th><th>Set-up</th>"
+    head = "<th>Machine</th><th class=n>Time</th><th class=n>As given</th><th class=n>Gain</th><th>Set-up</th>"
     body = f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
     return _panel("Machines", "each with its own best set-up; this page is of the fastest", body)
+
+
+def _time(machine: tuple[str, FoundSetUp | str]) -> float:
+    return math.inf if isinstance(machine[1], str) else machine[1].best[0].duration
 
 
 def _gain(each: PlannedSetUp, given: PlannedSetUp | None) -> str:
@@ -101,7 +111,12 @@ def _table(found: FoundSetUp) -> str:
     head = "".join(f"<th{' class=n' if i else ''}>{name}</th>" for i, name in enumerate(names))
     shown = [*found.best, *([found.given] if found.given is not None and found.given not in found.best else [])]
     rows = "".join(_row(k, each, found.given) for k, each in enumerate(shown, start=1))
-    units = "Turn, tilt and swing in deg from how the part is clamped now; X, Y, Z: how far it is moved, in mm."
+    units = (
+        "Turn, tilt and swing are about the middle of the program, in deg from how the part is clamped now; X, Y, Z: "
+        "how far that middle is moved, in mm. Tool: from the spindle nose to the tip, in mm. Solution: which half of "
+        "its circle the second rotary joint keeps to; free: whichever turns least. Gap: how far the time may be from "
+        "the best."
+    )
     return (
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
         f'<p class="hint">{units}</p>'

@@ -15,7 +15,7 @@ from toolpace.files import whole_folder
 from toolpace.reading.setup_file import setup_text
 from toolpace.reporting.place_map import map_svg
 from toolpace.reporting.set_up_page import set_up_page
-from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.units import DEGREE, MILLIMETRE, format_time
 from toolpace.version import __version__
 from toolpace.write.cldata import cldata_text
 
@@ -45,7 +45,7 @@ def write_set_up(
     the sheet that the program was read with; `others` are all machines that were searched. Raises UsageError.
     """
     best = found.best[0]
-    sheet = sheet_words(program) + setup_text(sheet_of(best.machine, setup))
+    sheet = sheet_words(program, found) + setup_text(sheet_of(best.machine, setup))
     with whole_folder(directory, seal=RECORD) as folder:
         texts = {
             SHEET: sheet,
@@ -61,14 +61,30 @@ def write_set_up(
     return [name for name in (RECORD, MAP, SHEET, MACHINE, PROGRAM, PAGE) if name in texts]
 
 
-def sheet_words(program: str) -> str:
-    """The head of the set-up sheet."""
+def sheet_words(program: str, found: FoundSetUp) -> str:
+    """The head of the set-up sheet: how to clamp the part, with which tool, and what no sheet can tell."""
+    best = found.best[0]
+    chain, clamping = best.machine.file.chain, best.clamping
     shown = program if program.isprintable() else ascii(program)
-    return (
-        f"# Set-up sheet of {shown}, as found by `toolpace setup`.\n"
-        "# [part] tells where the zero of the part is and how its X and Z point, in the bed's frame with every joint\n"
-        "# at zero. Work offsets are left out: measure them when the part is clamped.\n\n"
-    )
+    x, y, z = (f"{each / MILLIMETRE:.3f}" for each in chain.workpiece_origin)
+    length = f"{best.machine.tool_length / MILLIMETRE:g}mm"
+    lines = [
+        f"Set-up sheet of {shown} on {best.machine.name}, as found by `toolpace setup`: {format_time(best.duration)}.",
+        f"From how the part is clamped now: {clamping.words(best.machine)}.",
+        f"Its zero then is at X {x}, Y {y}, Z {z} mm, in the bed's frame with every joint at zero; [part] has",
+        "the same in metres, and where X and Z of the part point.",
+        "Work offsets are left out: measure them when the part is clamped.",
+        f"Tool: {length} from the spindle nose to the tip"
+        + (f"; give it with --tool-length {length}." if clamping.tool_length is not None else "."),
+        "It goes with program.apt: rotary words of the program as it was hold for the old clamping only.",
+    ]
+    if clamping.side:
+        joint = best.machine.geometry.rotary_joints[1]
+        low, high = (f"{each / DEGREE:g}" for each in best.machine.travel[best.machine.joints.index(joint)])
+        lines.append(
+            f"{joint} keeps to {low} to {high} deg, which no sheet can tell: take machine.toml, which has it all."
+        )
+    return "".join(f"# {line}\n" for line in lines) + "\n"
 
 
 def record(found: FoundSetUp, program: str, others: Sequence[tuple[str, FoundSetUp | str]]) -> dict[str, object]:
@@ -127,7 +143,7 @@ def _machine(name: str, found: FoundSetUp | str) -> dict[str, object]:
     if isinstance(found, str):
         return {"machine": name, "error": found}
     given = None if found.given is None else found.given.duration
-    return {"machine": name, "duration_s": found.best[0].duration, "given_duration_s": given}
+    return {"machine": name, "duration_s": found.best[0].duration, "given_duration_s": given, **_set_up(found.best[0])}
 
 
 def _list(values: Iterable[float]) -> list[float]:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import toolpace as tp
+from testbed.curved_pass import curved_pass
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
-from tests.support.curved_pass import curved_pass
 from toolpace.clamping.clamping import Clamping
 from toolpace.clamping.trial import as_tips_and_axes, centre_of
 from toolpace.errors import InfeasibleError

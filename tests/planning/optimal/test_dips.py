@@ -97,3 +97,12 @@ def test_a_cell_is_too_short_to_be_cut_where_a_thousand_numbers_do_not_lie_in_it
     unit = float(np.spacing(abs(at)))
     nodes = at + np.cumsum([0.0, 900.0 * unit, 1200.0 * unit, 0.0625])
     assert too_short(nodes).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("left", [1e-3, -0.05, -0.0869565])
+@pytest.mark.parametrize("rest", [REST, (0.0, 0.0)])
+def test_what_is_lost_in_dips_is_what_the_law_takes_longer_than_without_them(left, rest):
+    """A search for a set-up ranks cheap plans by what is left."""
+    even, law = law_with([16, 17], 1.0, rest), law_with([16, 17], left, rest)
+    assert even.lost_in_dips() == 0.0 and law.lost_in_dips() > 0.0
+    assert law.duration - law.lost_in_dips() == pytest.approx(even.duration, rel=0.2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.cli import arguments, options
 from toolpace.cli.steps import Steps, new_console
 from toolpace.cli.summary import limits_in_words
 from toolpace.errors import ToolpaceError, UsageError, printable
@@ -73,10 +75,20 @@ def run_setup(asked: AskedSearch) -> int:
     with steps.step("writing"):
         files = write_set_up(asked.out, fastest, Path(asked.program).name, asked.options.setup, found)
     show_found(console, fastest, found)
-    machine, program = asked.out / "machine.toml", asked.out / "program.apt"
     console.print(f"written      {printable(str(asked.out))}: {', '.join(files)}", soft_wrap=True)
-    console.print(f"to plan it   toolpace plan {printable(str(program))} -m {printable(str(machine))}", soft_wrap=True)
+    console.print(f"to plan it   {advice(asked)}", soft_wrap=True)
+    console.print("             with --effort low in this time; without it, in less where the path can be faster")
     return 0
+
+
+def advice(asked: AskedSearch) -> str:
+    """The command that plans what was found, as it was planned here."""
+    words = ["toolpace", "plan", str(asked.out / "program.apt"), "-m", str(asked.out / "machine.toml")]
+    usual = arguments.even_tolerances(options.USUAL_TOLERANCES)
+    tip, axis = asked.tolerances
+    words += ["--tip-tolerance", f"{tip / MILLIMETRE:.12g}mm"] if tip != usual[0] else []
+    words += ["--axis-tolerance", f"{axis / DEGREE:.12g}deg"] if axis != usual[1] else []
+    return printable(shlex.join([*words, "--effort", "low"]))
 
 
 def read_for_first(asked: AskedSearch, steps: Steps) -> ToolPath:
@@ -113,20 +125,21 @@ def searched(asked: AskedSearch, toolpath: ToolPath, machine: Machine, name: str
 def show_found(console: Console, found: FoundSetUp, machines: Sequence[tuple[str, FoundSetUp | str]]) -> None:
     """The machines where there are several, the best set-ups of the fastest, and what limits before and after."""
     if len(machines) > 1:
-        table = Table("machine", "time", "gain", "set-up", box=SIMPLE)
-        for name, each in machines:
+        table = Table("machine", "time", "given", "gain", "set-up", box=SIMPLE)
+        for name, each in sorted(machines, key=time_on):
             if isinstance(each, str):
-                table.add_row(Text(name), "", "", Text("none fits"))
+                table.add_row(Text(name), "", "", "", Text("none fits"))
             else:
                 best = each.best[0]
                 table.add_row(
                     Text(name),
                     format_time(best.duration),
+                    format_time(each.given.duration) if each.given is not None else "cannot be run",
                     gain(best, each.given),
                     Text(best.clamping.words(best.machine)),
                 )
         console.print(table)
-    table = Table("", "time", "gain", "turn", "tilt", "swing", "x", "y", "z", "tool", "side", box=SIMPLE)
+    table = Table("", "time", "gain", "turn", "tilt", "swing", "x", "y", "z", "tool", "solution", box=SIMPLE)
     for column in table.columns[1:]:
         column.justify = "right"
     for number, planned in enumerate(found.best, start=1):
@@ -134,11 +147,19 @@ def show_found(console: Console, found: FoundSetUp, machines: Sequence[tuple[str
     if found.given is not None and found.given not in found.best:
         table.add_row(*row(len(found.best) + 1, found.given, found.given), style="dim")
     console.print(table)
+    console.print("turn, tilt, swing in deg from how the part is clamped now, about the program's middle;")
+    console.print("x, y, z (how far that is moved) and tool in mm; solution: half of the second rotary joint's circle")
+    console.print()
     if found.given is None:
         console.print(f"as given     {printable(found.why)}", soft_wrap=True)
     else:
         console.print(f"before       {time_and_limits(found.given)}", soft_wrap=True)
     console.print(f"after        {time_and_limits(found.best[0])}", soft_wrap=True)
+
+
+def time_on(machine: tuple[str, FoundSetUp | str]) -> float:
+    """How long the program takes on a machine with its best set-up [s]; inf where none fits."""
+    return math.inf if isinstance(machine[1], str) else machine[1].best[0].duration
 
 
 def time_and_limits(each: PlannedSetUp) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.support.tool_paths import toolpath_through
 from toolpace.toolpath import ToolPath
 
 
@@ -14,4 +13,7 @@ def curved_pass(points: int = 60, lean: float = 50.0, feed: float = 0.5) -> Tool
     tip = np.column_stack([0.12 * (u - 0.5), 0.02 * np.sin(2.0 * np.pi * u), 0.015 * np.cos(2.0 * np.pi * u)])
     along, across = np.radians(lean) * np.sin(2.5 * np.pi * u + 0.3), np.radians(25.0) * np.cos(3.0 * np.pi * u)
     axis = np.column_stack([np.sin(along) * np.cos(across), np.sin(across), np.cos(along) * np.cos(across)])
-    return toolpath_through(tip, axis, feed=feed)
+    return ToolPath(
+        tip, axis / np.linalg.norm(axis, axis=1)[:, None], np.full(points, feed), np.zeros(points),
+        np.arange(1, points + 1), np.isin(np.arange(points), [0, points - 1]), np.zeros(points),
+    )  # fmt: skip
