@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import gc
 import json
 import os
 import random
@@ -177,6 +178,12 @@ def free_port() -> int:
         return port
 
 
+def objects(dask_scheduler: object) -> int:
+    """Blocks of memory that Python has given out in the scheduler, what is no longer needed thrown away."""
+    gc.collect()
+    return sys.getallocatedblocks()
+
+
 def nothing(common: object, item: int) -> int:
     """Work that takes no time."""
     return item
@@ -184,24 +191,28 @@ def nothing(common: object, item: int) -> int:
 
 def small() -> dict[str, Any]:
     """What an item costs beside its work, and memory of scheduler and client over many of them."""
+    from distributed import Client
+
     from toolpace.cluster import open_pool
 
-    with by_hand(2) as ((scheduler, *_), address), open_pool(address) as pool:
+    with by_hand(2) as ((scheduler, *_), address), open_pool(address) as pool, Client(address) as observer:
         assert len(list(pool.each(nothing, None, range(100)))) == 100
         began = time.perf_counter()
         assert len(list(pool.each(nothing, None, range(EMPTY)))) == EMPTY
         each = (time.perf_counter() - began) / EMPTY
-        memory = []
+        memory, blocks = [], []
         common = bytes(2_000_000)
         for k, _ in enumerate(pool.each(nothing, common, range(EVALUATIONS))):
             if (k + 1) % (EVALUATIONS // 10) == 0:
                 memory.append([psutil.Process(pid).memory_info().rss / 1e6 for pid in (scheduler, os.getpid())])
+                blocks.append(observer.run_on_scheduler(objects))
     growth = 1e6 * np.polyfit(np.linspace(0.1, 1.0, 10)[4:] * EVALUATIONS, np.array(memory)[4:], 1)[0]
     return {
         "each_ms": 1e3 * each,
         "evaluations": EVALUATIONS,
         "scheduler_and_client_mb": memory,
         "scheduler_and_client_bytes_each": growth.tolist(),
+        "scheduler_blocks": blocks,
     }
 
 
@@ -238,7 +249,8 @@ def page(found: dict[str, Any]) -> str:
             f"{', '.join(f'{each[0]:.1f}' for each in memory)} MB, and the client "
             f"{', '.join(f'{each[1]:.1f}' for each in memory)} MB. Fitted over the second half, the scheduler grows "
             f"by {growth[0]:.0f} bytes an item, the client by {growth[1]:.0f}; before that, logs of 1000 entries "
-            "fill up.",
+            "fill up. Blocks of memory that Python holds in the scheduler, at the same places: "
+            f"{', '.join(map(str, found['small']['scheduler_blocks']))}.",
         ]
     return "\n".join(lines) + "\n"
 

@@ -71,7 +71,7 @@ def test_the_tables_have_a_row_a_job(done):
     page = (out / "batch.html").read_text()
     assert page.count("<tr>") == 1 + len(rows) and "Content-Security-Policy" in page
     for row in rows:
-        assert f'href="{row["folder"]}/report.html"' in page or not row["folder"]
+        assert f'href="{row["folder"]}/plan.json"' in page or not row["folder"]
 
 
 def test_the_same_command_again_does_only_what_is_not_done(done, parts):

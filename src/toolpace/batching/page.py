@@ -16,11 +16,13 @@ from toolpace.reporting.words import duration, limit_words, percent
 
 RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspect": INSPECTED}
 """What a row leads to, in the folder of its job."""
+RECORD = "plan.json"
+"""What it leads to where the report is left out."""
 HEADINGS = (
     ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("Gap", "n"),
-    ("Limited by", ""), ("Blocks", "n"), ("Tip", "n"), ("Axis", "n"), ("Feed", ""), ("Took", "n"), ("Error", ""),
+    ("Blocks", "n"), ("Tip", "n"), ("Axis", "n"), ("Feed", ""), ("Took", "n"), ("Limited by, or what is wrong", ""),
 )  # fmt: skip
-OPTIONAL = {"Optimum", "Gap", "Feed", "Error", "Limited by", "Machine"}
+OPTIONAL = {"Optimum", "Gap", "Feed", "Limited by, or what is wrong", "Machine"}
 """Columns that are left out where no row has anything in them."""
 Number = TypeVar("Number", int, float)
 Cell = tuple[str, float | None, str]
@@ -50,7 +52,7 @@ def _badge(rows: Sequence[BatchRow]) -> str:
         return '<span class="badge good">all is well</span>'
     if waiting == wrong:
         return f'<span class="badge quiet">{waiting} not run yet</span>'
-    return f'<span class="badge bad">{wrong - waiting} of {len(rows)} not well</span>'
+    return f'<span class="badge bad">{wrong - waiting} of {len(rows)} went wrong</span>'
 
 
 def _cards(rows: Sequence[BatchRow]) -> str:
@@ -96,13 +98,12 @@ def _cells(row: BatchRow) -> list[Cell]:
         _figure(row.duration_s, duration),
         _figure(row.optimum_s, duration),
         _figure(row.gap, percent),
-        (escape(limits), None, ""),
         _figure(row.blocks, str),
         _figure(row.tip_tolerance_mm, lambda value: f"{1e3 * value:.4g} µm"),
         _figure(row.axis_tolerance_deg, lambda value: f"{value:.4g}°"),
         (escape(row.feed or ""), None, ""),
         ("found", 0.0, "n quiet") if row.found else _figure(row.seconds or None, duration),
-        (escape(row.error), None, "why"),
+        (f'<span class="why">{escape(row.error)}</span>' if row.error else escape(limits), None, "limits"),
     ]
 
 
@@ -116,7 +117,7 @@ def _linked(row: BatchRow) -> str:
     """The program, leading to what came of it."""
     if not row.folder:
         return escape(row.program)
-    target = quote(f"{row.folder}/{RESULTS[row.what]}")
+    target = quote(f"{row.folder}/{RESULTS[row.what] if row.report else RECORD}")
     return f'<a href="{escape(target)}">{escape(row.program)}</a>'
 
 

@@ -42,6 +42,8 @@ class BatchRow(msgspec.Struct, frozen=True, kw_only=True):
     blocks: int | None = None
     folder: str = ""
     """Of its results, in that of the batch; empty where there are none."""
+    report: bool = True
+    """Whether a report was asked for, of what has one."""
     exported: str = ""
     """Of `export`: the folder of the files, beside it."""
     key: str = ""
@@ -82,4 +84,5 @@ def waiting(job: BatchJob) -> BatchRow:
         tip_tolerance_mm=job.tip_tolerance / MILLIMETRE,
         axis_tolerance_deg=job.axis_tolerance / DEGREE,
         feed=job.feed,
+        report=job.report or job.what not in ("plan", "export"),
     )

@@ -13,6 +13,7 @@ from rich.text import Text
 
 from toolpace.cli import arguments
 from toolpace.cli.steps import Steps, new_console
+from toolpace.cli.summary import limit_in_words
 from toolpace.comparing import Compared, compared
 from toolpace.errors import printable
 from toolpace.units import format_time
@@ -46,7 +47,9 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
     _show_plans(console, found)
     _show(console, found, "operation", found.operations)
     least = LEAST * max(found.durations)
-    limits = [row for row in found.limits if max(time or 0.0 for time in row[1]) >= least]
+    limits = [
+        (limit_in_words(name), times) for name, times in found.limits if max(time or 0.0 for time in times) >= least
+    ]
     _show(console, found, "limited by", limits)
     if target is not None:
         with Steps(console).step("drawing"):

@@ -127,15 +127,19 @@ def bending_in_words(bending: BendingRecord) -> str:
     return f"aimed off by at most {largest}, what the tool bends; {counted(bending.rounds, 'round')}, known to {change}"
 
 
+def limit_in_words(name: str) -> str:
+    """ "jerk C" is "jerk of C"."""
+    kind, _, joint = name.partition(" ")
+    return "no limit quite reached" if name == "nothing" else f"{kind} of {joint}" if joint else kind
+
+
 def limits_in_words(shares: dict[str, float]) -> str:
     """ "feed 62 %, jerk of C 21 %, ..."; what binds for less than a percent is summed up."""
     words: list[str] = []
     rest = 0.0
     for name, share in sorted(shares.items(), key=lambda item: -item[1]):
         if len(words) < SHOWN and share >= 0.01:
-            kind, _, joint = name.partition(" ")
-            label = "no limit quite reached" if name == "nothing" else f"{kind} of {joint}" if joint else kind
-            words.append(f"{label} {100.0 * share:.0f} %")
+            words.append(f"{limit_in_words(name)} {100.0 * share:.0f} %")
         else:
             rest += share
     return ", ".join(words + ([f"others {100.0 * rest:.0f} %"] if rest >= 0.005 else []))

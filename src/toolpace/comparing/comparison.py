@@ -75,7 +75,9 @@ def _operations(records: Sequence[PlanRecord]) -> Iterator[Row]:
             met[each.name, each.tool] += 1
             found[each.name, each.tool, met[each.name, each.tool]] = each.time_s
         times.append(found)
-    for name, tool, number in dict.fromkeys(key for found in times for key in found):
-        words = " ".join(word for word in (name, f"tool {tool}" if tool else "") if word) or "before any operation"
+    known = dict.fromkeys(key for found in times for key in found)
+    nameless = "before any operation" if len(known) > 1 else "the whole program"
+    for name, tool, number in known:
+        words = " ".join(word for word in (name, f"tool {tool}" if tool else "") if word) or nameless
         words += f", {number} of this name" if number > 1 else ""
         yield words, tuple(found.get((name, tool, number)) for found in times)

@@ -69,9 +69,9 @@ def _short(values: Floats) -> list[float]:
 def _plans(plans: Compared) -> str:
     """A row a plan."""
     head = "".join(
-        f"<th{' class=n' if k > 1 else ''}>{name}</th>"
+        f"<th{' class=n' if k > 2 else ''}>{name}</th>"
         for k, name in enumerate(
-            ("Plan", "Machine", "Time", "Against the first", "Gap", "Tolerances", "Stops", "Verdict")
+            ("Plan", "Program", "Machine", "Time", "Against the first", "Gap", "Tolerances", "Stops", "Verdict")
         )
     )
     rows = []
@@ -86,7 +86,8 @@ def _plans(plans: Compared) -> str:
         )
         told = "".join(f'<td class="n">{escape(cell)}</td>' for cell in cells)
         mark = f'<i style="background:{joint_colour(number)}"></i>'
-        rows.append(f"<tr><td>{mark}{escape(name)}</td><td>{escape(record.machine)}</td>{told}</tr>")
+        words = "".join(f"<td>{escape(word)}</td>" for word in (record.program, record.machine))
+        rows.append(f"<tr><td>{mark}{escape(name)}</td>{words}{told}</tr>")
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 

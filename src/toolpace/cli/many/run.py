@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from rich.text import Text
 
 from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
+from toolpace.cli.summary import limit_in_words
 from toolpace.description import counted
 from toolpace.errors import printable
 from toolpace.units import format_time
@@ -93,7 +94,7 @@ class _Shown:
         """Of a job that has ended."""
         self.wrong += not row.ok
         self.ended = done
-        self.bar.update(self.task, completed=done, description=f"{self.wrong} not well" if self.wrong else "")
+        self.bar.update(self.task, completed=done, description=f"{self.wrong} went wrong" if self.wrong else "")
         if self.console.is_terminal and row.ok:
             return
         took = "found" if row.found else format_time(row.seconds)
@@ -109,6 +110,16 @@ def named_error(row: BatchRow) -> str:
     return row.error if row.error.startswith(row.program) else f"{row.program}: {row.error}"
 
 
+def errors(rows: Iterable[BatchRow]) -> dict[str, list[str]]:
+    """What is wrong, once, and the machines with which it is."""
+    found: dict[str, list[str]] = {}
+    for row in rows:
+        if row.error:
+            machines = found.setdefault(named_error(row), [])
+            machines += [row.machine] if row.machine not in machines else []
+    return found
+
+
 def _say(console: Console, name: str, text: str) -> None:
     console.print(Text(printable(f"{name:<12} {text}")), soft_wrap=True)
 
@@ -117,28 +128,29 @@ def _show(console: Console, done: Batch) -> None:
     """A table, what is not well first, and where all of it is."""
     rows = sorted(done, key=lambda row: -row.exit_code)[:SHOWN]
     table = Table(box=SIMPLE, pad_edge=False)
-    headings = ("program", "machine", "result", "time", "optimum", "gap", "limited by", "took")
+    timed = any(row.optimum_s is not None for row in rows)
+    headings = ("program", "machine", "result", "time", *(["optimum"] if timed else []), "gap", "limited by", "took")
     for heading in headings:
         left = heading in ("program", "machine", "result", "limited by")
         table.add_column(heading, justify="left" if left else "right", overflow="fold")
     for name, row in zip(short_names([row.program for row in rows]), rows):
+        optimum = format_time(row.optimum_s) if row.optimum_s is not None else "-"
         cells = (
             name,
             row.machine,
             row.verdict,
             format_time(row.duration_s) if row.duration_s is not None else "-",
-            format_time(row.optimum_s) if row.optimum_s is not None else "-",
+            *([optimum] if timed else []),
             f"{row.gap:.3%}" if row.gap is not None else "-",
-            f"{row.limit} {row.limited_by[row.limit]:.0%}" if row.limit else "-",
+            f"{limit_in_words(row.limit)} {100.0 * row.limited_by[row.limit]:.0f} %" if row.limit else "-",
             "found" if row.found else format_time(row.seconds) if row.seconds else "-",
         )
         table.add_row(*(Text(printable(cell), style="" if row.ok else "red") for cell in cells))
     console.print(table)
     if len(done) > len(rows):
         _say(console, "", f"and {len(done) - len(rows)} more: see batch.html")
-    for row in rows:
-        if row.error:
-            _say(console, "", named_error(row))
+    for error, machines in errors(rows).items():
+        _say(console, "", f"{error} (on {', '.join(machines)})" if len(machines) > 1 else error)
     well = sum(row.ok for row in done)
     found = sum(row.found for row in done)
     _say(
