@@ -154,7 +154,10 @@ def show_found(console: Console, found: FoundSetUp, machines: Sequence[tuple[str
         console.print(f"as given     {printable(found.why)}", soft_wrap=True)
     else:
         console.print(f"before       {time_and_limits(found.given)}", soft_wrap=True)
-    console.print(f"after        {time_and_limits(found.best[0])}", soft_wrap=True)
+    if found.best[0] is found.given:
+        console.print("after        nothing that was tried is faster: leave the part as it is")
+    else:
+        console.print(f"after        {time_and_limits(found.best[0])}", soft_wrap=True)
 
 
 def time_on(machine: tuple[str, FoundSetUp | str]) -> float:
