@@ -185,9 +185,9 @@ def main() -> None:
     parser.add_argument("--shown", type=int, default=3)
     asked = parser.parse_args()
     file = RESULTS / "setups.json"
-    found: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {"programs": {}}
     for case in cases(asked.programs):
         row = measured(case, asked.trials, asked.turns, asked.shown)
+        found: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {"programs": {}}
         found["programs"][case.name] = row
         print(*line(case.name, row), sep=" | ", flush=True)
         found["written by"] = written_by("python -m benchmarks.setups")
