@@ -124,8 +124,8 @@ def test_a_first_path_whose_motion_nobody_knows_is_planned_too(blade, machine, m
     monkeypatch.setattr(program_plan, "plan", first_crawls)
     fitted = fit_program(blade, machine, TIP, math.radians(0.2), effort="normal")
     monkeypatch.setattr(program_plan, "plan", planned)
-    assert [hoped for hoped, _ in fitted.candidates].count(0.0) == 1 and len(fitted.candidates) >= 3
-    hoped, unknown = fitted.candidates[-1]
+    assert [each.hoped for each in fitted.candidates].count(0.0) == 1 and len(fitted.candidates) >= 3
+    hoped, unknown, _ = fitted.candidates[-1]
     assert hoped == 0.0
     assert all(each.axis_tolerance > 1.5 * math.radians(0.05) for each in fitted.rounds)
     slowed = []

@@ -8,14 +8,15 @@ for some tolerances of the tool axis, up to the one asked for: a path within a n
         not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
 the fastest of these paths, planned in full
 while another one was hoped to take less than that came to, it too: the best is taken
-path and pace of that one changed together, and planned once more; taken where it is faster          (high)
+before all that, path and pace of the one that is hoped to be the fastest changed together,          (high)
+while that gains; where its plan takes less than was hoped of all others, none of them is planned
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,10 @@ from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import UNTOLD, Progress
+
+
+if TYPE_CHECKING:
+    from toolpace.planning.together.rounds import Together
 
 
 class Measure(NamedTuple):
@@ -76,8 +81,8 @@ FITTED = 0.6
 """Share of a round, for progress, that its fit takes."""
 ROUNDS_DONE = 0.3
 """Share of a whole plan that the rounds take."""
-PLANNED, CHANGED = 0.2, 0.7
-"""Share of what follows that is done before path and pace are changed together; and of that, when they are."""
+CHANGED = 0.8
+"""Share of what follows that is done once path and pace are changed together."""
 
 
 @dataclass(frozen=True)
@@ -94,42 +99,22 @@ class Round:
     """Of the tool axis, that it was fitted within [rad]: at most the one asked for."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Together:
-    """A program whose path may be changed together with its pace."""
+class Candidate(NamedTuple):
+    """A path that a program may be planned on."""
 
-    toolpath: ToolPath
+    hoped: float
+    """How long its motion was hoped to take [s]; 0 where nobody knows."""
+    path: Path
     tolerances: PlaceTolerances
-    ramp: float
-    """In which time an acceleration builds up [s]."""
-
-    def faster(
-        self, best: ProgramPlan, machine: Machine, check: Callable[[AxisPath], None], progress: Progress
-    ) -> ProgramPlan:
-        """The plan on the changed path, or the one that is given where that is no faster."""
-        from toolpace.planning.together.fine import Fine
-        from toolpace.planning.together.refit import refitted
-
-        motion = best.trajectory
-        changed = progress.part(0.0, CHANGED)
-        path = refitted(self.toolpath, machine, best.path, motion, self.tolerances, self.ramp, changed)
-        length = sum(run.s1 - run.s0 for run in path.runs)
-        try:
-            axis_path = AxisPath.follow(path, machine)
-            check(axis_path)
-            planner = Fine(motion.duration, length, self.ramp)
-            found = plan(axis_path, machine, planner=planner, progress=progress.part(CHANGED, 1.0))
-        except (InfeasibleError, ReachError):
-            return best
-        return replace(best, path=path, trajectory=found) if found.duration < motion.duration else best
+    """That it was fitted within."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedProgram:
     """The paths that a program may be planned on."""
 
-    candidates: tuple[tuple[float, Path], ...]
-    """Of each tolerance of the axis the fastest ones and the first, and how long each was hoped to take [s]."""
+    candidates: tuple[Candidate, ...]
+    """Of each tolerance of the axis the fastest ones and the first."""
     first: Path
     """The one that knows no pace, within all of the tolerance."""
     effort: str
@@ -205,9 +190,10 @@ def fit_program(
     """The path that may be passed the fastest, of those that an effort looks at. Raises as `Path.fit`."""
     check_machine(machine, "plan_program")
     told = Progress(progress or (lambda share: None))
+    asked_for = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
     if not MEASURES[effort]:
         path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, told)
-        return FittedProgram(((0.0, path),), path, effort)
+        return FittedProgram((Candidate(0.0, path, asked_for),), path, effort)
     asked = Tolerances.of(axis_tolerance, "axis_tolerance")
     rounds = PaceRounds(toolpath, machine, tip_tolerance, told)
     rungs = axis_tolerances(float(asked.axis_along(toolpath).max()))
@@ -221,7 +207,9 @@ def fit_program(
     told(1.0)
     together = None
     if effort == "high":
-        together = Together(toolpath, PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance), rounds.ramp)
+        from toolpace.planning.together.rounds import Together
+
+        together = Together(toolpath, asked_for, rounds.ramp)
     return FittedProgram(rounds.candidates(), rounds.first, effort, tuple(rounds.done), together)
 
 
@@ -243,8 +231,8 @@ class PaceRounds:
         self.toolpath, self.machine, self.tip_tolerance, self.progress = toolpath, machine, tip_tolerance, progress
         self.ramp = float(np.clip(ramp_time(machine.limits), *RAMPS))
         self.done: list[Round] = []
-        self.levels: list[list[tuple[float, Path]]] = []
-        self.unknown: list[tuple[float, Path]] = []
+        self.levels: list[list[Candidate]] = []
+        self.unknown: list[Candidate] = []
         self.tried = 0
         self.motion: Trajectory | None = None
         """The fastest within the tolerance at hand."""
@@ -270,7 +258,7 @@ class PaceRounds:
         # the smoothest path within all of the tolerance is the one of "low", and the one whose problem is told
         self.first = path
         if self.motion is None:
-            self.unknown.append((0.0, path))
+            self.unknown.append(self._candidate(0.0, path))
         self._note(path, self.motion, 0.0)
 
     def follow(self, start: Trajectory | None, measure: Measure) -> None:
@@ -300,20 +288,24 @@ class PaceRounds:
             return
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
         self.done.append(Round(motion.duration, power, kept, self.widest))
-        self.levels[-1].append((motion.duration, path))
+        self.levels[-1].append(self._candidate(motion.duration, path))
         if self.best is None or motion.duration < self.best.duration:
             self.best = motion
 
-    def candidates(self) -> tuple[tuple[float, Path], ...]:
-        """Of each tolerance the fastest paths and the first, and how long each may take [s]: the fastest first.
+    def _candidate(self, hoped: float, path: Path) -> Candidate:
+        within = PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.tolerances)
+        return Candidate(hoped, path, within)
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Of each tolerance the fastest paths and the first: the fastest first.
 
         Nobody knows of one without a motion, and it may be the best: it comes last.
         """
-        chosen: list[tuple[float, Path]] = []
+        chosen: list[Candidate] = []
         for level in self.levels:
-            best = sorted(level, key=duration_of)[:CANDIDATES]
+            best = sorted(level, key=hope)[:CANDIDATES]
             chosen += best if not level or any(each is level[0] for each in best) else [*best, level[0]]
-        return (*sorted(chosen, key=duration_of), *self.unknown)
+        return (*sorted(chosen, key=hope), *self.unknown)
 
     def _hastes(self, motion: Trajectory, measure: Measure) -> list[Haste]:
         smoothed = measure.smoothed * self.ramp
@@ -335,9 +327,9 @@ class PaceRounds:
         return path, None if any(map(crawls, motion.laws)) else motion
 
 
-def duration_of(candidate: tuple[float, Path]) -> float:
-    """How long a path is hoped to take [s]."""
-    return candidate[0]
+def hope(candidate: Candidate) -> float:
+    """How long the motion along a path is hoped to take [s]."""
+    return candidate.hoped
 
 
 def crawls(law: TimeLaw) -> bool:
@@ -363,7 +355,11 @@ def plan_fitted(
     """
 
     told = Progress(progress or (lambda share: None))
-    planning = told.part(0.0, PLANNED if fitted.together is not None else 1.0)
+    changed = changed_plan(fitted, machine, check, told.part(0.0, CHANGED))
+    if changed is not None and changed.trajectory.duration <= fitted.candidates[0].hoped:
+        told(1.0)
+        return changed
+    planning = told.part(CHANGED, 1.0) if fitted.together is not None else told
 
     def whole(path: Path) -> ProgramPlan:
         axis_path = AxisPath.follow(path, machine)
@@ -371,9 +367,9 @@ def plan_fitted(
         trajectory = plan(axis_path, machine, planner=planner, progress=planning)
         return ProgramPlan(path, trajectory, fitted.effort, fitted.rounds)
 
-    best: ProgramPlan | None = None
+    best = changed
     problem: ToolpaceError | None = None
-    for hoped, path in fitted.candidates:
+    for hoped, path, _ in fitted.candidates:
         if best is not None and best.trajectory.duration <= hoped:
             continue
         try:
@@ -387,6 +383,16 @@ def plan_fitted(
     if best is None:
         assert problem is not None
         raise problem
-    if fitted.together is None:
-        return best
-    return fitted.together.faster(best, machine, check, told.part(PLANNED, 1.0))
+    return best
+
+
+def changed_plan(
+    fitted: FittedProgram, machine: Machine, check: Callable[[AxisPath], None], progress: Progress
+) -> ProgramPlan | None:
+    """The plan of the path that is hoped to be the fastest, changed together with its pace; None where that is not
+    asked for, or nothing was found."""
+    first = fitted.candidates[0]
+    if fitted.together is None or first.hoped == 0.0:
+        return None
+    found = fitted.together.faster(first.path, first.tolerances, machine, check, progress)
+    return None if found is None else ProgramPlan(*found, fitted.effort, fitted.rounds)

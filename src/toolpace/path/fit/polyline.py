@@ -50,6 +50,11 @@ class PlaceTolerances:
         least = along.min(axis=0)
         return cls(float(least[0]), float(least[1]), along / least)
 
+    def counting_in(self, other: PlaceTolerances) -> PlaceTolerances:
+        """The same tolerances, in the narrowest of others."""
+        room = self.room * [self.tip / other.tip, self.axis / other.axis]
+        return PlaceTolerances(other.tip, other.axis, room)
+
 
 @dataclass(frozen=True)
 class Polyline:

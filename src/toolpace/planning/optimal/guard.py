@@ -49,7 +49,7 @@ be no other motion within the same ones."""
 
 def guarded(
     meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD,
-    most_rounds: int = MOST_ROUNDS,
+    most_rounds: int = MOST_ROUNDS, most_used: int | None = MOST_USED,
 ) -> SplineLaw:  # fmt: skip
     """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
 
@@ -58,6 +58,8 @@ def guarded(
       cut the cells that pass a limit by far (unless the mesh is fixed);  put rows where the others pass one
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
     slow the best one down to the guarantee: after so many rounds, or where the cells that were cut led astray
+
+    `most_used` rows of a kind a point keeps where the run is solved again; None: all, and only as a whole.
     """
     best: tuple[MeshedRun, SplineLaw, Floats] | None = None
     least, at_nodes = np.inf, law.duration
@@ -77,7 +79,7 @@ def guarded(
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
-            c = resolve(meshed, c, wrong, float(peaks.used.max()), workers, halfway)
+            c = resolve(meshed, c, wrong, float(peaks.used.max()), workers, halfway, most_used)
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
@@ -132,16 +134,17 @@ def halves(used: Floats) -> Ints:
 
 
 def resolve(
-    meshed: MeshedRun, c: Floats, wrong: Bools, used: float, workers: Workers, progress: Progress = UNTOLD
-) -> Floats:
+    meshed: MeshedRun, c: Floats, wrong: Bools, used: float, workers: Workers, progress: Progress = UNTOLD,
+    most_used: int | None = MOST_USED,
+) -> Floats:  # fmt: skip
     """New coefficients after the rows or the mesh at the marked cells changed, because c `used` so much of a limit.
 
-    Only stretches around those cells are solved again, unless they are most of the run.
+    Only stretches around those cells are solved again, unless they are most of the run, or all rows are kept.
     """
     loss = START_LOSS + 1.0 - 1.0 / min(used, MOST_PASSED)
     parts = stretches(meshed, wrong)
-    if sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
+    if most_used is not None and sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
         mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress, give=GIVE)
         if not stuck:
             return mended
-    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, MOST_USED)
+    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, most_used)

@@ -1,8 +1,8 @@
-"""The plan of a path that was changed together with its pace: on a fine mesh, slowed down where limits are passed.
+"""The plan of a path that was changed together with its pace: on a fine mesh, solved again as a whole with all rows.
 
-Such a path has many joints at their limits at once, and little else than its own pace will do: between states that are
-given, stretches that the guard would solve again have no motion but one that swings from node to node. On a mesh so
-fine that the nodes leave next to nothing between them, what is passed is taken away by going slower there.
+Such a path has many joints at their limits at once, and little else than its own pace will do. A row that is left out
+is passed at once, and between states that are given a stretch has no motion but one that swings from node to node. So
+where limits are passed between the nodes, all of the run is solved again, and each point keeps the rows of all joints.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.workers import Progress, Workers
 
-CELLS = 300.0
+CELLS = 150.0
 """Mesh cells in the time in which an acceleration builds up."""
+ROUNDS = 10
+"""Of holding limits between the nodes."""
 FEWEST, MOST = 1000, 1_000_000
 """Of a run."""
 SOLVED = 0.7
@@ -51,6 +53,6 @@ class Fine:
         time = self.duration * (run.s1 - run.s0) / self.length
         cells = int(np.clip(CELLS * time / self.ramp, FEWEST, MOST))
         told = progress.part(0.0, SOLVED)
-        law, points = fastest_law(run, limits, cells, start, end, True, workers, told, most_rounds=0)
+        law, points = fastest_law(run, limits, cells, start, end, True, workers, told, ROUNDS, most_used=None)
         bound = bound_long_run(run, limits, law, start, end, workers, progress.part(SOLVED, 1.0))
         return PlannedRun(law, points, bound.seconds, places_in_time(run, law, bound))

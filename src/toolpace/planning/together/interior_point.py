@@ -21,7 +21,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats
 from toolpace.planning.together.stretch import GROUPS, SLOT, State, Stretch, sums_of_cells
 
-RADIUS = 0.95
+RADIUS = 0.965
 """Share of the tolerance that the change may use where the tube is held; what lies between takes some of the rest."""
 EASED = 0.12
 """Share of z that is taken away at the start."""
@@ -34,7 +34,9 @@ FIRST_GAP, GAP = 0.1, 3e-3
 STEPS = 60
 SHORT = 0.97
 """Share of the way to the nearest bound."""
-HELD = 1e-6
+NO_FASTER = 1.01
+"""Time from which on what is found is none, in that of the motion at hand, which may pass limits a little."""
+HELD = 1e-8
 """Weight of the squared coefficients, which keeps the matrix regular where nothing is near."""
 WIDTH = SLOT * SLOT
 
@@ -93,7 +95,8 @@ def fastest(stretch: Stretch, x: Floats, free: Bools) -> Floats | None:
                 break
             if not work.step():
                 return None
-    return work.x if np.isfinite(work.x).all() else None
+        found = work.time_now
+    return work.x if found <= NO_FASTER * work.time and np.isfinite(work.x).all() else None
 
 
 class Work:
@@ -108,7 +111,8 @@ class Work:
         deviation = np.sqrt(np.maximum(2.0 * now.excess(np.zeros(2)), 0.0))
         # what stays as it is may hold the path where it is
         bound = (~free[stretch.tube.first[:, None] + np.arange(SLOT)]).any(axis=1)[:, None]
-        self.radius = np.where(bound, np.maximum(RADIUS, deviation + 1e-3), RADIUS)
+        radius = RADIUS * stretch.tube.room
+        self.radius = np.where(bound, np.maximum(radius, deviation + 1e-3), radius)
         self._look()
         rooms = self._rooms()
         self.count = sum(room.size for room in rooms)
@@ -120,6 +124,11 @@ class Work:
     def gap(self) -> float:
         """Sum of the products of slacks and multipliers [s]."""
         return sum(side.gap for side in self.sides)
+
+    @property
+    def time_now(self) -> float:
+        """That the stretch takes with the change [s]; the motion at hand takes `time`."""
+        return float((self.stretch.weight / np.sqrt(self.now.z[0])).sum())
 
     def _look(self) -> None:
         self.now: State = self.stretch.at(self.x)

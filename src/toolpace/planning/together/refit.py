@@ -40,9 +40,7 @@ WINDOW, SEAM = 500, 120
 """Slots of a window, and on either side of a seam that move again."""
 FIXED_AT_END = 3
 """Slots at an end of a run that stay: there position, velocity and acceleration are given."""
-SAME = 1e-9
-"""Relative difference up to which two lengths of a parameter are one."""
-REPAIRS = 2
+REPAIRS = 3
 """Times that the tube is held in more places."""
 
 
@@ -55,13 +53,11 @@ def refitted(
     ramp: float,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """The path changed so that its motion gets faster, within the tolerances that it was fitted in.
+    """The path changed so that its motion gets faster, within tolerances that count in those that it was fitted in.
 
     `motion` is one along the path that holds its limits, `ramp` the time in which an acceleration builds up [s]. Runs
-    for which nothing is found stay as they are; so do all where tolerances differ from place to place.
+    for which nothing is found stay as they are.
     """
-    if not np.all(tolerances.room == 1.0):
-        return path
     lines = polylines(toolpath, tolerances, machine)
     scale = np.repeat([tolerances.tip, tolerances.axis], [3, 2])
     in_joints = toolpath.rotary is not None
@@ -71,8 +67,6 @@ def refitted(
         assert isinstance(run, SplineRun)
         assert isinstance(axis_run, FollowRun)
         unchanged = run, path.tip_deviation, path.axis_deviation
-        if not np.isclose(tolerances.tip * lines[k].s[-1], run.s1 - run.s0, rtol=SAME, atol=0.0):
-            return unchanged  # fitted within another tolerance of the axis: its parameter is another
         known = known_run(run, axis_run, motion.laws[k], lines[k], machine, scale, LONGEST * ramp)
         check = Comparison(lines[k], tolerances.axis, machine, in_joints)
         changed = changed_run(known, check, workers, told)
@@ -105,26 +99,37 @@ def changed_run(
     if len(known.breaks) <= FEWEST:
         return None
     also = known.begin + known.scale[0] * known.line.s
+    x, stages = np.zeros((slots_of(known.breaks), SLOT)), windows(slots_of(known.breaks))
     for repair in range(REPAIRS):
         told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
-        x = fastest_change(known, also, workers, told)
+        change(known, x, stages, also, workers, told)
         run = with_change(known, x)
         units = known.scale[0] ** np.arange(6.0)[:, None] / known.scale
         breaks = (run.breaks - known.begin) / known.scale[0]
         samples = np.union1d(breaks, known.line.s)
         at, tip, axis = check.closely(run.coefficients * units, breaks, samples)
         if max(tip.max(), axis.max()) <= LIMIT:
-            off = [largest_of_cells(breaks, at, each) * size for each, size in zip((tip, axis), known.scale[[0, 4]])]
+            wide = np.stack([tip, axis], axis=1) * known.line.room_at(at) * known.scale[[0, 4]]
+            off = [largest_of_cells(breaks, at, each) for each in wide.T]
             return replace(run, tip_off=off[0], axis_off=off[1]), float(off[0].max()), float(off[1].max())
-        also = np.union1d(also, known.begin + known.scale[0] * at[~(np.maximum(tip, axis) <= LIMIT)])
+        astray = known.begin + known.scale[0] * at[~(np.maximum(tip, axis) <= LIMIT)]
+        also = np.union1d(also, astray)
+        stages = [about(stage, known, astray) for stage in stages]
     return None
 
 
-def fastest_change(known: Known, also: Floats, workers: Workers, progress: Progress) -> Floats:
-    """Coefficients (slots, 6) of the change, the tube held at the parameters `also` too."""
-    count = slots_of(known.breaks)
-    x = np.zeros((count, SLOT))
-    stages = windows(count)
+def about(stage: list[tuple[int, int]], known: Known, places: Floats) -> list[tuple[int, int]]:
+    """Those of the windows that have a slot of the cells at these parameters."""
+    first = np.searchsorted(known.breaks, places, side="right") - 1
+    return [(low, high) for low, high in stage if np.any((first < high) & (first + SLOT > low))]
+
+
+def change(
+    known: Known, x: Floats, stages: list[list[tuple[int, int]]], also: Floats, workers: Workers, progress: Progress
+) -> None:
+    """Make the coefficients x (slots, 6) of the change the fastest, window by window, in place; the tube is held at the
+    parameters `also` too."""
+    count = len(x)
 
     def solve(part: tuple[int, int]) -> None:
         low, high = part
@@ -137,7 +142,6 @@ def fastest_change(known: Known, also: Floats, workers: Workers, progress: Progr
 
     for stage, told in zip(stages, progress.split([len(stage) for stage in stages])):
         workers.each(solve, stage, told)
-    return x
 
 
 def windows(count: int) -> list[list[tuple[int, int]]]:

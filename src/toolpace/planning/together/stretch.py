@@ -29,6 +29,9 @@ from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.samples import turn_metric
 from toolpace.path.run import SplineRun
 
+JERK = 0.98
+"""Share of the jerk limits that the change may use: where an acceleration or a velocity at its limit tells the pace,
+what is left of the jerks is all the freedom that the plan of the changed path has."""
 PLACES = (np.arange(4) + 0.5) / 4.0
 """In each cell, at which limits are held."""
 NUDGE = 1e-4
@@ -85,6 +88,8 @@ class Tube:
         """(n, 6)"""
         self.off = known.off(s)
         """(n, 5) deviation before any change."""
+        self.room = known.line.room_at((s - known.begin) / known.scale[0])
+        """(n, 2) tolerance of tip and turn, in the narrowest."""
         rotary = known.run.evaluate(s).rotary
         assert rotary is not None
         self.metric = np.zeros((len(s), 5, 5))
@@ -120,7 +125,7 @@ class Stretch:
         ]
         """Derivatives 0 to 3 by t, each (n, m, 6, 5), of the joints by the coefficients of the change."""
         limits = known.machine.limits
-        self.limits = np.stack([limits.velocity, limits.acceleration, limits.jerk])
+        self.limits = np.stack([limits.velocity, limits.acceleration, JERK * np.asarray(limits.jerk)])
         cap = known.joints.speed_cap(s)
         self.feed = np.where(np.isfinite(cap), state[1] / cap, 0.0)
         """(n,) ds/dt over what feed and block times allow."""

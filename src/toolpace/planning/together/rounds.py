@@ -1,0 +1,80 @@
+"""Path and pace changed together, again and again while that gains, and the plan of what came out.
+
+from a path and its motion, with limits held at the nodes
+    repeat:  the path changed together with its pace, window by window;  its motion;  much faster?  once more
+    the whole plan of the fastest one
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from toolpace.axispath.axispath import AxisPath
+from toolpace.errors import InfeasibleError, ReachError
+from toolpace.machine.machine import Machine
+from toolpace.path.fit.polyline import PlaceTolerances
+from toolpace.path.path import Path
+from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.planner import plan
+from toolpace.planning.together.fine import Fine
+from toolpace.planning.together.refit import refitted
+from toolpace.toolpath import ToolPath
+from toolpace.trajectory import Trajectory
+from toolpace.workers import Progress
+
+ROUNDS = 5
+"""Most changes."""
+ENOUGH = 3e-3
+"""Share of the duration that a change must gain for another to follow."""
+CHANGED = 0.8
+"""Share of the work, for progress, before the last plan."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Together:
+    """A program whose path may be changed together with its pace."""
+
+    toolpath: ToolPath
+    tolerances: PlaceTolerances
+    """All that is asked for."""
+    ramp: float
+    """In which time an acceleration builds up [s]."""
+
+    def faster(
+        self,
+        path: Path,
+        fitted: PlaceTolerances,
+        machine: Machine,
+        check: Callable[[AxisPath], None],
+        progress: Progress,
+    ) -> tuple[Path, Trajectory] | None:
+        """A changed path and its plan, from one that was fitted within the tolerances `fitted` on; None where there is
+        none. `check` raises ReachError where joints will not do."""
+        allowed = self.tolerances.counting_in(fitted)
+        try:
+            path, motion = self._changed(path, allowed, machine, progress.part(0.0, CHANGED))
+            axis_path = AxisPath.follow(path, machine)
+            check(axis_path)
+            planner = Fine(motion.duration, sum(run.s1 - run.s0 for run in path.runs), self.ramp)
+            found = plan(axis_path, machine, planner=planner, progress=progress.part(CHANGED, 1.0))
+        except (InfeasibleError, ReachError):
+            return None
+        return (path, found) if found.usage().worst <= PROMISED else None
+
+    def _changed(
+        self, path: Path, allowed: PlaceTolerances, machine: Machine, progress: Progress
+    ) -> tuple[Path, Trajectory]:
+        """The path changed while that gains, and its motion with limits held at the nodes."""
+        motion = plan(path, machine, guard=False, bound=False)
+        for number in range(ROUNDS):
+            # how many there will be nobody knows; the first ones gain the most
+            told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
+            changed = refitted(self.toolpath, machine, path, motion, allowed, self.ramp, told)
+            faster = plan(changed, machine, guard=False, bound=False)
+            gained = 1.0 - faster.duration / motion.duration
+            if gained > 0.0:
+                path, motion = changed, faster
+            if gained < ENOUGH:
+                break
+        return path, motion
