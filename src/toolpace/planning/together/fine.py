@@ -20,8 +20,10 @@ from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.workers import Progress, Workers
 
-CELLS = 150.0
-"""Mesh cells in the time in which an acceleration builds up."""
+CELLS = 150.0, 300.0, 75.0
+"""Mesh cells in the time in which an acceleration builds up; the next where one leaves too much."""
+LEFT = 3e-3
+"""Distance to the lower bound, as a share of it, that is too much: the rounds did not end, and all was slowed down."""
 ROUNDS = 10
 """Of holding limits between the nodes."""
 FEWEST, MOST = 1000, 1_000_000
@@ -51,8 +53,18 @@ class Fine:
     ) -> PlannedRun:
         """The law of one run, with its bound. Raises InfeasibleError."""
         time = self.duration * (run.s1 - run.s0) / self.length
-        cells = int(np.clip(CELLS * time / self.ramp, FEWEST, MOST))
-        told = progress.part(0.0, SOLVED)
-        law, points = fastest_law(run, limits, cells, start, end, True, workers, told, ROUNDS, most_used=None)
-        bound = bound_long_run(run, limits, law, start, end, workers, progress.part(SOLVED, 1.0))
-        return PlannedRun(law, points, bound.seconds, places_in_time(run, law, bound))
+        best: PlannedRun | None = None
+        for number, dense in enumerate(CELLS):
+            # how many there will be nobody knows
+            told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
+            cells = int(np.clip(dense * time / self.ramp, FEWEST, MOST))
+            solving = told.part(0.0, SOLVED)
+            law, points = fastest_law(run, limits, cells, start, end, True, workers, solving, ROUNDS, most_used=None)
+            bound = bound_long_run(run, limits, law, start, end, workers, told.part(SOLVED, 1.0))
+            if best is None or law.duration < best.law.duration:
+                best = PlannedRun(law, points, bound.seconds, places_in_time(run, law, bound))
+            if law.duration <= (1.0 + LEFT) * bound.seconds:
+                break
+        assert best is not None
+        progress(1.0)
+        return best

@@ -8,7 +8,9 @@ from a path and its motion, with limits held at the nodes
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import InfeasibleError, ReachError
@@ -17,7 +19,7 @@ from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import plan
-from toolpace.planning.together.fine import Fine
+from toolpace.planning.together.fine import LEFT, Fine
 from toolpace.planning.together.refit import refitted
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
@@ -27,6 +29,8 @@ ROUNDS = 5
 """Most changes."""
 ENOUGH = 3e-3
 """Share of the duration that a change must gain for another to follow."""
+SHARES = 1.0, 0.4
+"""Of the tolerance of the axis that may be used: the next where the plan of what came out had to be slowed down."""
 CHANGED = 0.8
 """Share of the work, for progress, before the last plan."""
 
@@ -52,6 +56,29 @@ class Together:
         """A changed path and its plan, from one that was fitted within the tolerances `fitted` on; None where there is
         none. `check` raises ReachError where joints will not do."""
         allowed = self.tolerances.counting_in(fitted)
+        best: tuple[Path, Trajectory] | None = None
+        for number, share in enumerate(SHARES):
+            told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
+            room = np.maximum(allowed.room * [1.0, share], np.minimum(allowed.room, 1.0))
+            if number > 0 and np.array_equal(room, allowed.room):
+                break
+            found = self._planned(path, replace(allowed, room=room), machine, check, told)
+            if found is not None and (best is None or found[1].duration < best[1].duration):
+                best = found
+            if found is not None and found[1].duration <= (1.0 + LEFT) * found[1].lower_bound:
+                break
+        progress(1.0)
+        return best
+
+    def _planned(
+        self,
+        path: Path,
+        allowed: PlaceTolerances,
+        machine: Machine,
+        check: Callable[[AxisPath], None],
+        progress: Progress,
+    ) -> tuple[Path, Trajectory] | None:
+        """The path changed within the tolerances, and its whole plan."""
         try:
             path, motion = self._changed(path, allowed, machine, progress.part(0.0, CHANGED))
             axis_path = AxisPath.follow(path, machine)
