@@ -26,6 +26,11 @@ def untold() -> Floats:
     return np.zeros(0)
 
 
+def no_normals() -> Floats:
+    """None."""
+    return np.zeros((0, 3))
+
+
 def no_numbers() -> Ints:
     """None."""
     return np.zeros((0, 2), dtype=np.int64)
@@ -88,6 +93,9 @@ class ToolPath(ByValue):
     G64 P, G187 E); nan where it tells none. What is obeyed is given to the fit: see `Tolerances`."""
     axis_tolerance: Floats = field(default_factory=untold)
     """(n,) the same of the tool axis [rad]."""
+    normal: Floats = field(default_factory=no_normals)
+    """(n, 3) unit vectors out of the part where the tool touches it at the point, by the program's own words (NX NY NZ
+    of Klartext's LN); nan where it tells none. See `Tolerances.side`."""
     numbered: Ints = field(default_factory=no_numbers)
     """(k, 2) number (N) and line of each numbered block of a program for a control."""
 
@@ -95,6 +103,8 @@ class ToolPath(ByValue):
         for name in ("tip_tolerance", "axis_tolerance"):
             if len(getattr(self, name)) != len(self.tip):
                 object.__setattr__(self, name, np.full(len(self.tip), np.nan))
+        if len(self.normal) != len(self.tip):
+            object.__setattr__(self, "normal", np.full((len(self.tip), 3), np.nan))
         if len(self.rapid) != len(self.tip):
             object.__setattr__(self, "rapid", np.isinf(self.feed) & (self.least_time <= 0.0))
         if len(self.operation) != len(self.tip):

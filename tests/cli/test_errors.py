@@ -113,6 +113,8 @@ ARGUMENTS = {
     ),
     "no unit": (["plan", "part.ngc", "-m", "paper-ab", "--tip-tolerance", "0.01"], r"no unit.*0\.01mm"),
     "no tolerance": (["plan", "part.ngc", "-m", "paper-ab", "--tip-tolerance", "0mm"], r"give more than zero"),
+    "no such side": (["plan", "part.ngc", "-m", "paper-ab", "--side", "otside"], r"did you mean 'outside'"),
+    "a side for many": (["tolerance", "part.ngc", "-m", "paper-ab", "--side", "above"], r"on one side, it goes with"),
     "no feed": (["plan", "part.ngc", "-m", "paper-ab", "--feed", "fast"], r"'fast'.*3000mm/min.*120%.*none"),
     "time step": (["plan", "part.ngc", "-m", "paper-ab", "--dt", "0ms"], r"above zero"),
     "too much": (["plan", "part.ngc", "more", "-m", "paper-ab"], r"too many arguments: more"),

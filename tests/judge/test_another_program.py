@@ -9,7 +9,8 @@ import pytest
 
 from tests.support import motions
 from tests.support.walks import AXIS, MACHINE, TIP, least_seconds, random_walk, set_points
-from toolpace.judge import alignment, program, verify
+from toolpace.judge import program, verify
+from toolpace.judge.matching import alignment
 
 POINTS = motions.set_points()
 PROGRAM = motions.program()

@@ -92,6 +92,8 @@ def aim_off(
     a round changes the bending by more than a micrometre for ever; ReachError and PathError as `Path.fit` does.
     """
     check_machine(machine, "aim_off")
+    if Tolerances.of(tip_tolerance, "tip_tolerance").one_sided:
+        raise UsageError("a tip that must be on one side of its program and a tool that bends: one at a time")
     cut = cut_of_way(tool, toolpath)
     places = places_of(toolpath, machine, cut, tool.blend)
     cut = cut[places.origin]

@@ -75,7 +75,7 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
 def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
     """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
     from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE
-    from toolpace.tolerances.tolerances import Tolerances
+    from toolpace.tolerances.tolerances import SIDES, Tolerances
 
     def metres(text: str) -> float:
         value = units.parse_length(text)
@@ -93,7 +93,10 @@ def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tole
             )
         return _within("--axis-tolerance", text, value, AXIS_TOLERANCES, units.format_angle)
 
-    of_tip = Tolerances.parse(given.tip_tolerance, metres, metres(TIP_TOLERANCE))
+    words = given.tip_tolerance if given.side == "both" else f"{given.tip_tolerance},{given.side}"
+    if given.side not in SIDES:
+        raise UsageError(f"--side {given.side[:40]}: {did_you_mean(given.side, SIDES)}")
+    of_tip = Tolerances.parse(words, metres, metres(TIP_TOLERANCE))
     of_axis = Tolerances.parse(given.axis_tolerance, radians, radians(AXIS_TOLERANCE))
     return of_tip.default if of_tip.everywhere else of_tip, of_axis.default if of_axis.everywhere else of_axis
 
@@ -104,7 +107,10 @@ def even_tolerances(given: TypedTolerances) -> tuple[float, float]:
     options = ("--tip-tolerance", given.tip_tolerance, tip), ("--axis-tolerance", given.axis_tolerance, axis)
     for option, text, found in options:
         if not isinstance(found, float):
-            raise UsageError(f"{option} {text[:40]}: one for all here; by operation or block it goes with `plan`")
+            raise UsageError(
+                f"{option} {text[:40]}: one for all here, on both sides; by operation or block, or on one side, it goes"
+                " with `plan`"
+            )
     assert isinstance(tip, float) and isinstance(axis, float)
     return tip, axis
 

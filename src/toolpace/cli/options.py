@@ -38,6 +38,14 @@ AxisTolerance = Annotated[
     Parameter(help="How far the tool axis may turn from the program's: 0.05deg, 1e-3rad, 0.2deg,finish:0.05deg."),
 ]
 
+Side = Annotated[
+    str,
+    Parameter(
+        help="Where the tip may leave the program: both sides; outside: only out of the part, by the normals that the"
+        " program tells (NX NY NZ of LN); above: only towards the spindle, along the tool axis."
+    ),
+]
+
 
 @Parameter(name="*")
 @dataclass(frozen=True)
@@ -46,6 +54,7 @@ class Tolerances:
 
     tip_tolerance: TipTolerance = TIP_TOLERANCE
     axis_tolerance: AxisTolerance = AXIS_TOLERANCE
+    side: Side = "both"
 
 
 USUAL_TOLERANCES = Tolerances()

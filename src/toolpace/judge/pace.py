@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
-from toolpace.judge.alignment import Alignment
+from toolpace.judge.matching.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
 from toolpace.judge.verification import Check

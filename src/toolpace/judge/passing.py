@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
-from toolpace.judge.alignment import Alignment
+from toolpace.judge.matching.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE, still_step
 from toolpace.judge.operations import Passages
 from toolpace.judge.rows import MotionRow

@@ -9,8 +9,9 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.cuttingtool import CuttingTool
-from toolpace.judge.alignment import Alignment, BothWays, Lost, align
 from toolpace.judge.bending.bent import BentTool
+from toolpace.judge.matching.alignment import Alignment, BothWays, Lost, align
+from toolpace.judge.matching.side import side_check
 from toolpace.judge.operations import Passages
 from toolpace.judge.pace import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passing
@@ -76,6 +77,11 @@ def program_checks(
     if isinstance(found, Lost):
         return judge.lost(found)
     checks = judge.nearness(found)
+    outward = Tolerances.of(tip_tolerance, "tip_tolerance").outward_along(toolpath)
+    if outward is not None:
+        checks.append(
+            side_check(points, motion, found.there, line, owner, outward, float(tip_unit), GRACE * float(tip_unit))
+        )
     passing = Passing(points, toolpath, motion, found.back, np.flatnonzero(np.diff(owner, append=len(toolpath)) > 0))
     use = feed_use(points, toolpath, motion, found.there, owner, tip)
     checks += [use.check(points)] if use is not None else []

@@ -11,7 +11,7 @@ from toolpace.arrays import Bools, Floats, Ints
 from toolpace.reading.feeds import LONGEST, SLOWEST, feed_fault
 from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
-from toolpace.toolpath import Operation, ToolPath
+from toolpace.toolpath import Operation, ToolPath, no_normals
 
 SAME = 1e-12
 """ProgramPoints closer than this [m, rad] are the same point."""
@@ -34,6 +34,8 @@ class ProgramPoints:
     operation: Ints
     rotary: Floats | None = None
     rotary_joints: tuple[str, ...] = ()
+    normal: Floats | None = None
+    """(n, 3) unit vectors out of the part, nan where the program tells none."""
     asked: Floats | None = None
     """(n, 2) how far tip [m] and axis [rad] may stray by the program's words, nan where it tells nothing."""
 
@@ -95,6 +97,7 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
         assumed=facts.assumed,
         tip_tolerance=np.ascontiguousarray(asked[:, 0]),
         axis_tolerance=np.ascontiguousarray(asked[:, 1]),
+        normal=no_normals() if points.normal is None else np.ascontiguousarray(points.normal[kept]),
     )
 
 

@@ -33,6 +33,8 @@ SHOWN = 5e-4
 """Share of the time below which a limit gets no bar: it would say 0.0 %."""
 BARS = 12
 """Limits that get a bar at most: of more, the least are hardly seen."""
+SIDES = {"outside": "only out of the part", "above": "only up along the tool"}
+"""Words of tolerances that say on which side of the program the tip must be, and what they mean."""
 STRIP = 20_000
 """Columns of the strip that shows what limits where: enough to draw it larger ten times on a wide screen."""
 
@@ -162,6 +164,12 @@ def _cards(
     )
 
 
+def _side(tolerances: str | None) -> str:
+    """Where alone the tip may be, in the words of tolerances as plan.json has them; empty where that is both sides."""
+    words = (tolerances or "").split(",")
+    return next((f"; {told}" for word, told in SIDES.items() if word in words), "")
+
+
 def _deviations(verification: Verification | None, figures: PlanFigures | None) -> list[tuple[str, str, str, str]]:
     """How far tip and axis are off the program, as far as it is known."""
     cards = []
@@ -174,6 +182,7 @@ def _deviations(verification: Verification | None, figures: PlanFigures | None) 
         allowed = figures.tip_tolerance_mm if figures is not None else None
         note = f"of {allowed * 1e3:.4g} µm allowed" if allowed else "from the program"
         note += _near(figures.tip_at_tolerance if figures is not None else None)
+        note += _side(figures.tip_tolerances if figures is not None else None)
         cards.append(("Tip deviation", f"{tip * 1e3:.2f} µm", note, ""))
     axis = _worse(
         figures.axis_deviation_deg if figures is not None else None,

@@ -14,9 +14,9 @@ import numpy as np
 
 from toolpace.arrays import Floats, Ints
 from toolpace.cuttingtool import Cut, CuttingTool
-from toolpace.judge.alignment import Lost, align
 from toolpace.judge.bending.forces import ForceTable
 from toolpace.judge.bending.turning import tool_in_workpiece
+from toolpace.judge.matching.alignment import Lost, align
 from toolpace.judge.rows import motion_row
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine

@@ -60,14 +60,15 @@ class Comparison:
 
     def deviations(self, breaks: Floats, polynomials: Floats, at: Floats) -> tuple[Floats, Floats]:
         """Deviation of tip and tool axis (n,) of the curve at the ascending parameters `at` (n,), in the tolerances
-        that hold there."""
+        that hold there; where the tip must be on one side, its distance from the middle of that half of the tube."""
         from toolpace.kernels.fit.polyline import circular, distance, straight
         from toolpace.kernels.fit.quintic_spline import values
 
         line, machine = self.line, self.machine
         curve = values(breaks, polynomials, at)
         turn = np.ascontiguousarray(curve[:, 3:])
-        tip_off = distance(np.ascontiguousarray(curve[:, :3]), straight(line.s, line.tip, at))
+        there, wanted = np.ascontiguousarray(curve[:, :3]), straight(line.s, line.tip, at)
+        tip_off = distance(there, wanted) if line.half is None else line.half.distance(there - wanted, at)
         if machine is None:
             axis = turn / np.linalg.norm(turn, axis=1)[:, None]
         else:
@@ -79,6 +80,16 @@ class Comparison:
         angle = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * distance(axis, program)))
         room = line.room_at(at)
         return tip_off / room[:, 0], angle / self.axis_tolerance / room[:, 1]
+
+    def strays(self, breaks: Floats, polynomials: Floats, at: Floats, tip: Floats) -> Floats:
+        """How far the tip (n,) is from the program, where its deviations `tip` may count from elsewhere."""
+        from toolpace.kernels.fit.polyline import distance, straight
+        from toolpace.kernels.fit.quintic_spline import values
+
+        if self.line.half is None:
+            return tip
+        there = np.ascontiguousarray(values(breaks, polynomials, at)[:, :3])
+        return distance(there, straight(self.line.s, self.line.tip, at))
 
 
 def dense(samples: Floats) -> Floats:

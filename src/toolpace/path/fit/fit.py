@@ -118,7 +118,8 @@ def fit_run(
     where: Floats | None = None
 
     def finished(found: Deviations, spline: Spline) -> FittedRun:
-        tip, axis = (line.room_at(found.at) * np.stack([found.tip, found.axis], axis=1)).T
+        tip = check.strays(spline.breaks, found.polynomials, found.at, found.tip)
+        tip, axis = (line.room_at(found.at) * np.stack([tip, found.axis], axis=1)).T
         tip, axis = tip_tolerance * tip, axis_tolerance * axis
         run = piecewise(line, toolpath, spline.breaks, found.polynomials, tolerances, start)
         tip_off, axis_off = (largest_of_cells(spline.breaks, found.at, off) for off in (tip, axis))

@@ -14,6 +14,7 @@ import numpy as np
 from toolpace.arrays import Floats, Ints
 from toolpace.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
+from toolpace.path.fit.half_ball import HalfBall, unit
 from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 
@@ -41,6 +42,8 @@ class PlaceTolerances:
     """The narrowest of the tool axis [rad]."""
     room: Floats
     """(n, 2) those of tip and axis on the way to each point, in these."""
+    outward: Floats | None = None
+    """(n, 3) unit vectors at each point to the side on which the tip must be; None: both."""
 
     @classmethod
     def of(cls, toolpath: ToolPath, tip: float | Tolerances, axis: float | Tolerances) -> PlaceTolerances:
@@ -48,12 +51,12 @@ class PlaceTolerances:
         tips, axes = Tolerances.of(tip, "tip_tolerance"), Tolerances.of(axis, "axis_tolerance")
         along = np.stack([tips.tip_along(toolpath), axes.axis_along(toolpath)], axis=1)
         least = along.min(axis=0)
-        return cls(float(least[0]), float(least[1]), along / least)
+        return cls(float(least[0]), float(least[1]), along / least, tips.outward_along(toolpath))
 
     def counting_in(self, other: PlaceTolerances) -> PlaceTolerances:
         """The same tolerances, in the narrowest of others."""
         room = self.room * [self.tip / other.tip, self.axis / other.axis]
-        return PlaceTolerances(other.tip, other.axis, room)
+        return PlaceTolerances(other.tip, other.axis, room, self.outward)
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,8 @@ class Polyline:
     """Time to wait at the end [s]."""
     wait: float = 0.0
     """Time to wait at the start [s]; the first run only."""
+    half: HalfBall | None = None
+    """On which side the tip must be; None: both."""
 
     def room_at(self, s: Floats) -> Floats:
         """(n, 2) tolerance of tip and tool axis at parameters (n,); where two meet, the narrower."""
@@ -91,6 +96,8 @@ class Polyline:
 def polylines(toolpath: ToolPath, tolerances: PlaceTolerances, machine: Machine | None) -> list[Polyline]:
     """The runs of a ToolPath. Repeated points and runs of no length vanish; their dwells go to the run before."""
     tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
+    if tolerances.outward is not None:
+        toolpath = replace(toolpath, normal=tolerances.outward)
     dense, entry = refined(toolpath, axis_tolerance, machine)
     tip = dense.tip / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
@@ -111,9 +118,11 @@ def polylines(toolpath: ToolPath, tolerances: PlaceTolerances, machine: Machine 
             continue
         nodes = start + np.concatenate([[0], kept + 1])
         nodes[-1] = end
+        s = np.concatenate([[0.0], np.cumsum(steps[kept])])
         runs.append(
             Polyline(
-                s=np.concatenate([[0.0], np.cumsum(steps[kept])]),
+                s=s,
+                half=None if tolerances.outward is None else HalfBall(s, dense.normal[nodes]),
                 tip=tip[nodes],
                 turn=turn[nodes],
                 axis=dense.axis[nodes],
@@ -236,8 +245,11 @@ def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, In
     axis = great_circle(toolpath.axis[cell], toolpath.axis[cell + 1], u)
     tip[last], axis[last] = toolpath.tip[1:], toolpath.axis[1:]
     ends = np.concatenate([[True], last])
+    normal = toolpath.normal[cell] * (1.0 - u) + toolpath.normal[cell + 1] * u
+    normal[last] = toolpath.normal[1:]
     dense = replace(
         toolpath,
+        normal=np.concatenate([toolpath.normal[:1], unit(normal)]),
         tip=np.concatenate([toolpath.tip[:1], tip]),
         axis=np.concatenate([toolpath.axis[:1], axis]),
         feed=toolpath.feed[origin],

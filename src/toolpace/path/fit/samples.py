@@ -23,7 +23,9 @@ class Samples:
     rows: Floats
     """(m, 6) their basis values."""
     tip: Floats
-    """(m, 3) the polyline [tolerances]."""
+    """(m, 3) the polyline, or the middle of the half of the tube beside it [tolerances]."""
+    tip_metric: Floats | None
+    """(m, 3, 3) what a deviation of the tip is, squared; None: its length."""
     turn: Floats
     """(m, 2 or 3) [tolerances]"""
     metric: Floats
@@ -37,6 +39,8 @@ class Samples:
         """The metric of the tip (0) or of the turn (1) at some of the samples."""
         if which == 1:
             return self.metric[part]
+        if self.tip_metric is not None:
+            return self.tip_metric[part]
         return np.broadcast_to(np.eye(3), (len(self.s[part]), 3, 3)).copy()
 
     def off(self, part: slice, x: Floats, base: int, target: Floats, metric: Floats) -> Floats:
@@ -74,7 +78,10 @@ def sample(
         fresh = known.s[old] != s
         metric[~fresh] = known.metric[old[~fresh]]
     metric[fresh] = turn_metric(turn[fresh], axis_tolerance, machine)
-    return Samples(s, first, rows, straight(line.s, line.tip, s), turn, metric, line.room_at(s), np.gradient(s))
+    tip, tip_metric = straight(line.s, line.tip, s), None
+    if line.half is not None:
+        tip, tip_metric = tip + line.half.centre(s), line.half.metric(s)
+    return Samples(s, first, rows, tip, tip_metric, turn, metric, line.room_at(s), np.gradient(s))
 
 
 def usual(vertices: Floats, breaks: Floats) -> Floats:

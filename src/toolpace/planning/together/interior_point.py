@@ -84,12 +84,12 @@ def reach(values: Floats, change: Floats) -> float:
     return min(1.0, float((-values[falling] / change[falling]).min())) if falling.any() else 1.0
 
 
-def fastest(stretch: Stretch, x: Floats, free: Bools) -> Floats | None:
-    """Coefficients (slots, 6) of the fastest change from x on, of which only the slots marked `free` (slots,) move;
-    None where the method does not get there."""
+def fastest(stretch: Stretch, x: Floats, free: Bools, share: float = 1.0) -> Floats | None:
+    """Coefficients (slots, 6) of the fastest change from x on, of which only the slots marked `free` (slots,) move,
+    within a `share` of the usual tube; None where the method does not get there."""
     # what is not finite ends the method, and is told by that
     with np.errstate(all="ignore"):
-        work = Work(stretch, free, x)
+        work = Work(stretch, free, x, share)
         for _ in range(STEPS):
             if work.gap <= GAP * work.time:
                 break
@@ -102,7 +102,7 @@ def fastest(stretch: Stretch, x: Floats, free: Bools) -> Floats | None:
 class Work:
     """Where the method stands."""
 
-    def __init__(self, stretch: Stretch, free: Bools, x: Floats) -> None:
+    def __init__(self, stretch: Stretch, free: Bools, x: Floats, share: float) -> None:
         self.stretch = stretch
         self.slots = slice(stretch.low, stretch.low + stretch.cells + SLOT - 1)
         self.fixed = np.repeat(~free[self.slots], SLOT)
@@ -111,7 +111,7 @@ class Work:
         deviation = np.sqrt(np.maximum(2.0 * now.excess(np.zeros(2)), 0.0))
         # what stays as it is may hold the path where it is
         bound = (~free[stretch.tube.first[:, None] + np.arange(SLOT)]).any(axis=1)[:, None]
-        radius = RADIUS * stretch.tube.room
+        radius = share * RADIUS * stretch.tube.room
         self.radius = np.where(bound, np.maximum(radius, deviation + 1e-3), radius)
         self._look()
         rooms = self._rooms()

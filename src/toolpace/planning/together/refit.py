@@ -40,6 +40,8 @@ WINDOW, SEAM = 500, 120
 """Slots of a window, and on either side of a seam that move again."""
 FIXED_AT_END = 3
 """Slots at an end of a run that stay: there position, velocity and acceleration are given."""
+NARROWER = 0.97
+"""Share of the tube that is left where it was left between its places, each time."""
 REPAIRS = 3
 """Times that the tube is held in more places."""
 
@@ -102,13 +104,14 @@ def changed_run(
     x, stages = np.zeros((slots_of(known.breaks), SLOT)), windows(slots_of(known.breaks))
     for repair in range(REPAIRS):
         told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
-        change(known, x, stages, also, workers, told)
+        change(known, x, stages, also, NARROWER**repair, workers, told)
         run = with_change(known, x)
         units = known.scale[0] ** np.arange(6.0)[:, None] / known.scale
         breaks = (run.breaks - known.begin) / known.scale[0]
         samples = np.union1d(breaks, known.line.s)
         at, tip, axis = check.closely(run.coefficients * units, breaks, samples)
         if max(tip.max(), axis.max()) <= LIMIT:
+            tip = check.strays(breaks, run.coefficients * units, at, tip)
             wide = np.stack([tip, axis], axis=1) * known.line.room_at(at) * known.scale[[0, 4]]
             off = [largest_of_cells(breaks, at, each) for each in wide.T]
             return replace(run, tip_off=off[0], axis_off=off[1]), float(off[0].max()), float(off[1].max())
@@ -125,10 +128,16 @@ def about(stage: list[tuple[int, int]], known: Known, places: Floats) -> list[tu
 
 
 def change(
-    known: Known, x: Floats, stages: list[list[tuple[int, int]]], also: Floats, workers: Workers, progress: Progress
+    known: Known,
+    x: Floats,
+    stages: list[list[tuple[int, int]]],
+    also: Floats,
+    share: float,
+    workers: Workers,
+    progress: Progress,
 ) -> None:
-    """Make the coefficients x (slots, 6) of the change the fastest, window by window, in place; the tube is held at the
-    parameters `also` too."""
+    """Make the coefficients x (slots, 6) of the change the fastest, window by window, in place, within a `share` of the
+    usual tube, which is held at the parameters `also` too."""
     count = len(x)
 
     def solve(part: tuple[int, int]) -> None:
@@ -136,7 +145,7 @@ def change(
         free = np.zeros(count, dtype=np.bool_)
         free[low:high] = True
         first, last = max(low - SLOT + 1, 0), min(high, count - SLOT + 1)
-        found = fastest(Stretch(known, first, last, also), x, free)
+        found = fastest(Stretch(known, first, last, also), x, free, share)
         if found is not None:
             x[low:high] = found[low:high]
 

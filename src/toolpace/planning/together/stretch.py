@@ -87,13 +87,17 @@ class Tube:
         self.basis = local_basis(known.breaks, 5, s, 0)
         """(n, 6)"""
         self.off = known.off(s)
-        """(n, 5) deviation before any change."""
+        """(n, 5) deviation before any change, from the middle of the tube."""
         self.room = known.line.room_at((s - known.begin) / known.scale[0])
         """(n, 2) tolerance of tip and turn, in the narrowest."""
         rotary = known.run.evaluate(s).rotary
         assert rotary is not None
         self.metric = np.zeros((len(s), 5, 5))
         self.metric[:, :3, :3] = np.eye(3)
+        half, at = known.line.half, (s - known.begin) / known.scale[0]
+        if half is not None:
+            self.off[:, :3] -= half.centre(at)
+            self.metric[:, :3, :3] = half.metric(at)
         self.metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
 
 

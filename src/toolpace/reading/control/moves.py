@@ -71,6 +71,8 @@ class Moves:
         """Dwells before the first position [s]."""
         self.joinings: list[tuple[int, Joining]] = [(0, Joining())]
         """How rows meet, from which on."""
+        self.normals: dict[int, tuple[float, float, float]] = {}
+        """Unit vectors out of the part at the ends of rows, on the part."""
         self.asked: list[tuple[int, Asked]] = [(0, Asked())]
         """How far rows may stray, from which on."""
 
@@ -156,12 +158,17 @@ class Moves:
         switched[last[list(self.switched)]] = True
         joining = self._from_then_on(self.joinings)[expansion.row]
         asked = self._from_then_on(self.asked)[expansion.row]
+        normal = np.full((len(array), 3), np.nan)
+        for i, out in self.normals.items():
+            normal[last[i]] = out
         first = self._start(array[:, self.kind], array[:, width + 6].astype(int)) if len(array) else 0
         arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
         curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}
         array, joining, asked = array[first:], joining[first:], asked[first:]
         at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
-        return MoveTable(array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, asked)
+        return MoveTable(
+            array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, asked, normal[first:]
+        )
 
     def _from_then_on(self, told: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
         """(rows, k) what was told from a row on, of each row."""
@@ -203,3 +210,5 @@ class MoveTable(NamedTuple):
     """(n, 3) Joining of each row."""
     asked: Floats
     """(n, 2) Asked of each row."""
+    normal: Floats
+    """(n, 3) out of the part at the end of each row; nan where none was told."""

@@ -50,6 +50,7 @@ class Unroll:
         self.is_rapid = kind == RAPID
         self.tip_mode: Bools = tip_mode > 0
         self.stop, self.dwell, self.asked = table.stop, table.dwell, table.asked
+        self.normal = table.normal
         self.arcs = ArcTable(list(table.arcs.values()))
         self.arc = np.full(len(self.end), -1)
         self.arc[list(table.arcs)] = np.arange(len(table.arcs))
@@ -131,6 +132,15 @@ class Unroll:
                 int(self.line[worst]),
             )
 
+    def normals(self, move: Ints, t: Floats) -> Floats:
+        """(k, 3) unit vectors out of the part at fractions t (k,) of moves: from that at the start to that at the end,
+        where the program tells one there; that at the end alone where it does not."""
+        end, start = self.normal[move], self.normal[np.maximum(move - 1, 0)]
+        start = np.where(np.isnan(start), end, start)
+        between = start + t[:, None] * (end - start)
+        length = np.linalg.norm(between, axis=1)[:, None]
+        return np.asarray(np.where(length > SAME, between / np.maximum(length, SAME), end))
+
     def caps(self) -> tuple[Floats, Floats]:
         """Feed [m/s] and least time [s] of each move, from what F means in its mode."""
         travels = self.length > SAME
@@ -165,6 +175,7 @@ class Unroll:
             rapid=self.is_rapid[move],
             operation=self.operation[move],
             asked=self.asked[move],
+            normal=self.normals(move, (piece + 1) / count),
             rotary=None if self.poses.machine is None else rotary,
             rotary_joints=self.poses.rotary_names,
         )

@@ -211,11 +211,11 @@ class Motion:
             state.came_from = []
 
     def normal_line(self, words: PathWords) -> Step:
-        """LN: the tip goes straight, the tool to the direction TX TY TZ."""
+        """LN: the tip goes straight, the tool to the direction TX TY TZ; NX NY NZ is the way out of the part."""
         axes = self.resolved(words)
         self.only(words, "LN", ("NX", "NY", "NZ", "TX", "TY", "TZ"))
         given = [words.others.get(name) for name in ("TX", "TY", "TZ")]
-        normals = any(name in words.others for name in ("NX", "NY", "NZ"))
+        normals = [words.others.get(name) for name in ("NX", "NY", "NZ")]
 
         def run() -> None:
             control, line = self.control, self.control.line
@@ -231,10 +231,15 @@ class Motion:
                 if not 1e-6 < length < 1e6:
                     raise BlockError("TX TY TZ is no direction: give the one from the tip to the spindle")
                 target[3:] = rotary_for(control, direction_on_part(control, [value / length for value in tool]))
-            elif normals and self.state.tip_mode:
+            elif any(value is not None for value in normals) and self.state.tip_mode:
                 control.findings.refused("NX NY NZ without TX TY TZ", line, "write the tool's direction TX TY TZ too")
                 return
+            rows = len(control.moves)
             self.straight(target, named, rapid)
+            out = [0.0 if value is None else evaluate(value) for value in normals]
+            if len(control.moves) > rows and 1e-6 < math.hypot(*out) < 1e6:
+                x, y, z = direction_on_part(control, [value / math.hypot(*out) for value in out])
+                control.moves.normals[len(control.moves) - 1] = x, y, z
 
         return run
 
