@@ -35,7 +35,6 @@ from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import UNTOLD, Progress
 
-
 if TYPE_CHECKING:
     from toolpace.planning.together.rounds import Together
 
