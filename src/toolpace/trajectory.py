@@ -99,7 +99,7 @@ class Trajectory:
             back = np.argsort(order)
             run, state = self._state(t[order])
             return run[back], state[:, back]
-        run = np.clip(np.searchsorted(self.starts, t, side="right") - 1, 0, len(self.laws) - 1)
+        run = self.run_at(t)
         state = np.zeros((4, len(t)))
         for k in np.unique(run):
             of_run = run == k
@@ -110,14 +110,25 @@ class Trajectory:
             state[:, of_run] = now
         return run, state
 
+    def run_at(self, t: npt.ArrayLike) -> Ints:
+        """Index of the run at a time or at times t (n,) [s], in the shape of t; its dwell is part of it.
+
+        Raises UsageError as `at`.
+        """
+        run: Ints = np.clip(np.searchsorted(self.starts, _times(t), side="right") - 1, 0, len(self.laws) - 1)
+        return run
+
     def parameter(self, t: npt.ArrayLike) -> Floats:
-        """Path parameter s at a time or at times t (n,) [s], in the shape of t. Raises UsageError as `at`."""
+        """Parameter s of the run that `run_at` tells, at a time or at times t (n,) [s], in the shape of t.
+
+        Raises UsageError as `at`.
+        """
         times = _times(t)
         s: Floats = self._state(times.ravel())[1][0]
         return s.reshape(times.shape)
 
     def state(self, t: float) -> tuple[float, float, float]:
-        """s, ds/dt and d2s/dt2 at one time [s]: where a replanning starts. Raises UsageError as `at`."""
+        """s of the run, ds/dt and d2s/dt2 at one time [s]: where a replanning starts. Raises UsageError as `at`."""
         times = _times(t)
         if times.ndim:
             raise UsageError(f"trajectory: {len(times)} times where one is expected; give a number")

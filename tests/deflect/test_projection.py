@@ -149,6 +149,8 @@ def test_projection_refuses_what_is_no_point_or_no_interval() -> None:
         deflect.project(ARC, DEFLECTION, method="potentail")
     with pytest.raises(UsageError, match="tolerance of 0 m"):
         deflect.project(ARC, DEFLECTION, tolerance=0.0)
+    with pytest.raises(UsageError, match=r"2 runs of the path have an interval .* project on the one"):
+        deflect.project(Path(2 * ARC.runs), DEFLECTION, interval=TWENTIETH)
 
 
 def waves(count: int, random: np.random.Generator) -> tuple[Path, Callable[[np.ndarray], np.ndarray]]:

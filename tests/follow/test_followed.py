@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import toolpace as tp
 from testbed.followed.campaign import campaign
 from testbed.followed.cases import case
 from testbed.followed.disturbed import disturbed
 from testbed.followed.drive import driven
 from testbed.followed.judge import judged
+from tests.support.tool_paths import toolpath_through
 from toolpace.follow import Follower, Measurement
+from toolpace.follow.samples import samples_of
 from toolpace.kernels.follow import layout
 
 QUICK = ("arc on paper-ab", "fan")
@@ -48,3 +51,14 @@ def test_a_step_from_python_is_that_of_the_compiled_loop():
     for row, override in zip(out, happens.override):
         setpoint = follower.step(Measurement(np.nan), feed=override)
         assert np.array_equal(setpoint.q, row[layout.Q : layout.Q + 5])
+
+
+def test_the_parameter_that_a_follower_tells_runs_on_over_stops():
+    """That of each run of the path begins at 0."""
+    toolpath = toolpath_through([[0, 0, 0], [0.01, 0, 0], [0.01, 0.01, 0]], 3 * [[0, 0, 1]], stops=(1,))
+    machine = tp.Machine.load("xyzac-trunnion")
+    trajectory = tp.plan(tp.Path.fit(toolpath, machine=machine), machine, bound=False)
+    samples = samples_of(trajectory, machine, 1e-3, 1.0)
+    lengths = [run.s1 for run in trajectory.axis_path.runs]
+    assert len(lengths) == 2 and samples.s[-1] == pytest.approx(sum(lengths))
+    assert np.diff(samples.s).min() >= 0.0 and np.diff(samples.s).max() < 0.01 * sum(lengths)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -12,13 +13,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import toolpace as tp
 from tests.support import motions
+from tests.support.tool_paths import toolpath_through
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
 from toolpace.reporting import limiting, report
 from toolpace.reporting.limiting import NOTHING, binding
 from toolpace.reporting.policy import checksum
-from toolpace.reporting.series import Channel, extremes, feed_cap, packed
+from toolpace.reporting.series import Channel, deviations, extremes, feed_cap, packed
 from toolpace.reporting.words import colours, duration, limit_words, percent
 
 TRAJECTORY = motions.Trajectory()
@@ -175,3 +178,18 @@ def test_draws_without_errors_and_without_network(html, tmp_path, width):
     assert 0.49 < state["from"] <= 0.5
     assert 0.6 <= state["to"] < 0.61
     assert state["wide"] <= max(width, 500) + 1
+
+
+def test_deviations_are_those_of_the_run_that_is_passed():
+    """The parameter of each run begins at 0, so that it does not tell which one."""
+    toolpath = toolpath_through([[0, 0, 0], [0.01, 0, 0], [0.01, 0.01, 0], [0, 0.01, 0]], 4 * [[0, 0, 1]], stops=(2,))
+    machine = tp.Machine.load("xyzac-trunnion")
+    trajectory = tp.plan(tp.Path.fit(toolpath, machine=machine), machine, bound=False)
+    t = np.linspace(0.0, trajectory.duration, 300)
+    tip, _ = deviations(trajectory, t, 0.01, math.degrees(1e-3))
+    for k, run in enumerate(trajectory.axis_path.runs):
+        breaks, off, _ = run.deviations()
+        of_run = trajectory.run_at(t) == k
+        assert run.s0 == 0.0 and 0 < of_run.sum() < len(t)
+        cell = np.searchsorted(breaks[1:-1], trajectory.parameter(t[of_run]), side="right")
+        np.testing.assert_allclose(tip.values[of_run], off[cell] / 10e-6)

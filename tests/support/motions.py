@@ -229,6 +229,9 @@ class Trajectory:
             joints=self.joints,
         )
 
+    def run_at(self, t):
+        return np.searchsorted(self.starts, t, side="right") - 1
+
     def sample(self, dt=1e-3):
         return set_points(dt=dt)
 

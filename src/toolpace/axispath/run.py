@@ -52,6 +52,11 @@ class AxisRun(ABC):
         """Both of these: the path (4, n, joints) and the cap (n,) on ds/dt."""
         return self.evaluate(s), self.speed_cap(s)
 
+    def place(self, s: float) -> str:
+        """A parameter in words, with the block where there is a program."""
+        block = int(self.block_at(np.array([s]))[0])
+        return f"s = {s:.9g}" + (f" (block {block})" if block else "")
+
     def block_at(self, s: Floats) -> Ints:
         """(n,) line number of the block at s; 0 where there is no program."""
         return np.zeros(len(s), dtype=np.int64)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, Ints
+from toolpace.axispath.run import AxisRun
 from toolpace.machine.machine import Machine
 from toolpace.trajectory import Trajectory
 
@@ -29,7 +32,7 @@ class Samples:
     q: Floats
     """(n, m) joints."""
     s: Floats
-    """(n,) parameter of the path."""
+    """(n,) parameter of the path, running on from run to run."""
     feed: Floats
     """(n,) most speed of the tip [m/s]; inf where there is none."""
     reach: Floats
@@ -40,20 +43,25 @@ def samples_of(trajectory: Trajectory, machine: Machine, step: float, pace: floa
     """Sample a trajectory, slowed to a `pace`, every `step` [s]; the last lie after its end."""
     count = int(np.ceil(trajectory.duration / pace / step)) + 1 + AT_REST
     q, s = np.empty((count, len(machine.joints))), np.empty(count)
-    feed = np.empty(count)
+    feed, offsets = np.empty(count), offsets_of(trajectory.axis_path.runs)
     for begin in range(0, count, CHUNK):
         part = slice(begin, min(begin + CHUNK, count))
         t = np.minimum(pace * step * np.arange(part.start, part.stop), trajectory.duration)
-        q[part], s[part] = trajectory.at(t).q, trajectory.parameter(t)
-        feed[part] = feeds(trajectory, machine, t, s[part])
+        run, place = trajectory.run_at(t), trajectory.parameter(t)
+        q[part], s[part] = trajectory.at(t).q, place + offsets[run]
+        feed[part] = feeds(trajectory, machine, run, place)
     looked = q[:: max(1, count // 2000)]
     return Samples(step, q, s, feed, reach_of(machine, looked))
 
 
-def feeds(trajectory: Trajectory, machine: Machine, t: Floats, s: Floats) -> Floats:
-    """The feed (n,) [m/s] at times (n,), where the parameter is s (n,)."""
-    feed = np.full(len(t), np.inf)
-    run = np.clip(np.searchsorted(trajectory.starts, t, side="right") - 1, 0, len(trajectory.laws) - 1)
+def offsets_of(runs: Sequence[AxisRun]) -> Floats:
+    """(runs,) what is added to the parameter of each run so that it runs on from the one before; 0 for the first."""
+    return np.cumsum([0.0, *(before.s1 - after.s0 for before, after in pairwise(runs))])
+
+
+def feeds(trajectory: Trajectory, machine: Machine, run: Ints, s: Floats) -> Floats:
+    """The feed (n,) [m/s] where the parameter of run (n,) is s (n,)."""
+    feed = np.full(len(s), np.inf)
     for k in np.unique(run):
         at, axis_run = np.flatnonzero(run == k), trajectory.axis_path.runs[k]
         place = np.clip(s[at], axis_run.s0, axis_run.s1)

@@ -53,5 +53,6 @@ def check_state(run: AxisRun, limits: Limits, state: EndState, s: float, orders:
     if ratios.max() > PROMISED:
         names = ["the feed cap"] + [f"the {kind} limit of {joint}" for kind in KINDS[:2] for joint in limits.joints]
         raise InfeasibleError(
-            f"end state at s = {s:.6g}: takes {ratios.max():.4g} of {names[int(ratios.argmax())]}; start or end slower"
+            f"end state at {run.place(s)}: takes {ratios.max():.4g} of {names[int(ratios.argmax())]};"
+            " start or end slower"
         )

@@ -38,7 +38,7 @@ def binding(trajectory: Trajectory, t: Floats) -> Ints:
 def _feed_share(trajectory: Trajectory, t: Floats) -> Floats:
     """(n,) path speed over its cap, which stands for the feed and for the least time of a block."""
     share = np.zeros(len(t))
-    run = np.clip(np.searchsorted(trajectory.starts, t, side="right") - 1, 0, len(trajectory.laws) - 1)
+    run = trajectory.run_at(t)
     for k in np.unique(run):
         law, of_run = trajectory.laws[k], run == k
         local = t[of_run] - trajectory.starts[k]

@@ -98,9 +98,14 @@ def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg
     known = [each for each in found if each is not None]
     if len(known) < len(found) or tip_mm is None or axis_deg is None:
         return []
-    s = trajectory.parameter(np.minimum(t, trajectory.duration))
-    breaks = np.concatenate([known[0][0][:1], *(each[0][1:] for each in known)])
-    piece = np.clip(np.searchsorted(breaks, s, side="right") - 1, 0, len(breaks) - 2)
+    s, run = trajectory.parameter(t), trajectory.run_at(t)
+    piece = np.zeros(len(t), dtype=np.int64)
+    pieces = 0
+    for k, (breaks, *_) in enumerate(known):
+        of_run = run == k
+        last = len(breaks) - 2
+        piece[of_run] = pieces + np.clip(np.searchsorted(breaks, s[of_run], side="right") - 1, 0, last)
+        pieces += last + 1
     channels = []
     for k, (name, tolerance, unit) in enumerate((("tip", tip_mm * 1e3, "µm"), ("tool axis", axis_deg, "°"))):
         off = np.concatenate([each[1 + k] for each in known])[piece]

@@ -158,7 +158,7 @@ def test_stops_dwells_blocks_and_repeated_points():
     path = Path.fit(toolpath)
     assert [run.dwell for run in path.runs] == [1.5, 0.0]
     assert [list(run.block) for run in path.runs] == [[3], [5, 6]]
-    assert path.runs[0].s1 == path.runs[1].s0
+    assert [run.s0 for run in path.runs] == [0.0, 0.0]
     for run in path.runs:
         assert run.block_start[0] == run.s0 and run.block_start[-1] == pytest.approx(run.s1)
         assert len(run.feed) == len(run.least_time) == len(run.block) == len(run.block_start) - 1

@@ -36,8 +36,8 @@ def project(
     "potential", the paper's way, a target is drawn along the path from the nearest of 400 samples, which finds a valley
     only where the samples do. Time grows in proportion to the pieces of the path.
 
-    Raises UsageError for a deflection that is not finite, an interval that is not on the path, and a potential field
-    that does not come to rest, and PathError for a path whose derivatives are not finite.
+    Raises UsageError for a deflection that is not finite, an interval that lies on no run or on several, and a
+    potential field that does not come to rest, and PathError for a path whose derivatives are not finite.
     """
     point = np.asarray(deflection, dtype=float)
     if point.shape != (3,) or not np.isfinite(point).all():

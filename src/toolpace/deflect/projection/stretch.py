@@ -30,7 +30,10 @@ class Stretch:
 
 
 def stretches(path: Path, interval: tuple[float, float] | None) -> list[Stretch]:
-    """All runs of a path, or the `interval` (from s, to s) of one of them. Raises UsageError where there is none."""
+    """All runs of a path, or the `interval` (from s, to s) of one of them.
+
+    Raises UsageError where there is none, and where several have it.
+    """
     if interval is None:
         return [Stretch(index, run, run.s0, run.s1) for index, run in enumerate(path.runs)]
     low, high = map(float, interval)
@@ -41,4 +44,9 @@ def stretches(path: Path, interval: tuple[float, float] | None) -> list[Stretch]
     ]
     if not found:
         raise UsageError(f"deflection: the path has no interval from s = {interval}; give one inside a run")
+    if len(found) > 1:
+        raise UsageError(
+            f"deflection: {len(found)} runs of the path have an interval from s = {interval}; project on the one that"
+            " is meant: Path((path.runs[k],))"
+        )
     return found

@@ -12,7 +12,6 @@ of a run from stop to stop:
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -78,13 +77,12 @@ def fit_runs(
     tolerances = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
     ensure_warm()
     lines = polylines(toolpath, tolerances, machine)
-    starts = list(itertools.accumulate((tolerances.tip * line.s[-1] for line in lines), initial=0.0))
 
     def one(k: int, workers: Workers, told: Progress) -> FittedRun:
         line = lines[k]
         try:
             haste = hastes[k] if hastes is not None else None
-            return fit_run(line, toolpath, tolerances, machine, starts[k], workers, told, haste)
+            return fit_run(line, toolpath, tolerances, machine, workers, told, haste)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
@@ -100,12 +98,11 @@ def fit_run(
     toolpath: ToolPath,
     tolerances: PlaceTolerances,
     machine: Machine | None,
-    start: float,
     workers: Workers,
     progress: Progress,
     haste: Haste | None = None,
 ) -> FittedRun:
-    """One run that starts at parameter `start` [m]. Raises PathError where no curve fits."""
+    """One run. Raises PathError where no curve fits."""
     tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
@@ -121,7 +118,7 @@ def fit_run(
         tip = check.strays(spline.breaks, found.polynomials, found.at, found.tip)
         tip, axis = (line.room_at(found.at) * np.stack([tip, found.axis], axis=1)).T
         tip, axis = tip_tolerance * tip, axis_tolerance * axis
-        run = piecewise(line, toolpath, spline.breaks, found.polynomials, tolerances, start)
+        run = piecewise(line, toolpath, spline.breaks, found.polynomials, tolerances)
         tip_off, axis_off = (largest_of_cells(spline.breaks, found.at, off) for off in (tip, axis))
         run = replace(run, tip_off=tip_off, axis_off=axis_off)
         return FittedRun(run, float(np.max(tip)), float(np.max(axis)))
@@ -153,7 +150,7 @@ def fit_run(
             spline = spline.over(breaks)
         data = sample(line, breaks, axis_tolerance, machine, s, data)
     if haste is not None:
-        return fit_run(line, toolpath, tolerances, machine, start, workers, progress)
+        return fit_run(line, toolpath, tolerances, machine, workers, progress)
     found = deviations(check, first, samples)
     if len(found.bad):
         raise PathError("the curve cannot be kept inside the tolerance")
@@ -238,7 +235,6 @@ def piecewise(
     breaks: Floats,
     polynomials: Floats,
     tolerances: PlaceTolerances,
-    start: float,
 ) -> SplineRun:
     """The run in metres and radians; cells of one entry of the tool path become one block."""
     tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
@@ -248,9 +244,9 @@ def piecewise(
     entry = line.entry[head]
     cut = np.concatenate([line.s[head], line.s[-1:]])
     return SplineRun(
-        breaks=start + tip_tolerance * breaks,
+        breaks=tip_tolerance * breaks,
         coefficients=polynomials * scale * order[:, None],
-        block_start=start + tip_tolerance * cut,
+        block_start=tip_tolerance * cut,
         block=toolpath.block[entry],
         feed=toolpath.feed[entry],
         least_time=toolpath.least_time[entry],

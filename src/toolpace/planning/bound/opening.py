@@ -31,11 +31,6 @@ class Opening(NamedTuple):
     stands: float
     """Share of the gap that lies at places where the relaxation stands still."""
 
-    @property
-    def words(self) -> str:
-        """The place in words."""
-        return f"between s = {self.low:.6g} and s = {self.high:.6g}"
-
 
 def opening_of(run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, end: EndState) -> Opening:
     """Where the gap of a plan lies."""

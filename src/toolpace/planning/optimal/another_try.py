@@ -89,9 +89,10 @@ def another_try(
     if gap <= FAR:
         return first, ()
     if len(first.law.nodes) > KEPT:
-        return first, (f"run at s = {run.s0:.6g}: gap of {gap:.1%}; too long for another try",)
+        return first, (f"run at {run.place(run.s0)}: gap of {gap:.1%}; too long for another try",)
     opening = opening_of(run, limits, first.law, start, end)
-    said = [f"run at s = {run.s0:.6g}: gap of {gap:.1%}, mostly {opening.words}"]
+    where = f"{run.place(opening.low)} and {run.place(opening.high)}"
+    said = [f"run at {run.place(run.s0)}: gap of {gap:.1%}, mostly between {where}"]
     if fixed:
         return first, (f"{said[0]}; the mesh is kept as it was given",)
     best, proved = first, None

@@ -122,8 +122,8 @@ def solved(run: AxisRun, limits: Limits, rows: Cells, ends: tuple[float, float])
         raise InfeasibleError("no limit holds the motion; give a feed, or limits of velocity or acceleration")
     still = z[1:-1] <= 0.0
     if still.any():
-        place = rows.nodes[1 + int(still.argmax())]
-        raise InfeasibleError(f"the limits leave no motion at s = {place:.9g}; give a finer mesh, or a higher feed")
+        place = run.place(float(rows.nodes[1 + int(still.argmax())]))
+        raise InfeasibleError(f"the limits leave no motion at {place}; give a finer mesh, or a higher feed")
     return LinearLaw(rows.nodes, z)
 
 
