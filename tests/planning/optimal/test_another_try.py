@@ -63,14 +63,14 @@ def test_what_is_left_open_is_said():
 def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0, fewer_gap=0.001):
     """Another try whose proofs leave these gaps, one after the other, whose finer mesh this one (None: no better), and
     whose mesh of fewer cells takes so much of the time; with the gap that it ends with, and its words."""
-    a_run, gaps = SimpleNamespace(s0=0.0), iter(proofs)
+    a_run, gaps = SimpleNamespace(s0=0.0, place="s = {}".format), iter(proofs)
 
     def plan_of(gap):
         law = SimpleNamespace(nodes=np.zeros(40), duration=1.0)
         return another.Plan(law, Bound(1.0, 1.0 + gap, 1.0, np.empty((0, 3)), 0))
 
     def opening_of(run, limits, law, start, end):
-        return SimpleNamespace(stands=stands, words="here", cells=law.nodes)
+        return SimpleNamespace(stands=stands, low=0.0, high=0.5, cells=law.nodes)
 
     monkeypatch.setattr(another, "opening_of", opening_of)
     monkeypatch.setattr(another, "prove_run", lambda *_: plan_of(next(gaps)).bound)
@@ -159,3 +159,8 @@ def test_an_allowance_is_spent():
     assert allowance.take(3) and not allowance.is_spent
     assert not allowance.take(3)
     assert allowance.is_spent
+
+
+def test_a_proof_that_is_not_tried_is_not_said_to_close_nothing(monkeypatch):
+    monkeypatch.setattr(another, "KNOTS_A_NODE", 0)
+    assert "ranges of speed is too long to be tried" in planned(1000071).notes[0]
