@@ -47,6 +47,9 @@ def test_inch_and_metric_and_what_they_say_of_f():
         ("G91 CIP X20 Y0 I1=10 J1=10", (20, 0), (10, 0), 10),
         ("G1 Y1\nCT X10 Y11", (10, 11), (10, 1), 10),
         ("G2 I10", (0, 0), (10, 0), 10),
+        ("G111 X10 Y0\nG2 RP=10 AP=90", (10, 10), (10, 0), 10),
+        ("G111 X10 Y0\nRP=10 AP=180\nG3 AP=90", (10, 10), (10, 0), 10),
+        ("G111 X0 Y0\nG2 RP=10 AP=90 CR=10", (0, 10), (5 * 3**0.5, 5), 10),
     ],
 )
 def test_arcs(words, end, centre, radius):
@@ -139,6 +142,14 @@ def test_feeds():
     with pytest.raises(ProgramError, match="feed missing"):
         read("G95 G1 X10")
     assert read("G4 F2\nG1 X1\nG4 S10", start=START + "S60\n").dwell.tolist() == [2, 10]
+
+
+def test_the_feed_of_one_block():
+    """NC Programming, 7: FB holds in its own block, in the unit in force; behind it F does again."""
+    path = read("G1 X10 F600\nX20 FB=300\nX30\nFB=120 X40\nX50")
+    assert path.feed[-5:] * 60e3 == pytest.approx([600, 300, 600, 120, 600])
+    with pytest.raises(ProgramError, match="above zero"):
+        read("G1 X10 F600\nX20 FB=0")
 
 
 def test_stops():

@@ -117,7 +117,8 @@ class Executor:
             self._call(call, words)
         if words:
             self._ask(words)
-        moved = self._move(now) if words else False
+        with self.feed_words.of_block(words):
+            moved = self._move(now) if words else False
         if now.stop_after:
             self.control.stop()
         if now.ends:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.sinumerik.given import Words, number
 from toolpace.reading.sinumerik.run import Run
@@ -26,6 +29,19 @@ class FeedWords:
                 raise ValueFault("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
             seconds = turns / self.control.feed.spindle
         self.control.dwell(seconds or 0.0)
+
+    @contextmanager
+    def of_block(self, words: Words) -> Iterator[None]:
+        """FB: the feed of one block, behind which F holds again (NC Programming, 7: non-modal feed)."""
+        if "FB" not in words:
+            yield
+            return
+        feed = self.control.feed
+        before = feed.value, feed.turn, feed.unit
+        words["F"] = words.pop("FB")
+        self.feed(words)
+        yield
+        feed.value, feed.turn, feed.unit = before
 
     def feed(self, words: Words) -> None:
         """F: under G700 and G710 in the unit of lengths, under G70 and G71 in the base unit of the control."""

@@ -52,7 +52,7 @@ class Motion:
     def execute(self, words: Words, *, stop: bool) -> bool:
         """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
         control, state = self.control, self.state
-        start = control.words
+        start, polar = control.words, "AP" in words or "RP" in words
         if self.splines.end:
             control.words, present = self.splines.end, start
             try:
@@ -79,7 +79,7 @@ class Motion:
         if state.motion in ("G331", "G332"):
             self._tap(target, named, words)
         elif arcs:
-            self._arc(target, named, words, vector)
+            self._arc(target, named, words, vector, polar)
         else:
             self._straight(target, named, vector, words)
         if corner is not None:
@@ -203,7 +203,7 @@ class Motion:
             way = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
             state.tangent = way if any(way) else state.tangent
 
-    def _arc(self, target: list[float], named: int, words: Words, vector: list[float] | None) -> None:
+    def _arc(self, target: list[float], named: int, words: Words, vector: list[float] | None, polar: bool) -> None:
         control, state = self.control, self.state
         if vector is not None:
             control.findings.assumed("on arcs tool vectors are reached with the rotary axes in proportion")
@@ -217,7 +217,7 @@ class Motion:
         elif state.motion == "CIP":
             arc = circles.through(control, state, words, target)
         else:
-            arc = circles.circle(control, state, words, target)
+            arc = circles.circle(control, state, words, target, polar=polar)
         control.arc(target, named, arc, self._number())
         state.tangent = circles.last_direction(arc)
 

@@ -17,8 +17,12 @@ MOST_TURNS = 999
 _ENDLESS = "TURN counts whole turns: write a whole number from 0 to 999"
 
 
-def circle(control: Control, state: State, words: Words, target: list[float]) -> Arc:
-    """Arc of G2 or G3 to the target, which AR may set; in the program's coordinates. Raises ArcError, ValueFault."""
+def circle(control: Control, state: State, words: Words, target: list[float], *, polar: bool = False) -> Arc:
+    """Arc of G2 or G3 to the target, which AR may set; in the program's coordinates. Raises ArcError, ValueFault.
+
+    Of an end in `polar` coordinates the pole is the centre, where no other is told (802D sl, Operation and Programming,
+    8.3: "pole = circle center point").
+    """
     clockwise = state.motion == "G2"
     start, plane = control.words, state.plane
     turn = number(words, "TURN", 0.0) or 0.0
@@ -29,7 +33,7 @@ def circle(control: Control, state: State, words: Words, target: list[float]) ->
     elif opening is not None and not any(letter in words for letter in "IJK"):
         centre = _centre_of_opening(start, target, opening * DEGREE, plane, clockwise)
     else:
-        centre = _centre(control, state, words)
+        centre = list(state.pole) if polar and words.keys().isdisjoint("IJK") else _centre(control, state, words)
         if opening is not None:
             _end_of_opening(start, target, centre, opening * DEGREE, plane, clockwise)
     made = plane_arc(start, target, centre, plane, clockwise)
