@@ -16,6 +16,8 @@ from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.relaxation import Bound
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.optimal import another_try as another
+from toolpace.planning.optimal import planner
+from toolpace.planning.optimal.guard import guarded
 from toolpace.planning.planner import plan
 
 
@@ -42,13 +44,16 @@ def test_a_gap_is_closed_and_explained(seed, family, before, word):
     assert used_by_positions(trajectory).max() < 1.0001
 
 
-def test_a_plan_that_the_guard_made_slow_is_tried_again_without_a_bound_too():
-    """A pass on a fixture of 45 degrees: 2.43 s with its limits at the nodes, 2.61 s where the guard slowed it down."""
+def test_a_plan_that_the_guard_made_slow_is_tried_again_without_a_bound_too(monkeypatch):
+    """A pass on a fixture of 45 degrees takes 2.43 s; where the first guard only slows it down, 2.5 s at least."""
     machine, toolpath = tp.Machine.load("xyzac-trunnion"), as_tips_and_axes(curved_pass())
     clamping = Clamping(tilt=np.radians(45.0), shift=(8.461e-3, 43.54e-3, 34.89e-3))
     clamped = clamping.on(machine, centre_of(toolpath))
     path = tp.Path.fit(toolpath, machine=clamped)
-    at_nodes, held = (plan(path, clamped, guard=guard, bound=False) for guard in (False, True))
+    rounds = iter([0])
+    at_nodes = plan(path, clamped, guard=False, bound=False)
+    monkeypatch.setattr(planner, "guarded", lambda *given: guarded(*given[:-1], next(rounds, given[-1])))
+    held = plan(path, clamped, bound=False)
     assert held.duration < 1.01 * at_nodes.duration and held.usage().worst <= PROMISED
     assert held.lower_bound == 0.0 and "gap" in held.notes[0]
 

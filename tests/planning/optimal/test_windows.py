@@ -86,7 +86,7 @@ def test_windows_whose_seams_would_overlap_are_wider(monkeypatch, wide, pieces):
     run = SimpleNamespace(
         nodes=np.arange(last + 1.0), is_long=True,
         around=lambda first, last, ramps: (np.maximum(first - wide, 0), np.minimum(last + wide, 4 * WINDOW)),
-        problem=lambda low, high: SimpleNamespace(of_most_used=lambda c, most: (low, high)),
+        problem=lambda low, high: (low, high),
     )  # fmt: skip
     monkeypatch.setattr(windows, "mend", mend)
     monkeypatch.setattr(windows, "solve_whole", lambda problem, c, spread: solved.append([problem]) or c)

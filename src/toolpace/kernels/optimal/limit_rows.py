@@ -70,27 +70,3 @@ def usage(points: PointRows, c: Floats) -> tuple[Floats, Floats]:
             used[p, kind] = max(used[p, kind], value)
         used[p, 2] *= np.sqrt(u0)
     return used, z
-
-
-@jit()
-def most_used(points: PointRows, c: Floats, most: int) -> Floats:
-    """(points, 2 most, 3) of the rows of acceleration, and of those of jerk, the ones that coefficients c use most."""
-    basis, first, rows = points.basis, points.first, points.rows
-    n, half = rows.shape[0], rows.shape[1] // 2
-    out, value = np.empty((n, 2 * most, 3)), np.empty(half)
-    for p in range(n):
-        k = first[p]
-        u0, u1, u2 = 0.0, 0.0, 0.0
-        # the fourth coefficient of a point at the last node is none
-        for i in range(4 if basis[p, 2, 3] != 0.0 else 3):
-            u0, u1, u2 = u0 + basis[p, 0, i] * c[k + i], u1 + basis[p, 1, i] * c[k + i], u2 + basis[p, 2, i] * c[k + i]
-        for kind in range(2):
-            for i in range(half):
-                row = kind * half + i
-                value[i] = abs(rows[p, row, 0] * u0 + rows[p, row, 1] * u1 + rows[p, row, 2] * u2)
-            for rank in range(most):
-                best = np.argmax(value)
-                value[best] = -1.0
-                for d in range(3):
-                    out[p, kind * most + rank, d] = rows[p, kind * half + best, d]
-    return out

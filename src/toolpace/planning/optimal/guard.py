@@ -34,8 +34,6 @@ MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
 PATIENCE = 3
 """Rounds after which limits are lowered by more than usual, and at nodes too."""
-MOST_USED = 2
-"""Rows of a kind that a point keeps where it is solved again: the next look misses nothing."""
 EASED_BY = 3e-5
 """Share of the duration that easing may cost: less is not worth another round."""
 URGE, MOST_URGE = 1.3, 6.0
@@ -49,7 +47,7 @@ be no other motion within the same ones."""
 
 def guarded(
     meshed: MeshedRun, law: SplineLaw, fixed: bool, workers: Workers, progress: Progress = UNTOLD,
-    most_rounds: int = MOST_ROUNDS, most_used: int | None = MOST_USED,
+    most_rounds: int = MOST_ROUNDS,
 ) -> SplineLaw:  # fmt: skip
     """The law with its limits held between the nodes too. Raises Stalled where that cannot be had.
 
@@ -58,8 +56,6 @@ def guarded(
       cut the cells that pass a limit by far (unless the mesh is fixed);  put rows where the others pass one
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
     slow the best one down to the guarantee: after so many rounds, or where the cells that were cut led astray
-
-    `most_used` rows of a kind a point keeps where the run is solved again; None: all, and only as a whole.
     """
     best: tuple[MeshedRun, SplineLaw, Floats] | None = None
     least, at_nodes = np.inf, law.duration
@@ -79,7 +75,7 @@ def guarded(
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
-            c = resolve(meshed, c, wrong, float(peaks.used.max()), workers, halfway, most_used)
+            c = resolve(meshed, c, wrong, float(peaks.used.max()), workers, halfway)
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
@@ -134,17 +130,16 @@ def halves(used: Floats) -> Ints:
 
 
 def resolve(
-    meshed: MeshedRun, c: Floats, wrong: Bools, used: float, workers: Workers, progress: Progress = UNTOLD,
-    most_used: int | None = MOST_USED,
-) -> Floats:  # fmt: skip
+    meshed: MeshedRun, c: Floats, wrong: Bools, used: float, workers: Workers, progress: Progress = UNTOLD
+) -> Floats:
     """New coefficients after the rows or the mesh at the marked cells changed, because c `used` so much of a limit.
 
-    Only stretches around those cells are solved again, unless they are most of the run, or all rows are kept.
+    Only stretches around those cells are solved again, unless they are most of the run.
     """
     loss = START_LOSS + 1.0 - 1.0 / min(used, MOST_PASSED)
     parts = stretches(meshed, wrong)
-    if most_used is not None and sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
+    if sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
         mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress, give=GIVE)
         if not stuck:
             return mended
-    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, most_used)
+    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress)

@@ -26,7 +26,7 @@ from toolpace.planning.bound.relaxation import places_in_time
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.another_try import FAR, Plan, another_try
-from toolpace.planning.optimal.guard import MOST_ROUNDS, MOST_USED, guarded
+from toolpace.planning.optimal.guard import MOST_ROUNDS, guarded
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
@@ -95,15 +95,14 @@ def fastest_law(
     workers: Workers | None = None,
     progress: Progress = UNTOLD,
     most_rounds: int = MOST_ROUNDS,
-    most_used: int | None = MOST_USED,
 ) -> tuple[SplineLaw, int]:
     """The fastest law of one run, and the number of its mesh points.
 
     `cells` fixes the mesh; without it the mesh is refined where the motion asks for it. `guard` holds the limits
-    between the nodes too, in `most_rounds` of solving anew before the law is slowed down, with `most_used` rows of a
-    kind at each point (None: all). Raises InfeasibleError where no motion within the limits joins both ends.
+    between the nodes too, in `most_rounds` of solving anew before the law is slowed down. Raises InfeasibleError where
+    no motion within the limits joins both ends.
     """
-    law, _ = held_law(run, limits, cells, start, end, guard, workers or Workers(), progress, most_rounds, most_used)
+    law, _ = held_law(run, limits, cells, start, end, guard, workers or Workers(), progress, most_rounds)
     return law, mesh_points(law)
 
 
@@ -117,7 +116,6 @@ def held_law(
     workers: Workers,
     progress: Progress = UNTOLD,
     most_rounds: int = MOST_ROUNDS,
-    most_used: int | None = MOST_USED,
 ) -> tuple[SplineLaw, float]:
     """The fastest law, as `fastest_law` has it, and the duration of that with limits held at the nodes only [s]."""
     check_state(run, limits, start, run.s0)
@@ -132,8 +130,7 @@ def held_law(
         law = SplineLaw(meshed.nodes, c, meshed.rest)
         at_nodes = law.duration
         if guard:
-            told = progress.part(SOLVED, 1.0)
-            law = guarded(meshed, law, cells is not None, workers, told, most_rounds, most_used)
+            law = guarded(meshed, law, cells is not None, workers, progress.part(SOLVED, 1.0), most_rounds)
     except Stalled as stall:
         raise no_motion(run, stall, cells) from None
     progress(1.0)

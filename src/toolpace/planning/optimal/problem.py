@@ -101,19 +101,6 @@ class Problem(OnMesh):
         part.cap, part.rows = self.cap * (1.0 + by) ** 2, self.rows / (1.0 + by)
         return part
 
-    def of_most_used(self, c: Floats, most: int | None) -> Problem:
-        """The problem with at most so many rows of acceleration, and of jerk, at each point: those that c uses most.
-        None: with all.
-
-        A point has a row for each joint, and hardly ever are more than two of a kind near their limits at once.
-        """
-        half = self.rows.shape[1] // 2
-        if most is None or half <= most:
-            return self
-        part = copy(self)
-        part.rows = limit_rows.most_used(self.as_points(), c, most)
-        return part
-
     def stretch(self, low: int, high: int) -> Problem:
         """The part between two nodes, in motion at its ends where they are not those of the run.
 

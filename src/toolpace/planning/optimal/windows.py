@@ -10,7 +10,6 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.kernels.optimal import newton
 from toolpace.planning.optimal.meshed_run import MeshedRun
-from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.slower_ends import solve_whole
 from toolpace.planning.optimal.solve import Stalled, slower, solve
 from toolpace.workers import UNTOLD, Progress, Workers
@@ -63,20 +62,14 @@ def solve_run(
     spread: float,
     workers: Workers,
     progress: Progress = UNTOLD,
-    most_used: int | None = None,
 ) -> Floats:
     """The fastest z of a run, from the start c with a first gap of `spread`; a long run is solved window by window.
-
-    `most_used`: in one piece a point keeps so many rows of a kind, those that c uses most.
 
     What happens at one place of a run is of no matter further away than the machine needs to stop and start again.
     So the windows are solved with their borders left as they start, slow; then a wide stretch over each border is
     solved, between nodes that are at their best already. Raises Stalled.
     """
     last = len(meshed.nodes) - 1
-
-    def whole(c: Floats) -> Problem:
-        return meshed.problem(0, last).of_most_used(c, most_used)
 
     count = int(np.ceil(last / WINDOW)) if meshed.is_long else 1
     while count > 1:
@@ -86,7 +79,7 @@ def solve_run(
             break
         count //= 2
     if count <= 1:
-        return solve_whole(whole(c), c, spread)
+        return solve_whole(meshed.problem(0, last), c, spread)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
     begin = c
     for parts, loss, gap, told in (
@@ -95,7 +88,7 @@ def solve_run(
         c, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
         if stuck:
             # an end in motion may leave no way to so slow a border
-            return solve_whole(whole(begin), begin, spread)
+            return solve_whole(meshed.problem(0, last), begin, spread)
     return c
 
 

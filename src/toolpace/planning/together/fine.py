@@ -59,7 +59,7 @@ class Fine:
             told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
             cells = int(np.clip(dense * time / self.ramp, FEWEST, MOST))
             solving = told.part(0.0, SOLVED)
-            law, points = fastest_law(run, limits, cells, start, end, True, workers, solving, ROUNDS, most_used=None)
+            law, points = fastest_law(run, limits, cells, start, end, True, workers, solving, ROUNDS)
             bound = bound_long_run(run, limits, law, start, end, workers, told.part(SOLVED, 1.0))
             if best is None or law.duration < best.law.duration:
                 best = PlannedRun(law, points, bound.seconds, places_in_time(run, law, bound))
