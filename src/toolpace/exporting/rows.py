@@ -31,11 +31,13 @@ class Rows:
     """[s]"""
     error: Floats
     """(m,) how far positions may be from the planned motion [m, rad]; 0 where they are the plan's own set-points."""
+    acceleration: Floats
+    """(m,) the highest of the planned motion, between the rows too [m/s^2, rad/s^2]."""
 
     @property
     def sag(self) -> Floats:
         """(m,) how far a straight line between two rows may be from the motion [m, rad]: a P^2 / 8."""
-        sag: Floats = np.abs(self.points.qdd).max(axis=0) * self.period**2 / 8.0
+        sag: Floats = self.acceleration * self.period**2 / 8.0
         return sag
 
 
@@ -63,11 +65,12 @@ def rows_every(motion: PlannedMotion, period: float, resample: bool = False) -> 
             f"set-points every {format_time(dt)}; give a period nearer to that"
         )
     t: Floats = period * np.arange(rows, dtype=np.float64)
+    highest: Floats = np.abs(points.qdd).max(axis=0)
     if whole:
         index = np.minimum(np.arange(rows) * step, len(points) - 1)
         beyond = np.arange(rows) * step > len(points) - 1
-        return Rows(_picked(points, t, index, beyond), period, np.zeros(len(points.joints)))
-    return Rows(_between(motion, t), period, _error(motion))
+        return Rows(_picked(points, t, index, beyond), period, np.zeros(len(points.joints)), highest)
+    return Rows(_between(motion, t), period, _error(motion), highest)
 
 
 def _picked(points: SetPoints, t: Floats, index: Ints, beyond: Bools) -> SetPoints:
