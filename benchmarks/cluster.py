@@ -221,7 +221,7 @@ def page(found: dict[str, Any]) -> str:
     lines = ["# Many programs on a cluster", "", found["written by"], ""]
     lines += [
         "Spirals of 500 to 5000 blocks on xyzac-trunnion, planned, bounded, judged, written without reports. The load "
-        "is that of the computer at the end, on which others worked too: wall times are to be compared where it is "
+        "is that of the computer at the end, on which others may work too: wall times are to be compared where it is "
         "alike, time of processors always. Workers that the batch starts have their scheduler in the client.",
         "",
         "| | programs | wall time | jobs, summed up | processors | load | client | scheduler |",
