@@ -55,6 +55,7 @@ bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks.second_order
 	$(BIN)/python -m benchmarks.scaling
 	$(BIN)/python -m benchmarks.tolerances
+	$(BIN)/python -m benchmarks.efforts
 	$(BIN)/python -m benchmarks.reading
 
 clean:  ## remove what was made
