@@ -48,9 +48,9 @@ class Measure(NamedTuple):
     """Time over which it is a mean, in the time in which an acceleration builds up."""
 
 
-ROUGH, FINE = Measure(6.0, 0.3), Measure(4.0, 0.15)
+BROAD, SHARP = Measure(6.0, 0.3), Measure(4.0, 0.15)
 """The one finds far better paths than the first soon, the other goes on from the best of these."""
-MEASURES: dict[str, tuple[Measure, ...]] = {"low": (), "normal": (ROUGH, FINE), "high": (ROUGH, FINE)}
+MEASURES: dict[str, tuple[Measure, ...]] = {"low": (), "normal": (BROAD, SHARP), "high": (BROAD, SHARP)}
 """By effort, one after the other."""
 EFFORTS = tuple(MEASURES)
 """low: the path is fitted once; normal: a few rounds of pace and fit; high: then both are changed together."""

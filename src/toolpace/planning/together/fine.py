@@ -1,8 +1,7 @@
-"""The plan of a path that was changed together with its pace: on a fine mesh, solved again as a whole with all rows.
+"""The plan of a path that was changed together with its pace: on a fine mesh, finer or coarser where that leaves much.
 
-Such a path has many joints at their limits at once, and little else than its own pace will do. A row that is left out
-is passed at once, and between states that are given a stretch has no motion but one that swings from node to node. So
-where limits are passed between the nodes, all of the run is solved again, and each point keeps the rows of all joints.
+Such a path has many joints at their limits at once, and little else than its own pace will do: what its mesh cannot
+hold between the nodes has to be slowed down, and the bound on the path tells by how much.
 """
 
 from __future__ import annotations
