@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from toolpace.cluster.kept_memory import keep_memory
 from toolpace.errors import ToolpaceError, printable
 from toolpace.version import __version__
 from toolpace.workers import interrupted
@@ -51,6 +52,7 @@ def do(task: WorkItem[C, T, R], held: Held[C]) -> tuple[R | None, str, float, st
         error = f"worker {address} has toolpace {__version__}, and toolpace {task.version} asks; install the same"
         return None, error, 0.0, address
     ensure_warm()
+    keep_memory()
     return *attempt(task.work, held.value, task.item), address
 
 
