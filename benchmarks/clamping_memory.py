@@ -1,4 +1,7 @@
-"""Memory of scheduler and caller over many trials on a local cluster: `python -m benchmarks.clamping_memory`."""
+"""Memory of scheduler and caller over many trials of clampings on a local cluster.
+
+python -m benchmarks.clamping_memory [TRIALS]
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import toolpace as tp
+from benchmarks.machine import RESULTS, written_by
 from toolpace.clamping.choices import Choices
 from toolpace.clamping.trial import Task, centre_of, tried
 from toolpace.cluster import open_pool
@@ -35,21 +39,32 @@ def resident() -> float:
     return int(words[1]) * 4096 / 1e6
 
 
+def page(rows: list[tuple[int, int, float, float]]) -> str:
+    """What was seen, as a table; rows of trials, those that fit, memory [MB], and time [s]."""
+    heads = "| trials | of which fit | scheduler and caller [MB] | wall time [s] |\n|--:|--:|--:|--:|\n"
+    lines = "".join(f"| {done} | {fits} | {memory:.1f} | {time:.0f} |\n" for done, fits, memory, time in rows)
+    return (
+        f"# Many trials of clampings\n\n{written_by('python -m benchmarks.clamping_memory')}\n\nOf a pass of {POINTS} "
+        "points with a swinging axis, each placed, fitted and planned on two workers. Scheduler and caller are one "
+        f"process.\n\n{heads}{lines}"
+    )
+
+
 def main(count: int) -> None:
-    """Make so many trials and print the memory after each STEP."""
+    """Make so many trials, and write and print the memory after each STEP."""
     machine, toolpath, choices = tp.Machine.load("xyzac-trunnion"), small_pass(), Choices()
     task = Task(toolpath, machine, centre_of(toolpath), choices.box(), 10e-6, 1e-3)
     names, rng = (*choices.direction, *choices.position), np.random.default_rng(0)
     asked = (choices.clamping(choices.from_shares(names, rng.random(len(names)))) for _ in range(count))
     began, fits = time.perf_counter(), 0
+    rows: list[tuple[int, int, float, float]] = []
     with open_pool(2) as pool:
         for done, outcome in enumerate(pool.each(tried, task, asked), start=1):
             fits += outcome.value is not None and outcome.value.fits
             if done % STEP == 0:
-                print(
-                    f"{done:6} trials, {fits} fit, {resident():7.1f} MB, {time.perf_counter() - began:6.0f} s",
-                    flush=True,
-                )
+                rows.append((done, fits, resident(), time.perf_counter() - began))
+                print(*rows[-1], flush=True)
+    (RESULTS / "clamping_memory.md").write_text(page(rows))
 
 
 if __name__ == "__main__":
