@@ -12,7 +12,7 @@ import toolpace as tp
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.program_plan import plan_program
-from toolpace.planning.together.interior_point import banded, eased
+from toolpace.planning.together.interior_point import EASED, GAP, Work, eased, fix, reach
 from toolpace.planning.together.refit import known_run, windows
 from toolpace.planning.together.stretch import JERK, SLOT, Stretch, slots_of
 
@@ -62,11 +62,66 @@ def test_slopes_are_those_of_what_is_used(normal, blade, machine):
     r = np.random.default_rng(2)
     x = 0.01 * r.standard_normal((slots_of(known.breaks), SLOT))
     step = 1e-5 * r.standard_normal(x.shape)
-    now = stretch.at(x)
-    slopes = stretch.slopes(now, stretch.used(now))
-    local = step[stretch.first[:, None] + np.arange(SLOT)].reshape(-1, SLOT * SLOT)
-    change = stretch.used(stretch.at(x + step)) - stretch.used(stretch.at(x - step))
-    assert np.allclose(2.0 * np.einsum("nrk,nk->nr", slopes, local), change, rtol=1e-5, atol=1e-8)
+    change = stretch.at(x + step).used - stretch.at(x - step).used
+    assert np.allclose(2.0 * stretch.rows_moved(stretch.at(x), step), change, rtol=1e-5, atol=1e-8)
+
+
+def test_the_newton_matrix_is_that_of_the_slopes(normal, blade, machine):
+    """Unknown by unknown: weights times slopes squared, curvature of the time, and balls."""
+    (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
+    run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
+    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.01)
+    stretch = Stretch(known, 40, 46, np.zeros(0))
+    free = np.zeros(slots_of(known.breaks), dtype=bool)
+    free[40:51] = True
+    work = Work(stretch, free, np.zeros((len(free), SLOT)), 1.0)
+    count, now = 11 * SLOT, work.now
+    rows, force, pace = [], [], []
+    for k in range(count):
+        unit = np.zeros((len(free), SLOT))
+        unit[40 + k // SLOT, k % SLOT] = 1.0
+        rows.append(stretch.rows_moved(now, unit).ravel())
+        force.append(np.concatenate([now.force * stretch.tube.moved(unit), stretch.tube.moved(unit)], axis=1))
+        pace.append(stretch.at(unit).z - 1.0)
+    above, below, ball = work.sides
+    weight = (above.multiplier / above.slack + below.multiplier / below.slack).ravel()
+    whole = 1e-8 * np.eye(count) + np.einsum("ip,p,jp->ij", rows, weight, rows)
+    whole += np.einsum("ip,p,jp->ij", pace, 0.75 * stretch.weight * now.z**-2.5, pace)
+    push, off, metric = np.array(force)[:, :, :5], np.array(force)[:, :, 5:], stretch.tube.balls.metric
+    for k, g in enumerate((slice(0, 3), slice(3, 5))):
+        felt = push[:, :, g].sum(axis=2)
+        whole += np.einsum("ip,p,jp->ij", felt, ball.multiplier[:, k] / ball.slack[:, k], felt)
+        whole += np.einsum("ipc,p,pcd,jpd->ij", off[:, :, g], ball.multiplier[:, k], metric[:, g, g], off[:, :, g])
+    band = work._matrix()
+    for k in range(36):
+        assert np.allclose(band[: count - k, k], np.diagonal(whole, k), rtol=1e-9, atol=1e-12 * whole.max())
+
+
+def test_the_method_comes_to_its_end_within_few_steps(normal, blade, machine):
+    """In the middle of a run, between ends that stay: what is at its limits there holds nothing up."""
+    (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
+    run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
+    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.01)
+    free = np.zeros(slots_of(known.breaks), dtype=bool)
+    middle = len(free) // 2
+    free[middle - 60 : middle + 60] = True
+    stretch = Stretch(known, middle - 65, middle + 60, np.zeros(0))
+    work = Work(stretch, free, np.zeros((len(free), SLOT)), 1.0)
+    steps = 0
+    while work.gap > GAP * work.time and work.step():
+        steps += 1
+    assert steps < 30 and work.gap <= GAP * work.time
+    assert work.time_now < work.time and np.abs(work.now.used).max() < 1.05
+
+
+def test_a_step_goes_until_the_first_value_is_zero():
+    r = np.random.default_rng(5)
+    for _ in range(100):
+        values, change = r.random(20), r.standard_normal(20)
+        far = reach(values, change)
+        assert far <= 1.0 and (values + far * change).min() >= -1e-12
+        assert far == 1.0 or np.abs(values + far * change).min() < 1e-12
+    assert reach(np.ones(3), np.zeros(3)) == 1.0
 
 
 def test_without_a_change_a_stretch_uses_what_its_motion_does(normal, blade, machine):
@@ -75,7 +130,7 @@ def test_without_a_change_a_stretch_uses_what_its_motion_does(normal, blade, mac
     known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.01)
     assert np.diff(known.times).max() <= 0.01 * (1.0 + 1e-9) and np.isin(run.breaks, known.breaks).all()
     stretch = Stretch(known, 10, 60, np.zeros(0))
-    used = stretch.used(stretch.at(np.zeros((slots_of(known.breaks), SLOT))))
+    used = stretch.at(np.zeros((slots_of(known.breaks), SLOT))).used
     assert 0.9 < np.abs(used).max() <= PROMISED / JERK
 
 
@@ -91,20 +146,19 @@ def test_windows_of_a_stage_have_no_cell_in_common():
         assert moved[3:-3].all() and not moved[:3].any() and not moved[-3:].any()
 
 
-def test_blocks_of_neighbouring_cells_add_up_and_what_is_fixed_stays():
+def test_what_is_fixed_is_taken_out_of_a_band():
     r = np.random.default_rng(3)
-    root = r.standard_normal((3, 36, 36))
-    blocks = root @ root.transpose(0, 2, 1)
-    whole = 0.5 * np.eye(48)
-    for k in range(3):
-        whole[6 * k : 6 * k + 36, 6 * k : 6 * k + 36] += blocks[k]
+    root = r.standard_normal((48, 48))
+    whole = root @ root.T
+    whole[np.abs(np.subtract.outer(np.arange(48), np.arange(48))) >= 36] = 0.0
+    band = np.array([[whole[i, i + k] if i + k < 48 else 0.0 for k in range(36)] for i in range(48)])
     fixed = np.zeros(48, dtype=bool)
     fixed[[0, 1, 20, 47]] = True
     whole[fixed], whole[:, fixed] = 0.0, 0.0
     whole[fixed, fixed] = 1.0
-    band = banded(blocks, 0.5, fixed)
+    fix(band, fixed)
     for k in range(36):
-        assert np.allclose(band[k, : 48 - k], np.diagonal(whole, -k))
+        assert np.allclose(band[: 48 - k, k], np.diagonal(whole, k))
 
 
 def test_the_pace_is_taken_back_but_not_at_the_ends():
@@ -112,4 +166,4 @@ def test_the_pace_is_taken_back_but_not_at_the_ends():
     free[10:90] = True
     x = eased(np.zeros((100, SLOT)), free)
     assert (x[:, :5] == 0.0).all() and (x[~free] == 0.0).all()
-    assert x[10, 5] == x[89, 5] == 0.0 and x[50, 5] == pytest.approx(-0.12)
+    assert x[10, 5] == x[89, 5] == 0.0 and x[50, 5] == pytest.approx(-EASED)

@@ -19,18 +19,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.arrays import Bools, Floats
-from toolpace.planning.together.stretch import GROUPS, SLOT, State, Stretch, sums_of_cells
+from toolpace.kernels.together import newton
+from toolpace.planning.together.stretch import GROUPS, SLOT, State, Stretch
 
 RADIUS = 0.965
 """Share of the tolerance that the change may use where the tube is held; what lies between takes some of the rest."""
-EASED = 0.12
+EASED = 0.06
 """Share of z that is taken away at the start."""
 TAPER = 24
 """Cells in which that comes and goes at the ends."""
 LEAST_SLACK = 0.05
 """Of a row at the start, whether it has it or not."""
-FIRST_GAP, GAP = 0.1, 3e-3
+FIRST_GAP, GAP = 1.0, 1e-2
 """Gap at the start and at the end, relative to the time."""
+AT_ENDS = 1e-3
+"""Room that rows and balls have at least in cells of which a slot stays as it is."""
 STEPS = 60
 SHORT = 0.97
 """Share of the way to the nearest bound."""
@@ -80,8 +83,8 @@ class Side:
 
 def reach(values: Floats, change: Floats) -> float:
     """How far positive values can go before one is zero, 1 at most."""
-    falling = change < 0.0
-    return min(1.0, float((-values[falling] / change[falling]).min())) if falling.any() else 1.0
+    most = -float((change / values).min())
+    return min(1.0, 1.0 / most) if most > 0.0 else 1.0
 
 
 def fastest(stretch: Stretch, x: Floats, free: Bools, share: float = 1.0) -> Floats | None:
@@ -109,10 +112,11 @@ class Work:
         self.x = eased(x, free)
         now = stretch.at(x)
         deviation = np.sqrt(np.maximum(2.0 * now.excess(np.zeros(2)), 0.0))
-        # what stays as it is may hold the path where it is
-        bound = (~free[stretch.tube.first[:, None] + np.arange(SLOT)]).any(axis=1)[:, None]
+        # what stays as it is may hold path and motion where they are
+        held = ~np.lib.stride_tricks.sliding_window_view(free, SLOT).all(axis=1)[:, None]
         radius = share * RADIUS * stretch.tube.room
-        self.radius = np.where(bound, np.maximum(radius, deviation + 1e-3), radius)
+        self.radius = np.where(held[stretch.tube.balls.first], np.maximum(radius, deviation + AT_ENDS), radius)
+        self.limit = np.where(held[stretch.places.first], np.maximum(1.0, np.abs(now.used) + AT_ENDS), 1.0)
         self._look()
         rooms = self._rooms()
         self.count = sum(room.size for room in rooms)
@@ -128,23 +132,21 @@ class Work:
     @property
     def time_now(self) -> float:
         """That the stretch takes with the change [s]; the motion at hand takes `time`."""
-        return float((self.stretch.weight / np.sqrt(self.now.z[0])).sum())
+        return float((self.stretch.weight / np.sqrt(self.now.z)).sum())
 
     def _look(self) -> None:
         self.now: State = self.stretch.at(self.x)
-        self.used = self.stretch.used(self.now)
 
     def _rooms(self) -> tuple[Floats, Floats, Floats]:
         """How far rows are from both their limits, and deviations from the radius."""
-        return 1.0 - self.used, 1.0 + self.used, -self.now.excess(self.radius)
+        return self.limit - self.now.used, self.limit + self.now.used, -self.now.excess(self.radius)
 
     def step(self) -> bool:
         """Go one step; False where there is none."""
         from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
-        self.slopes = self.stretch.slopes(self.now, self.used)
         try:
-            factor = cholesky_banded(self._matrix(), lower=True, check_finite=False)
+            factor = cholesky_banded(self._matrix().T, overwrite_ab=True, lower=True, check_finite=False)
         except LinAlgError:
             return False
         rooms, gap = self._rooms(), self.gap
@@ -160,8 +162,7 @@ class Work:
                 for side, room, moved, each in zip(self.sides, rooms, self._moved(move), second)
             ]
             primal = min(reach(side.slack, change[0]) for side, change in zip(self.sides, changes))
-            slower = self.stretch.at(move).z[0] - 1.0
-            primal = min(primal, reach(0.5 * self.now.z[0], slower))
+            primal = min(primal, reach(0.5 * self.now.z, self.stretch.at(move).z - 1.0))
             return move, changes, primal, min(reach(s.multiplier, c[1]) for s, c in zip(self.sides, changes))
 
         _, changes, primal, dual = toward(0.0, [0.0, 0.0, 0.0])
@@ -169,7 +170,7 @@ class Work:
             float(((side.slack + primal * change[0]) * (side.multiplier + dual * change[1])).sum())
             for side, change in zip(self.sides, changes)
         )
-        centring = max((left / gap) ** 3, 1e-3)
+        centring = max((left / gap) ** 2, 1e-3)
         second = [primal * dual * change[0] * change[1] for change in changes]
         move, changes, primal, dual = toward(centring * mu, list(second))
         self.x = self.x + SHORT * primal * move
@@ -181,46 +182,35 @@ class Work:
         return True
 
     def _matrix(self) -> Floats:
-        """(36, unknowns) the lower band of the Newton matrix; what is fixed has a unit of its own."""
-        stretch, tube = self.stretch, self.stretch.tube
+        """(unknowns, 36) the band of the Newton matrix, from the diagonal on; what is fixed has a unit of its own."""
+        stretch, balls = self.stretch, self.stretch.tube.balls
         above, below, ball = self.sides
         weight = above.multiplier / above.slack + below.multiplier / below.slack
-        rows = self.slopes.reshape(stretch.cells, -1, WIDTH)
-        blocks = np.matmul((rows * weight.reshape(stretch.cells, -1, 1)).transpose(0, 2, 1), rows)
-        cells = blocks.reshape(-1, SLOT, SLOT, SLOT, SLOT)
-        pace = stretch.pace[0].reshape(stretch.cells, -1, 4)
-        bend = (0.75 * stretch.weight * self.now.z[0] ** -2.5).reshape(stretch.cells, -1)
-        cells[:, 1:5, 5, 1:5, 5] += np.einsum("kpa,kp,kpb->kab", pace, bend, pace)
-        pair = (tube.basis[:, :, None] * tube.basis[:, None, :])[:, :, :, None, None]
-        for k, group in enumerate(GROUPS):
-            force = self.now.force[:, group]
-            moment = ball.multiplier[:, k, None, None] * tube.metric[:, group, group]
-            moment += (ball.multiplier / ball.slack)[:, k, None, None] * force[:, :, None] * force[:, None, :]
-            cells[:, :, group, :, group] += sums_of_cells(pair * moment[:, None, None], tube.start).transpose(
-                0, 1, 3, 2, 4
-            )
-        return banded(blocks, HELD, self.fixed)
+        moment = np.zeros_like(balls.metric)
+        for k, g in enumerate(GROUPS):
+            force = self.now.force[:, g]
+            moment[:, g, g] = ball.multiplier[:, k, None, None] * balls.metric[:, g, g]
+            moment[:, g, g] += (ball.multiplier / ball.slack)[:, k, None, None] * force[:, :, None] * force[:, None, :]
+        band = np.zeros((len(self.fixed), WIDTH))
+        band[:, 0] = HELD
+        bend = 0.75 * stretch.weight * self.now.z**-2.5
+        newton.matrix(stretch.places, self.now.felt, weight, bend, balls, moment, stretch.low, band)
+        fix(band, self.fixed)
+        return band
 
     def _right(self, mu: float, rooms: tuple[Floats, Floats, Floats], second: list[Floats | float]) -> Floats:
         """(unknowns,) the right side of the Newton system."""
-        stretch, tube = self.stretch, self.stretch.tube
+        stretch = self.stretch
         above, below, ball = (side.share(mu, room, each) for side, room, each in zip(self.sides, rooms, second))
-        local = np.einsum("nr,nrk->nk", above - below, self.slopes).reshape(-1, SLOT, SLOT)
-        local[:, 1:5, 5] -= (0.5 * stretch.weight * self.now.z[0] ** -1.5)[:, None] * stretch.pace[0]
-        cells = local.reshape(stretch.cells, -1, SLOT, SLOT).sum(axis=1)
-        push = np.concatenate([ball[:, k, None] * self.now.force[:, group] for k, group in enumerate(GROUPS)], axis=1)
-        cells[:, :, :5] += sums_of_cells(tube.basis[:, :, None] * push[:, None, :], tube.start)
+        push = np.concatenate([ball[:, k, None] * self.now.force[:, g] for k, g in enumerate(GROUPS)], axis=1)
+        pull = -0.5 * stretch.weight * self.now.z**-1.5
         out = np.zeros((stretch.cells + SLOT - 1, SLOT))
-        for k in range(SLOT):
-            out[k : k + stretch.cells] -= cells[:, k]
-        return out.ravel()
+        newton.gradient(stretch.places, self.now.felt, above - below, pull, stretch.tube.balls, push, stretch.low, out)
+        return -out.ravel()
 
     def _moved(self, move: Floats) -> tuple[Floats, Floats, Floats]:
         """By how much the rooms of rows and balls grow with a move (slots, 6), to the first order."""
-        stretch, tube = self.stretch, self.stretch.tube
-        local = move[stretch.first[:, None] + np.arange(SLOT)].reshape(-1, WIDTH, 1)
-        rows = (self.slopes @ local)[:, :, 0]
-        off = np.einsum("nk,nkc->nc", tube.basis, move[tube.first[:, None] + np.arange(SLOT)][:, :, :5])
+        rows, off = self.stretch.rows_moved(self.now, move), self.stretch.tube.moved(move)
         out = np.stack([np.einsum("nc,nc->n", self.now.force[:, g], off[:, g]) for g in GROUPS], axis=1)
         return -rows, rows, -out
 
@@ -235,17 +225,10 @@ def eased(x: Floats, free: Bools) -> Floats:
     return out
 
 
-def banded(blocks: Floats, diagonal: float, fixed: Bools) -> Floats:
-    """(36, unknowns) the lower band of the sum of the blocks (cells, 36, 36) of neighbouring cells, and a diagonal."""
-    cells = len(blocks)
-    band = np.zeros((WIDTH, SLOT * (cells + SLOT - 1)))
-    for a in range(WIDTH):
-        for b in range(a + 1):
-            band[a - b, b : b + SLOT * cells : SLOT] += blocks[:, a, b]
-    band[0] += diagonal
+def fix(band: Floats, fixed: Bools) -> None:
+    """Take the unknowns that are fixed out of a band (unknowns, 36): a unit is left of each."""
     at = np.flatnonzero(fixed)
     for k in range(WIDTH):
-        band[k, at] = 0.0
-        band[k, at[at >= k] - k] = 0.0
-    band[0, at] = 1.0
-    return band
+        band[at, k] = 0.0
+        band[at[at >= k] - k, k] = 0.0
+    band[at, 0] = 1.0

@@ -21,8 +21,9 @@ from math import comb
 import numpy as np
 from scipy.interpolate import BSpline
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Floats
 from toolpace.axispath.follow import FollowRun
+from toolpace.kernels.together import newton, places
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import Polyline
@@ -36,7 +37,7 @@ PLACES = (np.arange(4) + 0.5) / 4.0
 """In each cell, at which limits are held."""
 NUDGE = 1e-4
 """By which coordinates are moved to see what joints do [m or rad]."""
-SLOT = 6
+SLOT = places.SLOT
 """Unknowns of a slot, and slots of a cell."""
 GROUPS = slice(0, 3), slice(3, 5)
 """Columns of tip and turn: a ball each."""
@@ -80,25 +81,26 @@ class Tube:
         inner = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.array([0.0, 1.0, 2.0]) / 3.0).ravel()[1:]
         s = np.unique(np.concatenate([inner, also[(also > breaks[0]) & (also < breaks[-1])]]))
         cell = np.searchsorted(breaks, s, side="right") - 1
-        self.first = low + cell
-        """(n,) first slot of each place."""
-        self.start = np.searchsorted(cell, np.arange(high - low))
-        """(cells,) first place of each cell."""
-        self.basis = local_basis(known.breaks, 5, s, 0)
-        """(n, 6)"""
         self.off = known.off(s)
         """(n, 5) deviation before any change, from the middle of the tube."""
         self.room = known.line.room_at((s - known.begin) / known.scale[0])
         """(n, 2) tolerance of tip and turn, in the narrowest."""
         rotary = known.run.evaluate(s).rotary
         assert rotary is not None
-        self.metric = np.zeros((len(s), 5, 5))
-        self.metric[:, :3, :3] = np.eye(3)
+        metric = np.zeros((len(s), 5, 5))
+        metric[:, :3, :3] = np.eye(3)
         half, at = known.line.half, (s - known.begin) / known.scale[0]
         if half is not None:
             self.off[:, :3] -= half.centre(at)
-            self.metric[:, :3, :3] = half.metric(at)
-        self.metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
+            metric[:, :3, :3] = half.metric(at)
+        metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
+        start = np.searchsorted(cell, np.arange(high - low + 1))
+        self.balls = newton.Balls(low + cell, start, local_basis(known.breaks, 5, s, 0), metric)
+
+    def moved(self, move: Floats) -> Floats:
+        """(n, 5) the part of the path in a move (slots, 6)."""
+        there = move[self.balls.first[:, None] + np.arange(SLOT)][:, :, :5]
+        return np.asarray(np.einsum("nk,nkc->nc", self.balls.basis, there))
 
 
 class Stretch:
@@ -110,99 +112,68 @@ class Stretch:
         t = (times[:-1, None] + np.diff(times)[:, None] * PLACES).ravel()
         self.weight = np.repeat(np.diff(times) / len(PLACES), len(PLACES))
         """(n,) time of each place [s]."""
-        self.first = low + np.repeat(np.arange(self.cells), len(PLACES))
-        """(n,) first slot of each place."""
         state = known.law.at(t)
         s = np.clip(state[0] - known.law.s0 + known.begin, breaks[0], breaks[-1])
-        self.pace = [local_basis(known.times, 3, t, order) for order in range(3)]
-        """Derivatives 0 to 2 by t, each (n, 4), of the functions of the pace."""
-        basis = in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)
         jet = known.run.evaluate(s)
         assert jet.rotary is not None
         tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
-        self.q = known.machine.linear_jets(tip, rotary)
-        """(4, n, m) the joints before any change, and derivatives 1 to 3 by t."""
-        moved = moves(known.machine, tip, rotary) * known.scale
-        self.moved = [
-            sum(comb(k, i) * moved[k - i][:, :, None, :] * basis[i][:, None, :, None] for i in range(k + 1))
-            for k in range(4)
-        ]
-        """Derivatives 0 to 3 by t, each (n, m, 6, 5), of the joints by the coefficients of the change."""
-        limits = known.machine.limits
-        self.limits = np.stack([limits.velocity, limits.acceleration, JERK * np.asarray(limits.jerk)])
-        cap = known.joints.speed_cap(s)
-        self.feed = np.where(np.isfinite(cap), state[1] / cap, 0.0)
-        """(n,) ds/dt over what feed and block times allow."""
+        limits, cap = known.machine.limits, known.joints.speed_cap(s)
+        self.places = places.Places(
+            first=low + np.repeat(np.arange(self.cells), len(PLACES)),
+            basis=by_place(in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)),
+            pace=by_place(np.stack([local_basis(known.times, 3, t, order) for order in range(3)])),
+            moved=by_place(moves(known.machine, tip, rotary) * known.scale),
+            joints=by_place(known.machine.linear_jets(tip, rotary)[1:]),
+            feed=np.where(np.isfinite(cap), state[1] / cap, 0.0),
+            limits=np.stack([limits.velocity, limits.acceleration, JERK * np.asarray(limits.jerk)]),
+        )
         self.tube = Tube(known, low, high, also)
 
     def at(self, x: Floats) -> State:
         """What is felt with coefficients x (slots, 6)."""
-        local = x[self.first[:, None] + np.arange(SLOT)]
-        z = [np.einsum("nk,nk->n", each, local[:, 1:5, 5]) for each in self.pace]
-        z[0] = z[0] + 1.0
-        change = local[:, :, :5].reshape(len(local), -1, 1)
-        joints = self.q.shape[2]
-        q = [now + (by.reshape(len(local), joints, -1) @ change)[:, :, 0] for now, by in zip(self.q, self.moved)]
-        tube = self.tube
-        there = x[tube.first[:, None] + np.arange(SLOT)][:, :, :5]
-        off = tube.off + np.einsum("nk,nkc->nc", tube.basis, there)
-        force = np.einsum("ncd,nd->nc", tube.metric, off)
-        return State(z, q, off, force)
+        n, _, m = self.places.joints.shape
+        felt = places.Felt(np.empty((n, 3)), np.empty((n, 3, m)), np.empty((n, 3 * m + 1)))
+        places.feel(self.places, x, felt)
+        off = self.tube.off + self.tube.moved(x)
+        return State(felt, off, np.einsum("ncd,nd->nc", self.tube.balls.metric, off))
 
-    def used(self, now: State) -> Floats:
-        """(n, 3 m + 1) acceleration, jerk and velocity over their limits, and ds/dt over its own."""
-        z, slope, bend = (each[:, None] for each in now.z)
-        _, first, second, third = now.q
-        velocity, acceleration, jerk = self.limits
-        root = np.sqrt(z)
-        rows = (
-            (second * z + 0.5 * first * slope) / acceleration,
-            (third * z + 1.5 * second * slope + 0.5 * first * bend) * root / jerk,
-            first * root / velocity,
-            self.feed[:, None] * root,
-        )
-        return np.concatenate(rows, axis=1)
-
-    def slopes(self, now: State, used: Floats) -> Floats:
-        """(n, 3 m + 1, 36) derivatives of what is used by the unknowns of the cell."""
-        m = self.q.shape[2]
-        out = np.zeros((len(self.first), 3 * m + 1, SLOT, SLOT))
-        z, slope, bend = (each[:, None, None, None] for each in now.z)
-        root = np.sqrt(z)
-        velocity, acceleration, jerk = (each[:, None, None] for each in self.limits)
-        by1, by2, by3 = self.moved[1:]
-        out[:, :m, :, :5] = (by2 * z + 0.5 * by1 * slope) / acceleration
-        out[:, m : 2 * m, :, :5] = (by3 * z + 1.5 * by2 * slope + 0.5 * by1 * bend) * (root / jerk)
-        out[:, 2 * m : 3 * m, :, :5] = by1 * (root / velocity)
-        first, second, third = (each[:, :, None] for each in now.q[1:])
-        b0, b1, b2 = (each[:, None, :] for each in self.pace)
-        root = root[:, :, :, 0]
-        velocity, acceleration, jerk = (each[:, None] for each in self.limits)
-        half = used[:, :, None] * (0.5 / now.z[0])[:, None, None] * b0
-        out[:, :m, 1:5, 5] = (second * b0 + 0.5 * first * b1) / acceleration
-        felt = third * b0 + 1.5 * second * b1 + 0.5 * first * b2
-        out[:, m : 2 * m, 1:5, 5] = felt * root / jerk + half[:, m : 2 * m]
-        out[:, 2 * m :, 1:5, 5] = half[:, 2 * m :]
-        return out.reshape(len(out), -1, SLOT * SLOT)
+    def rows_moved(self, now: State, move: Floats) -> Floats:
+        """(n, 3 m + 1) how what is used changes with a move (slots, 6), to the first order."""
+        rows = np.empty_like(now.used)
+        places.move_rows(self.places, now.felt, move, rows)
+        return rows
 
 
 @dataclass(frozen=True)
 class State:
     """A stretch with some change."""
 
-    z: list[Floats]
-    """Of the pace, with derivatives 1 and 2 by t, each (n,)."""
-    q: list[Floats]
-    """Joints and derivatives 1 to 3 by t, each (n, m)."""
+    felt: places.Felt
+    """At the places of its rows."""
     off: Floats
     """(k, 5) deviation from the program where the tube is held [tolerances]."""
     force: Floats
     """(k, 5) metric times deviation."""
 
+    @property
+    def z(self) -> Floats:
+        """(n,) of the pace."""
+        return self.felt.z[:, 0]
+
+    @property
+    def used(self) -> Floats:
+        """(n, 3 m + 1) acceleration, jerk and velocity over their limits, and ds/dt over its own."""
+        return self.felt.used
+
     def excess(self, radius: Floats) -> Floats:
         """(k, 2) half the squared deviation of tip and turn, less that of the radius (k, 2)."""
         squared = np.stack([np.einsum("nc,nc->n", self.force[:, g], self.off[:, g]) for g in GROUPS], axis=1)
         return np.asarray(0.5 * (squared - radius**2))
+
+
+def by_place(derivatives: Floats) -> Floats:
+    """(n, orders, ...) from (orders, n, ...)."""
+    return np.ascontiguousarray(np.moveaxis(derivatives, 0, 1))
 
 
 def local_basis(breaks: Floats, degree: int, at: Floats, order: int) -> Floats:
@@ -241,8 +212,3 @@ def moves(machine: Machine, tip: Floats, rotary: Floats) -> Floats:
 def slots_of(breaks: Floats) -> int:
     """How many slots a run with these breaks has."""
     return len(breaks) + 4
-
-
-def sums_of_cells(values: Floats, start: Ints) -> Floats:
-    """(cells, ...) sums over the places of each cell, which begin at `start` (cells,); none has no place."""
-    return np.add.reduceat(values, start, axis=0)

@@ -1,0 +1,1 @@
+"""Kernels of path and pace changed together."""
