@@ -23,6 +23,8 @@ CLOSER = 24
 """Places of each limit that are looked at with the next smaller step."""
 AROUND = 80
 """Starts there."""
+CAP_PLACES = 17
+"""At which a cap on ds/dt is asked in one step: a long step passes more than one top of it."""
 ROUNDING = 8.0 * np.finfo(float).eps
 
 
@@ -113,7 +115,7 @@ def cap_used(trajectory: Trajectory, first: Floats, step: float) -> float:
         inside = first[(first >= start) & (first + step <= start + law.duration)]
         if len(inside) == 0:
             continue
-        s = np.stack([trajectory.parameter(inside + share * step) for share in np.linspace(0.0, 1.0, 5)])
+        s = np.stack([trajectory.parameter(inside + share * step) for share in np.linspace(0.0, 1.0, CAP_PLACES)])
         caps = [run.speed_cap(np.clip(each, run.s0, run.s1)) for each in s]
         caps += [run.speed_cap(np.nextafter(np.clip(each, run.s0, run.s1), -np.inf)) for each in s]
         blur = ROUNDING * (max(abs(run.s0), abs(run.s1)) + trajectory.duration * float(np.max(s[-1] - s[0])) / step)

@@ -113,7 +113,7 @@ class Work:
         now = stretch.at(x)
         deviation = np.sqrt(np.maximum(2.0 * now.excess(np.zeros(2)), 0.0))
         # what stays as it is may hold path and motion where they are
-        held = ~np.lib.stride_tricks.sliding_window_view(free, SLOT).all(axis=1)[:, None]
+        held = np.asarray(~np.lib.stride_tricks.sliding_window_view(free, SLOT).all(axis=1))[:, None]
         radius = share * RADIUS * stretch.tube.room
         self.radius = np.where(held[stretch.tube.balls.first], np.maximum(radius, deviation + AT_ENDS), radius)
         self.limit = np.where(held[stretch.places.first], np.maximum(1.0, np.abs(now.used) + AT_ENDS), 1.0)

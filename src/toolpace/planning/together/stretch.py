@@ -16,7 +16,6 @@ slot k: each cell has six neighbouring slots of six unknowns, the last of them t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import comb
 
 import numpy as np
 from scipy.interpolate import BSpline
