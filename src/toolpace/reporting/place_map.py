@@ -54,7 +54,7 @@ def map_svg(places: PlaceMap) -> str:
             a, b = at(px - 0.5 * dx, py + 0.5 * dy)
             seconds = float(places.seconds[j, i])
             fill = "url(#beyond)" if np.isnan(seconds) else _colour((seconds - low) / (top - low))
-            told = "beyond travel or forbidden" if np.isnan(seconds) else duration(seconds)
+            told = "not possible: beyond travel, or forbidden" if np.isnan(seconds) else duration(seconds)
             parts.append(
                 f'<rect x="{a:.2f}" y="{b:.2f}" width="{scale * dx + 0.4:.2f}" height="{scale * dy + 0.4:.2f}" '
                 f'fill="{fill}"><title>x {px:.4g}, y {py:.4g} mm: {escape(told)}</title></rect>'
@@ -125,4 +125,4 @@ def _scale(low: float, top: float, left: float, high: float) -> Iterator[str]:
     yield f'<path d="M{left + 2:.1f} {y + 26:.1f}h12M{left + 8:.1f} {y + 20:.1f}v12" stroke="{INK}" stroke-width="2"/>'
     yield f'<text x="{left + 23:.1f}" y="{y + 30:.1f}">as it is now</text>'
     yield f'<rect x="{left:.1f}" y="{y + 44:.1f}" width="16" height="16" fill="url(#beyond)"/>'
-    yield f'<text x="{left + 23:.1f}" y="{y + 56:.1f}">beyond travel</text>'
+    yield f'<text x="{left + 23:.1f}" y="{y + 56:.1f}">not possible</text>'
