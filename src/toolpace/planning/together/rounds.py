@@ -14,6 +14,7 @@ import numpy as np
 
 from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import InfeasibleError, ReachError
+from toolpace.laws.spline import SplineLaw
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
@@ -87,6 +88,7 @@ class Together:
             found = plan(axis_path, machine, planner=planner, progress=progress.part(CHANGED, 1.0))
         except (InfeasibleError, ReachError):
             return None
+        found = kept_to_the_promise(found)
         return (path, found) if found.usage().worst <= PROMISED else None
 
     def _changed(
@@ -105,3 +107,12 @@ class Together:
             if gained < ENOUGH:
                 break
         return path, motion
+
+
+def kept_to_the_promise(motion: Trajectory) -> Trajectory:
+    """A motion between rests, slowed down as a whole where the look between its nodes missed something narrow."""
+    used = motion.usage().worst
+    if used <= PROMISED:
+        return motion
+    laws = [law for law in motion.laws if isinstance(law, SplineLaw)]
+    return replace(motion, laws=tuple(law.slowed(used**2) for law in laws))
