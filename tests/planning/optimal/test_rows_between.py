@@ -8,11 +8,12 @@ from testbed.jets import harmonics, path_of
 from testbed.mesh_problem import mesh_problem
 from tests.support.usage import dense_usage
 from toolpace import Limits, Optimal, plan
-from toolpace.kernels.motion import between_nodes
+from toolpace.kernels.motion import between_nodes, cubic_spline
+from toolpace.kernels.optimal.rows_between import LOWERED, MOST_LOWERED, SAME_PLACE
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import ALLOWED, PROMISED
-from toolpace.planning.optimal.problem import basis_between, with_rows_between
-from toolpace.planning.optimal.rows_between import LOWERED, MOST_LOWERED, SAME_PLACE, RowsBetween
+from toolpace.planning.optimal.problem import with_rows_between
+from toolpace.planning.optimal.rows_between import RowsBetween
 from toolpace.planning.optimal.solve import solve, start_from
 from toolpace.planning.peaks import Look, Peaks
 
@@ -78,7 +79,7 @@ def test_a_place_between_nodes_sees_the_spline():
     a = law.cells[cell].T
     z = a[0] + x * (a[1] + x * (a[2] + x * a[3]))
     z1, z2 = a[1] + x * (2.0 * a[2] + 3.0 * x * a[3]), 2.0 * a[2] + 6.0 * x * a[3]
-    basis = basis_between(nodes, cell, nodes[cell] + x)
+    basis = cubic_spline.basis_between(nodes, cell, nodes[cell] + x)
     told = np.einsum("pdj,pj->pd", basis, law.c[cell[:, None] + np.arange(4)])
     np.testing.assert_allclose(told, np.stack([z, z1, z2], axis=1), rtol=1e-9, atol=1e-9)
 

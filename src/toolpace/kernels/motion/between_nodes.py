@@ -9,7 +9,7 @@ from toolpace.kernels.jit import jit
 from toolpace.kernels.motion.hidden import missing
 
 
-@jit()
+@jit(reorder=True)
 def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside: Floats, out: Floats) -> None:
     """Set q', q'', q''' at the shares `inside` (k,) of some cells.
 
@@ -20,6 +20,7 @@ def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside:
     for i in range(len(which)):
         cell = which[i]
         h = length[cell]
+        per_length, per_square = 1.0 / h, 1.0 / (h * h)
         for axis in range(m):
             # over x in [0, 1]: values and derivatives at both ends
             f0, d0, c0 = low[1, cell, axis], h * low[2, cell, axis], h * h * low[3, cell, axis]
@@ -31,8 +32,8 @@ def path_between(which: Ints, low: Floats, high: Floats, length: Floats, inside:
             for p in range(k):
                 x = inside[p]
                 out[i, 0, axis, p] = f0 + x * (d0 + x * (0.5 * c0 + x * (a3 + x * (a4 + x * a5))))
-                out[i, 1, axis, p] = (d0 + x * (c0 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))) / h
-                out[i, 2, axis, p] = (c0 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5))) / (h * h)
+                out[i, 1, axis, p] = (d0 + x * (c0 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))) * per_length
+                out[i, 2, axis, p] = (c0 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5))) * per_square
 
 
 @jit()

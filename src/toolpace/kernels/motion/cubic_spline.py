@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 
@@ -41,6 +41,26 @@ def basis_at_knots(x: Floats) -> Floats:
         basis[k, 0, 2] = weight * (here - left) / (knots[k + 5] - left)
         basis[k, 0, 1] = 1.0 - basis[k, 0, 0] - basis[k, 0, 2]
     return basis
+
+
+@jit()
+def basis_between(x: Floats, cell: Ints, place: Floats) -> Floats:
+    """Values and two derivatives of the four basis functions (k, 3, 4) at places (k,) in cells (k,) between knots (n,).
+
+    Row d gives the d-th derivative from c_j, c_j+1, c_j+2, c_j+3 of cell j, in which the third is constant.
+    """
+    ends = basis_at_knots(x)
+    out = np.empty((len(place), 3, 4))
+    for p in range(len(place)):
+        j = cell[p]
+        h, length = place[p] - x[j], x[j + 1] - x[j]
+        for i in range(4):
+            z0, z1, z2 = (ends[j, 0, i], ends[j, 1, i], ends[j, 2, i]) if i < 3 else (0.0, 0.0, 0.0)
+            third = ((ends[j + 1, 2, i - 1] if i > 0 else 0.0) - z2) / length
+            out[p, 2, i] = z2 + h * third
+            out[p, 1, i] = z1 + h * (z2 + h / 2.0 * third)
+            out[p, 0, i] = z0 + h * (z1 + h / 2.0 * (z2 + h / 3.0 * third))
+    return out
 
 
 @jit()

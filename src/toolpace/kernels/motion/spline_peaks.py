@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
 from toolpace.kernels.motion.cell_time import floor_of
 from toolpace.kernels.motion.usage import HIGH, summit
@@ -34,12 +34,10 @@ class Closer(NamedTuple):
     """(k, FIVE, LOOKS) of the path at the five probes around, at these places: Lagrange's."""
     state: Floats
     """(3, LOOKS) ds/dt, d2s/dt2 and d3s/dt3 at the places about one probe."""
-    path: Floats
-    """(3, 1, LOOKS) derivatives of the path there."""
     found: Floats
-    """(1, LOOKS) values over limits there."""
-    most: Floats
-    """(LOOKS,) the same."""
+    """(LOOKS,) values over limits there."""
+    tops: Ints
+    """(k,) probes about which a closer look is taken."""
 
 
 @jit()
@@ -57,6 +55,7 @@ def spline_peaks(
     limits = np.stack((velocity, acceleration, jerk))
     peak, place = np.zeros((n, 3)), np.full((n, 3), 0.5)
     state, value, most = np.empty((3, k)), np.empty((m, k)), np.empty(k)
+    high = np.empty(m, dtype=np.bool_)
     closer = _closer_looks(inside)
     for i in range(n):
         length = nodes[which[i] + 1] - nodes[which[i]]
@@ -67,15 +66,14 @@ def spline_peaks(
         if _highest(most, inside, SPEED, peak[i], place[i]):
             _closer_to_cap(most, z, floor, length, closer, cap[i], peak[i], place[i])
         for kind in range(3):
-            _values(q[i], state, limits[kind], kind, value, most)
-            if _all_low(most, inside, kind, peak[i], place[i]):
+            if not _values(q[i], state, limits[kind], kind, value, most, high):
+                _raise_low(most, inside, kind, peak[i], place[i])
                 continue
+            # beside a high axis one that is low throughout does not count
             for axis in range(m):
-                if _highest(value[axis], inside, kind, peak[i], place[i]):
-                    _closer(
-                        value[axis], z, floor, length, closer, q[i], axis, limits[kind, axis : axis + 1], kind,
-                        peak[i], place[i],
-                    )  # fmt: skip
+                if high[axis]:
+                    _highest(value[axis], inside, kind, peak[i], place[i])
+                    _closer(value[axis], z, floor, length, closer, q[i], axis, limits[kind, axis], kind, peak[i], place[i])
     return peak, place
 
 
@@ -92,11 +90,13 @@ def _states(cell: Floats, floor: float, length: float, inside: Floats, out: Floa
 
 
 @jit(reorder=True)
-def _values(q: Floats, state: Floats, limit: Floats, kind: int, out: Floats, most: Floats) -> None:
-    """Set values over limits of a kind at probes (m, k), and the most of all axes (k,); nan where any is nan."""
+def _values(q: Floats, state: Floats, limit: Floats, kind: int, out: Floats, most: Floats, high: Bools) -> bool:
+    """Set values over limits of a kind at probes (m, k), the most of all axes (k,), nan where any is nan, and which axes
+    (m,) have a value so high that it matters how high it goes between probes. Returns whether any has."""
     most[:] = 0.0
+    any_high = False
     for axis in range(q.shape[1]):
-        share = 1.0 / limit[axis]
+        share, low = 1.0 / limit[axis], True
         if kind == SPEED:
             for p in range(len(most)):
                 out[axis, p] = abs(q[0, axis, p] * state[V, p]) * share
@@ -111,20 +111,21 @@ def _values(q: Floats, state: Floats, limit: Floats, kind: int, out: Floats, mos
                 out[axis, p] = abs(third + q[0, axis, p] * j) * share
         for p in range(len(most)):
             most[p] = most[p] if out[axis, p] <= most[p] else out[axis, p]
+            low &= out[axis, p] <= HIGH
+        high[axis] = not low
+        any_high |= not low
+    return any_high
 
 
 @jit(inline=True)
-def _all_low(most: Floats, inside: Floats, kind: int, peak: Floats, place: Floats) -> bool:
-    """Whether no value (k,) is so high that it matters how high it goes between probes; then the peak is raised."""
-    top, at = 0.0, 0
+def _raise_low(most: Floats, inside: Floats, kind: int, peak: Floats, place: Floats) -> None:
+    """Raise the peak (3,) of a kind, and set its place (3,), by the most (k,) at probes, none of which is high."""
+    top, at = peak[kind], -1
     for p in range(len(most)):
-        if not most[p] <= top:
+        if most[p] > top:
             top, at = most[p], p
-            if not top <= HIGH:
-                return False
-    if top > peak[kind]:
+    if at >= 0:
         peak[kind], place[kind] = top, inside[at]
-    return True
 
 
 @jit()
@@ -163,62 +164,88 @@ def _closer_looks(inside: Floats) -> Closer:
             for other in range(FIVE):
                 if other != one:
                     weight[p, one] *= (near[p] - around[other]) / (around[one] - around[other])
-    room = np.empty((3, LOOKS)), np.empty((3, 1, LOOKS)), np.empty((1, LOOKS)), np.empty(LOOKS)
-    return Closer(inside, near, weight, *room)
+    return Closer(inside, near, weight, np.empty((3, LOOKS)), np.empty(LOOKS), np.empty(k, dtype=np.int64))
 
 
-@jit(inline=True)
-def _is_top(inside: Floats, value: Floats, p: int) -> bool:
-    """Whether high values go higher about probe p.
+@jit()
+def _tops(inside: Floats, value: Floats, tops: Ints) -> int:
+    """Set at which probes the values (k,) go higher between them, of those that are high; returns how many there are.
 
     Beside a node, where a limit is held, the highest may lie between the outermost two probes.
     """
-    last = len(inside) - 1
-    if not value[p] > HIGH:
-        return False
-    if p == 0:
+    count, last = 0, len(inside) - 1
+    if value[0] > HIGH and value[1] <= value[0]:
         _, at = summit(inside[0], inside[1], inside[2], value[0], value[1], value[2])
-        return bool(value[1] <= value[0] and inside[0] < at < inside[1])
-    if p == last:
-        _, at = summit(inside[p - 2], inside[p - 1], inside[p], value[p - 2], value[p - 1], value[p])
-        return bool(value[p - 1] <= value[p] and inside[p - 1] < at < inside[p])
-    return bool(value[p] >= value[p - 1] and value[p] >= value[p + 1])
+        if inside[0] < at < inside[1]:
+            tops[count], count = 0, count + 1
+    for p in range(1, last):
+        if value[p] > HIGH and value[p] >= value[p - 1] and value[p] >= value[p + 1]:
+            tops[count], count = p, count + 1
+    if value[last] > HIGH and value[last - 1] <= value[last]:
+        _, at = summit(
+            inside[last - 2], inside[last - 1], inside[last], value[last - 2], value[last - 1], value[last]
+        )
+        if inside[last - 1] < at < inside[last]:
+            tops[count], count = last, count + 1
+    return count
 
 
-@jit(inline=True)
+@jit()
 def _closer(
-    value: Floats, cell: Floats, floor: float, length: float, closer: Closer, q: Floats, axis: int, limit: Floats,
+    value: Floats, cell: Floats, floor: float, length: float, closer: Closer, q: Floats, axis: int, limit: float,
     kind: int, peak: Floats, place: Floats,
 ) -> None:  # fmt: skip
     """Raise the peak (3,) of a kind of one axis at places about each top of its values (k,) that is near the limit.
 
-    Parameters: cell (4,) polynomial of z, never below `floor`; q (3, m, k) derivatives of the path at the probes; limit
-    (1,) of this axis. The path is interpolated between its probes, z is not: it is z that changes quickly.
+    Parameters: cell (4,) polynomial of z, never below `floor`; q (3, m, k) derivatives of the path at the probes. The
+    path is interpolated between its probes, z is not: it is z that changes quickly.
     """
-    inside, near, weight, state, path, found, most = closer
-    for p in range(len(value)):
-        if not _is_top(inside, value, p):
-            continue
-        _states(cell, floor, length, near[p], state)
-        _path_near(q, axis, weight[p], min(max(p - 2, 0), len(value) - FIVE), kind, path)
-        _values(path, state, limit, kind, found, most)
-        i = int(np.argmax(most))
-        top, at = most[i], near[p, i]
+    inside, near, found, tops = closer.inside, closer.near, closer.found, closer.tops
+    for one in range(_tops(inside, value, tops)):
+        p = tops[one]
+        _values_near(cell, floor, length, closer, p, q, axis, 1.0 / limit, kind)
+        i = 0
+        for other in range(1, LOOKS):
+            if found[other] > found[i]:
+                i = other
+        top, at = found[i], near[p, i]
         if 0 < i < LOOKS - 1:
-            top, at = summit(near[p, i - 1], at, near[p, i + 1], most[i - 1], top, most[i + 1])
+            top, at = summit(near[p, i - 1], at, near[p, i + 1], found[i - 1], top, found[i + 1])
         if top > peak[kind]:
             peak[kind], place[kind] = top, at
 
 
 @jit(reorder=True)
-def _path_near(q: Floats, axis: int, weight: Floats, first: int, highest: int, out: Floats) -> None:
-    """Set the derivatives of one axis (3, 1, LOOKS), up to the `highest`, from those at five probes from `first` on."""
-    out[:] = 0.0
-    for order in range(highest + 1):
-        for one in range(FIVE):
-            known = q[order, axis, first + one]
-            for i in range(LOOKS):
-                out[order, 0, i] += weight[one, i] * known
+def _values_near(
+    cell: Floats, floor: float, length: float, closer: Closer, p: int, q: Floats, axis: int, share: float, kind: int
+) -> None:
+    """Set what is found at the places about probe p: values of a kind of one axis, times `share`."""
+    near, weight, state, found = closer.near, closer.weight, closer.state, closer.found
+    _states(cell, floor, length, near[p], state)
+    first = min(max(p - 2, 0), q.shape[2] - FIVE)
+    if kind == SPEED:
+        for i in range(LOOKS):
+            found[i] = abs(_told(q, 0, axis, first, weight, p, i) * state[V, i]) * share
+    elif kind == ACCELERATION:
+        for i in range(LOOKS):
+            v, q1, q2 = state[V, i], _told(q, 0, axis, first, weight, p, i), _told(q, 1, axis, first, weight, p, i)
+            found[i] = abs(q2 * v * v + q1 * state[A, i]) * share
+    else:
+        for i in range(LOOKS):
+            v, q1, q2 = state[V, i], _told(q, 0, axis, first, weight, p, i), _told(q, 1, axis, first, weight, p, i)
+            third = _told(q, 2, axis, first, weight, p, i) * v * v * v + 3.0 * q2 * v * state[A, i]
+            found[i] = abs(third + q1 * state[J, i]) * share
+
+
+@jit(inline=True)
+def _told(q: Floats, order: int, axis: int, first: int, weight: Floats, p: int, i: int) -> float:
+    """A derivative of one axis at a place about probe p, from those at five probes from `first` on."""
+    told: float = (
+        q[order, axis, first] * weight[p, 0, i] + q[order, axis, first + 1] * weight[p, 1, i]
+        + q[order, axis, first + 2] * weight[p, 2, i] + q[order, axis, first + 3] * weight[p, 3, i]
+        + q[order, axis, first + 4] * weight[p, 4, i]
+    )  # fmt: skip
+    return told
 
 
 @jit()
@@ -226,10 +253,9 @@ def _closer_to_cap(
     value: Floats, cell: Floats, floor: float, length: float, closer: Closer, cap: Floats, peak: Floats, place: Floats
 ) -> None:  # fmt: skip
     """Raise the peak (3,) of speed at places about each top of its values (k,) that is near the cap (k,)."""
-    inside, near = closer.inside, closer.near
-    for p in range(len(inside)):
-        if not _is_top(inside, value, p):
-            continue
+    inside, near, tops = closer.inside, closer.near, closer.tops
+    for one in range(_tops(inside, value, tops)):
+        p = tops[one]
         o = min(max(p, 1), len(inside) - 2)
         x0, x1, x2 = inside[o - 1], inside[o], inside[o + 1]
         slow0, slow1, slow2 = 1.0 / cap[o - 1], 1.0 / cap[o], 1.0 / cap[o + 1]

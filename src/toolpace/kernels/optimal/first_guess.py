@@ -20,17 +20,18 @@ def pointwise(
     n, m = q.shape[1], q.shape[2]
     cap, steady, third = np.empty(n), np.empty(n), np.empty(n)
     for i in range(n):
-        low, low_steady, low_third = speed_cap[i] ** 2, np.inf, np.inf
+        speed, low_bend, low_twist, low_third = speed_cap[i], np.inf, np.inf, np.inf
         for j in range(m):
             q1, q2, q3 = abs(q[1, i, j]), abs(q[2, i, j]), abs(q[3, i, j])
             if q1 > 0.0:
-                low = min(low, (velocity[j] / q1) ** 2)
+                speed = min(speed, velocity[j] / q1)
                 low_third = min(low_third, jerk[j] / q1)
             if q2 > 0.0:
-                low_steady = min(low_steady, acceleration[j] / q2)
+                low_bend = min(low_bend, acceleration[j] / q2)
             if q3 > 0.0:
-                low_steady = min(low_steady, (jerk[j] / q3) ** (2.0 / 3.0))
-        cap[i], steady[i], third[i] = low, min(low, low_steady), low_third
+                low_twist = min(low_twist, jerk[j] / q3)
+        cap[i], third[i] = speed**2, low_third
+        steady[i] = min(cap[i], low_bend, low_twist ** (2.0 / 3.0))
     return cap, steady, third
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
 
 
@@ -42,6 +42,37 @@ def rows_of(q: Floats, ahead: Floats, acceleration: Floats, jerk: Floats) -> Flo
             rows[p, j, 2] = ahead[p] * j2 / acceleration[j]
             rows[p, m + j, 0], rows[p, m + j, 1], rows[p, m + j, 2] = j0 / jerk[j], j1 / jerk[j], j2 / jerk[j]
     return rows
+
+
+@jit()
+def order_with(node: Ints, inside: Bools, place: Floats, cell: Ints, places: Floats) -> Ints:
+    """(n + k,) the order of n points and of k places between nodes, which are numbered behind them.
+
+    Both ascend: points by node (n,), those at it before those `inside` the cell behind it, these by place (n,).
+    """
+    n, k = len(node), len(places)
+    out = np.empty(n + k, dtype=np.int64)
+    i, j = 0, 0
+    for p in range(n + k):
+        if j == k or (i < n and (node[i] < cell[j] or (node[i] == cell[j] and not (inside[i] and place[i] > places[j])))):
+            out[p], i = i, i + 1
+        else:
+            out[p], j = n + j, j + 1
+    return out
+
+
+@jit(reorder=True)
+def lowered(cap: Floats, rows: Floats, by: Floats) -> tuple[Floats, Floats]:
+    """Caps (points,) and rows (points, 2 m, 3) with limits divided by factors (points, 3) of speed, acceleration and
+    jerk."""
+    points, count = rows.shape[0], rows.shape[1]
+    caps, out = np.empty(points), np.empty(rows.shape)
+    for p in range(points):
+        caps[p] = cap[p] / (by[p, 0] * by[p, 0])
+        for i in range(count):
+            for d in range(3):
+                out[p, i, d] = rows[p, i, d] * by[p, 1 if i < count // 2 else 2]
+    return caps, out
 
 
 @jit()

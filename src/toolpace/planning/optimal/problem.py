@@ -85,12 +85,10 @@ class Problem(OnMesh):
     def lowered(self, by: Floats, between: Floats) -> Problem:
         """With limits divided by factors of speed, acceleration and jerk: (nodes, 3) at nodes, (k, 3) at places between
         them."""
-        half = self.rows.shape[1] // 2
         at_point = by[self.node]
         at_point[self.inside] = between
         part = copy(self)
-        part.cap = self.cap / at_point[:, 0] ** 2
-        part.rows = self.rows * np.repeat(at_point[:, 1:], half, axis=1)[:, :, None]
+        part.cap, part.rows = limit_rows.lowered(self.cap, self.rows, at_point)
         return part
 
     def raised(self, by: float) -> Problem:
@@ -171,14 +169,15 @@ def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Fl
     cap, _, rows = rows_at(run, limits, places, np.zeros(len(places)))
     cell = np.searchsorted(problem.nodes, places, side="right") - 1
     inside = np.concatenate([problem.inside, np.ones(len(places), dtype=np.bool_)])
-    node, place = np.concatenate([problem.node, cell]), np.concatenate([problem.place, places])
-    order = np.lexsort((place, inside, node))
+    order = limit_rows.order_with(problem.node, problem.inside, problem.place, cell, places)
     more = copy(problem)
-    more.node, more.inside, more.place = node[order], inside[order], place[order]
+    more.node = np.concatenate([problem.node, cell])[order]
+    more.inside, more.place = inside[order], np.concatenate([problem.place, places])[order]
     more.first = np.concatenate([problem.first, cell])[order]
-    more.basis = np.concatenate([problem.basis, basis_between(problem.nodes, cell, places)])[order]
+    basis = cubic_spline.basis_between(problem.nodes, cell, places)
+    more.basis = np.concatenate([problem.basis, basis]).take(order, axis=0)
     more.cap = np.concatenate([problem.cap, np.minimum(cap, problem.most)])[order]
-    more.rows = np.concatenate([problem.rows, rows])[order]
+    more.rows = np.concatenate([problem.rows, rows]).take(order, axis=0)
     # both sides of a break are one place
     new = np.concatenate([[True], np.diff(more.place) > 0.0])
     own = np.cumsum(new) - 1
@@ -198,18 +197,6 @@ def as_cells(nodes: Floats, first: Ints, basis: Floats) -> tuple[Ints, Floats]:
     if at_end < len(first):
         basis = np.concatenate([basis[:at_end], with_fourth(basis[at_end:, :, :3], before=True)])
     return np.minimum(first, len(nodes) - 2), np.ascontiguousarray(basis)
-
-
-def basis_between(nodes: Floats, cell: Ints, place: Floats) -> Floats:
-    """(k, 3, 4) z, z', z'' at places (k,) in cells (k,) of four coefficients: a cell's third derivative is constant."""
-    ends = cubic_spline.basis_at_knots(nodes)
-    left, right = with_fourth(ends[cell]), with_fourth(ends[cell + 1], before=True)
-    x = (place - nodes[cell])[:, None]
-    third = (right[:, 2] - left[:, 2]) / np.diff(nodes)[cell][:, None]
-    z2 = left[:, 2] + x * third
-    z1 = left[:, 1] + x * (left[:, 2] + x / 2.0 * third)
-    z0 = left[:, 0] + x * (left[:, 1] + x / 2.0 * (left[:, 2] + x / 3.0 * third))
-    return np.stack([z0, z1, z2], axis=1)
 
 
 def sides(nodes: Floats, breaks: Floats) -> tuple[Ints, Floats, npt.NDArray[np.bool_]]:

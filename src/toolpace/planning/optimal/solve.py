@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,14 +101,9 @@ def solve(problem: Problem, c: Floats, spread: float, once: bool = False) -> Flo
     within all limits at the nodes, which is as good as the answer gets where the core does not move from it. `once`: by
     none, where something else can be tried.
     """
-    starts = [(c, spread)]
-    if not once:
-        starts += [(slower(problem, c, loss), 1.0) for loss in (0.6, 0.9)]
     rests = bool((problem.end == newton.REST).all())
-    if rests and not once:
-        starts.append((well_inside(problem, c), 1.0))
     attempts: list[Attempt] = []
-    for begin, first_gap in starts:
+    for begin, first_gap in starts_from(problem, c, spread, rests, once):
         attempt = attempted(problem, begin, first_gap)
         if attempt is None:
             continue
@@ -120,9 +116,20 @@ def solve(problem: Problem, c: Floats, spread: float, once: bool = False) -> Flo
     best = min(holding, key=lambda attempt: attempt.open, default=None)
     if best is not None and (rests or best.open <= ACCEPTABLE):
         return best.c
-    if best is None and rests and (starts[-1][0] > 0.0).all():
-        return starts[-1][0]
+    if best is None and rests and (begin > 0.0).all():
+        return begin
     raise stalled(problem, attempts, None if best is None else best.c)
+
+
+def starts_from(problem: Problem, c: Floats, spread: float, rests: bool, once: bool) -> Iterator[tuple[Floats, float]]:
+    """Starts one after the other, with the first gap of each: c, and unless it is the only one, slower ones."""
+    yield c, spread
+    if once:
+        return
+    for loss in (0.6, 0.9):
+        yield slower(problem, c, loss), 1.0
+    if rests:
+        yield well_inside(problem, c), 1.0
 
 
 def attempted(problem: Problem, begin: Floats, first_gap: float) -> Attempt | None:
@@ -161,9 +168,10 @@ def stalled(problem: Problem, attempts: list[Attempt], within: Floats | None) ->
 
 def well_inside(problem: Problem, c: Floats) -> Floats:
     """The coefficients lowered together until half of every limit is left, which two rests allow; zeros where z is."""
-    if not np.isfinite(row_usage(problem, c)).all():
+    used = row_usage(problem, c)
+    if not np.isfinite(used).all():
         return np.zeros(len(c))
-    cap, acceleration, jerk = row_usage(problem, c).max(axis=0)
+    cap, acceleration, jerk = used.max(axis=0)
     inside: Floats = c / (2.0 * max(cap, acceleration, jerk ** (2.0 / 3.0), 0.5))
     return inside
 

@@ -1,0 +1,142 @@
+"""Where limits get rows between the nodes of a mesh, cell by cell, and by how much they are lowered there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.kernels.arrays import Bools, Floats, Ints
+from toolpace.kernels.jit import jit
+
+SHARE, MOST_LOWERED = 0.3, 4e-4
+"""How far a limit is lowered where it gets a row, as a share of what it was passed by, and at most: on either side of
+the row about a fourth is left."""
+OVERSHOOT = 1.2
+"""The same where there is a row already: what is passed beside it stays, if it alone is held to the limit."""
+SAME_PLACE = 0.12
+"""Share of a cell up to which two places are one: the row there is lowered, and no other put beside it."""
+BESIDE_NODE = 0.02
+"""Share of a cell that a place between two nodes keeps from them."""
+QUARTERS, LOWERED = np.array([0.25, 0.5, 0.75]), 3e-4
+"""Where a cell that passes a limit by more than a little gets its first rows, and how far their limits are lowered."""
+A_LITTLE, FAR_PASSED, NEIGHBOURS = 1.0003, 1.001, 3
+"""Usage from which that is so; and from which as many cells on either side get a row too: what such a place loses they
+would gain."""
+NOTHING, AT_PEAKS, AT_QUARTERS, IN_THE_MIDDLE = range(4)
+"""The rows that a cell gets: none, one where each kind of limit is passed most, or those at such places."""
+
+
+@jit()
+def held(
+    nodes: Floats, place: Floats, lowered: Floats, used: Floats, top: Floats, wrong: Bools, fresh: Bools, urge: float,
+    allowed: float,
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """Places (k,) of the rows there are and of further ones, ascending, and by what their limits (k, 3) are divided.
+
+    Parameters: place (j,) and lowered (j, 3) of the rows there are; used and top (cells, 3) the largest usage of each
+    kind and its place as a share of the cell; `wrong` (cells,) those that are held where they use more than `allowed`;
+    `fresh` (cells,) those that get rows whatever; `urge`, how much more than usual limits are lowered.
+    """
+    asked = asked_for(nodes, place, used, wrong, fresh, allowed)
+    places, factors = with_further(nodes, place, lowered, used, top, asked, allowed)
+    by = np.ones_like(factors)
+    for i in range(len(asked)):
+        for kind in range(3):
+            if asked[i] == AT_PEAKS and used[i, kind] > allowed:
+                s, length, excess = inside(nodes, i, top[i, kind]), nodes[i + 1] - nodes[i], used[i, kind] - 1.0
+                there = is_near(place, s, SAME_PLACE * length)
+                more = urge * OVERSHOOT * excess if there else min(urge * SHARE * excess, MOST_LOWERED)
+                row = nearest(places, s)
+                by[row, kind] = max(by[row, kind], 1.0 + more)
+    return places, factors * by
+
+
+@jit()
+def asked_for(nodes: Floats, place: Floats, used: Floats, wrong: Bools, fresh: Bools, allowed: float) -> Ints:
+    """(cells,) the rows that each cell gets."""
+    cells = len(wrong)
+    has_rows, worst, asked = np.zeros(cells, dtype=np.bool_), np.empty(cells), np.zeros(cells, dtype=np.int64)
+    i = 0
+    for s in place:
+        while i < cells - 1 and nodes[i + 1] <= s:
+            i += 1
+        has_rows[i] = True
+    for i in range(cells):
+        worst[i] = max(used[i, 0], used[i, 1], used[i, 2])
+        if not has_rows[i] and (fresh[i] or (wrong[i] and worst[i] > A_LITTLE)):
+            asked[i] = AT_QUARTERS
+        elif wrong[i] and worst[i] > allowed:
+            asked[i] = AT_PEAKS
+    for i in range(cells):
+        if fresh[i] or (wrong[i] and worst[i] > FAR_PASSED):
+            for near in range(max(i - NEIGHBOURS, 0), min(i + NEIGHBOURS, cells - 1) + 1):
+                if asked[near] == NOTHING and not has_rows[near]:
+                    asked[near] = IN_THE_MIDDLE
+    return asked
+
+
+@jit()
+def with_further(
+    nodes: Floats, place: Floats, lowered: Floats, used: Floats, top: Floats, asked: Ints, allowed: float
+) -> tuple[Floats, Floats]:
+    """The places (k,) and factors (k, 3) of the rows there are, and of those that the cells get."""
+    most = len(place) + 3 * len(asked)
+    places, factors, own = np.empty(most), np.ones((most, 3)), np.empty(3)
+    count, j, last = 0, 0, -np.inf
+    for i in range(len(asked)):
+        few = own_places(nodes, place, used, top, asked, allowed, i, own)
+        for one in range(few):
+            if asked[i] == AT_PEAKS:
+                # of peaks next to each other the first gets a row
+                if own[one] - last < SAME_PLACE * (nodes[i + 1] - nodes[i]):
+                    continue
+                last = own[one]
+            while j < len(place) and place[j] < own[one]:
+                places[count], factors[count], count, j = place[j], lowered[j], count + 1, j + 1
+            factors[count] = 1.0 + LOWERED if asked[i] == AT_QUARTERS else 1.0
+            places[count], count = own[one], count + 1
+    while j < len(place):
+        places[count], factors[count], count, j = place[j], lowered[j], count + 1, j + 1
+    return places[:count].copy(), factors[:count].copy()
+
+
+@jit()
+def own_places(
+    nodes: Floats, place: Floats, used: Floats, top: Floats, asked: Ints, allowed: float, i: int, out: Floats
+) -> int:
+    """Set the places (3,) at which a cell gets rows, ascending, and return how many there are.
+
+    At peaks there is none where a row is near already.
+    """
+    node, length, few = nodes[i], nodes[i + 1] - nodes[i], 0
+    if asked[i] == AT_QUARTERS:
+        for x in QUARTERS:
+            out[few], few = node + length * x, few + 1
+    elif asked[i] == IN_THE_MIDDLE:
+        out[few], few = node + length / 2.0, few + 1
+    elif asked[i] == AT_PEAKS:
+        for kind in range(3):
+            s = inside(nodes, i, top[i, kind])
+            if used[i, kind] > allowed and not is_near(place, s, SAME_PLACE * length):
+                out[few], few = s, few + 1
+        out[:few].sort()
+    return few
+
+
+@jit()
+def inside(nodes: Floats, i: int, share: float) -> float:
+    """The place at a share of a cell, kept from both its nodes."""
+    return nodes[i] + min(max(share, BESIDE_NODE), 1.0 - BESIDE_NODE) * (nodes[i + 1] - nodes[i])
+
+
+@jit()
+def nearest(places: Floats, s: float) -> int:
+    """The nearest of places (k,), ascending, of which there are some."""
+    after = min(max(np.searchsorted(places, s), 1), max(len(places) - 1, 1))
+    at = min(after, len(places) - 1)
+    return after - 1 if abs(places[after - 1] - s) <= abs(places[at] - s) else at
+
+
+@jit()
+def is_near(places: Floats, s: float, apart: float) -> bool:
+    """Whether any of places (k,), ascending, lies within `apart` of s."""
+    return len(places) > 0 and abs(places[nearest(places, s)] - s) < apart
