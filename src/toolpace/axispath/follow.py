@@ -151,10 +151,10 @@ class FollowRun(AxisRun):
 
     def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
         jet = self.run.evaluate(s)
-        return self._joints(jet, s), self._cap(jet, s)
+        return self._joints(jet, s), self._cap(jet.tip[1], s)
 
     def speed_cap(self, s: Floats) -> Floats:
-        return self._cap(self.run.evaluate(s), s)
+        return self._cap(self.run.tip_slope(s), s)
 
     def entries(self) -> tuple[Floats, Ints]:
         return self.run.block_start, self.run.entry
@@ -173,13 +173,13 @@ class FollowRun(AxisRun):
             rotary = self.machine.rotary_jets(jet.axis, self.branch.near(s))
         return self.machine.linear_jets(jet.tip, rotary)
 
-    def _cap(self, jet: PathJet, s: Floats) -> Floats:
-        """(n,) the cap at s (n,), from the jet there."""
+    def _cap(self, slope: Floats, s: Floats) -> Floats:
+        """(n,) the cap at s (n,), from the first derivative (n, 3) of the tip there."""
         block = self.run.block_index(s)
         feed = self.run.feed[block]
         cap: Floats = self.pace[block]
         if np.isfinite(feed).any():
-            speed = np.linalg.norm(jet.tip[1], axis=1)
+            speed = np.linalg.norm(slope, axis=1)
             with np.errstate(divide="ignore", invalid="ignore"):
                 cap = np.minimum(cap, np.where(speed > 0.0, feed / speed, np.inf))
         return cap

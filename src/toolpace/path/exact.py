@@ -38,6 +38,13 @@ class CurveRun(PathRun):
         axis = np.stack([np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts])
         return PathJet(tip, axis, None)
 
+    def tip_slope(self, s: Floats) -> Floats:
+        """(n, 3) the first derivative of the tip at s (n,): the function is asked once, not for all orders."""
+        s = np.asarray(s, dtype=np.float64)
+        with self.lock:
+            slope, _ = self.curve(s, 1)
+        return np.broadcast_to(np.asarray(slope, dtype=np.float64), (len(s), 3))
+
     def second_derivative_bounds(self) -> Floats | None:
         """(k - 1,) most |P''| of the tip between breaks, where it is known."""
         return None if self.most_second is None else np.full(len(self.breaks) - 1, self.most_second)
@@ -58,6 +65,10 @@ class TwoCurveRun(PathRun):
         tip = np.stack([self.tip_curve(s, order) for order in range(4)])
         point = np.stack([self.point_curve(s, order) for order in range(4)])
         return PathJet(tip, unit_jets(point - tip), None)
+
+    def tip_slope(self, s: Floats) -> Floats:
+        """(n, 3) the first derivative of the tip at s (n,): that of one of both curves."""
+        return self.tip_curve(np.asarray(s, dtype=np.float64), 1)
 
     def second_derivative_bounds(self) -> Floats:
         """(k - 1,) most |P''| of the tip between breaks, by its control points."""

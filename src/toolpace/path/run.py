@@ -101,6 +101,10 @@ class PathRun(ABC):
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives 1 to 3 at s (n,): at a break those of its right side, at s1 those of its left."""
 
+    def tip_slope(self, s: Floats) -> Floats:
+        """(n, 3) the first derivative of the tip at s (n,), as `evaluate` has it."""
+        return self.evaluate(s).tip[1]
+
     def second_derivative_bounds(self) -> Floats | None:
         """(k - 1,) most |P''| of the tip between each two breaks; None where only samples could tell."""
         return None

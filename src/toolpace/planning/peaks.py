@@ -119,7 +119,7 @@ class Look:
         cells = np.flatnonzero(self.path.unlike)
         if not len(cells):
             return peaks
-        near = cells[peaks.used[cells].max(axis=1) > VAGUE_ABOVE]
+        near = cells[largest(peaks.used[cells]) > VAGUE_ABOVE]
         closely = SplineLaw(law.nodes, law.c, law.rest)
         closely.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, CLOSELY))) / 2.0
         again = self.peaks_in(closely, near, workers)
@@ -176,6 +176,12 @@ def places_about(hints: Floats, nodes: Floats) -> Floats:
     beside = np.unique(np.concatenate([at - 1, at]))
     stretch = ends[beside, None] + (ends[beside + 1] - ends[beside])[:, None] * IN_A_STRETCH
     return np.union1d(hints, stretch.ravel())
+
+
+def largest(used: Floats) -> Floats:
+    """(n,) largest usage (n, 3) of any kind."""
+    worst: Floats = np.maximum(np.maximum(used[:, 0], used[:, 1]), used[:, 2])
+    return worst
 
 
 def joined(parts: list[Peaks]) -> Peaks:

@@ -39,9 +39,9 @@ def held(
     asked = asked_for(nodes, place, used, wrong, fresh, allowed)
     places, factors = with_further(nodes, place, lowered, used, top, asked, allowed)
     by = np.ones_like(factors)
-    for i in range(len(asked)):
+    for i in np.flatnonzero(asked == AT_PEAKS):
         for kind in range(3):
-            if asked[i] == AT_PEAKS and used[i, kind] > allowed:
+            if used[i, kind] > allowed:
                 s, length, excess = inside(nodes, i, top[i, kind]), nodes[i + 1] - nodes[i], used[i, kind] - 1.0
                 there = is_near(place, s, SAME_PLACE * length)
                 more = urge * OVERSHOOT * excess if there else min(urge * SHARE * excess, MOST_LOWERED)
@@ -82,7 +82,7 @@ def with_further(
     most = len(place) + 3 * len(asked)
     places, factors, own = np.empty(most), np.ones((most, 3)), np.empty(3)
     count, j, last = 0, 0, -np.inf
-    for i in range(len(asked)):
+    for i in np.flatnonzero(asked):
         few = own_places(nodes, place, used, top, asked, allowed, i, own)
         for one in range(few):
             if asked[i] == AT_PEAKS:

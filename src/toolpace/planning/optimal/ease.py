@@ -10,7 +10,7 @@ from toolpace.planning.guarantee import GUARANTEE
 from toolpace.planning.optimal.dips import without_dips
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import LIMITS, Stalled
-from toolpace.planning.peaks import Look
+from toolpace.planning.peaks import Look, largest
 from toolpace.workers import Workers
 
 MOST_EASED = 40
@@ -74,7 +74,7 @@ def closer(look: Look, law: SplineLaw, peak: Floats, workers: Workers) -> float:
 
 def slowing_factor(peak: Floats) -> float:
     """By how much z must be divided for the peaks (cells, 3) of speed, acceleration and jerk to come to 1."""
-    speed, acceleration, jerk = peak.max(axis=0)
+    speed, acceleration, jerk = (kind.max() for kind in peak.T)
     return float(max(speed**2, acceleration, jerk ** (2.0 / 3.0)))
 
 
@@ -86,7 +86,7 @@ def slowing(peak: Floats) -> float:
 def worth(law: SplineLaw, peak: Floats, ramp: float) -> float:
     """About how long the motion takes once it is slowed down for the guarantee [s]."""
     whole = law.duration * float(np.sqrt(slowing(peak)))
-    if not np.isfinite(whole) or np.count_nonzero(peak.max(axis=1) > GUARANTEE) > MOST_EASED:
+    if not np.isfinite(whole) or np.count_nonzero(largest(peak) > GUARANTEE) > MOST_EASED:
         return whole
     left = easing(law, peak, ramp)[1:-1]
     return min(whole, law.duration + float(np.diff(law.times) @ (1.0 / np.sqrt(left[1:]) - 1.0)))
@@ -94,10 +94,10 @@ def worth(law: SplineLaw, peak: Floats, ramp: float) -> float:
 
 def easing(law: SplineLaw, peak: Floats, ramp: float) -> Floats:
     """Shares of the coefficients that are left about the places above the guarantee; all of them at moving ends."""
-    clock = np.interp(np.arange(len(law.c)) - 1.0, np.arange(len(law.times)), law.times)
+    clock = np.concatenate([law.times[:1], law.times, law.times[-1:]])
     left = np.ones(len(clock))
     groups: list[tuple[float, float, float]] = []
-    for cell in np.flatnonzero(peak.max(axis=1) > GUARANTEE):
+    for cell in np.flatnonzero(largest(peak) > GUARANTEE):
         begin, end = law.times[cell], law.times[cell + 1]
         loss = 1.0 - 1.0 / (1.0 + EASE_BY * (slowing(peak[cell : cell + 1]) - 1.0))
         # one that reaches into the one before is slowed down together with it

@@ -12,7 +12,7 @@ from toolpace.planning.optimal.ease import eased, within_guarantee, worth
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, slower
 from toolpace.planning.optimal.windows import mend, solve_run, stretches
-from toolpace.planning.peaks import Peaks
+from toolpace.planning.peaks import Peaks, largest
 from toolpace.workers import UNTOLD, Progress, Workers
 
 START_LOSS = 0.03
@@ -115,7 +115,7 @@ def cut_and_held(
     Returns with it the coefficients of the same law, and which cells are wrong.
     """
     meshed, c = meshed.cut(law, parts)
-    wrong = np.repeat((peaks.used.max(axis=1) > ALLOWED) | dips, parts)
+    wrong = np.repeat((largest(peaks.used) > ALLOWED) | dips, parts)
     used = np.repeat(np.where(parts[:, None] > 1, 1.0, peaks.used), parts, axis=0)
     fresh = np.repeat(parts > 1, parts)
     urge = min(URGE ** max(number - PATIENCE, 0), MOST_URGE)
@@ -125,7 +125,7 @@ def cut_and_held(
 
 def halves(used: Floats) -> Ints:
     """Parts into which the cells of these peaks (cells, 3) are cut."""
-    worst = used.max(axis=1)
+    worst = largest(used)
     return np.where(worst > QUARTER_ABOVE, 4, np.where(worst > REFINE_ABOVE, 2, 1))
 
 
