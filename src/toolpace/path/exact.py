@@ -54,21 +54,21 @@ class CurveRun(PathRun):
 class TwoCurveRun(PathRun):
     """A run given by two B-splines over one parameter: the tip, and a second point on the tool axis."""
 
-    tip_curve: Callable[[Floats, int], Floats]
-    point_curve: Callable[[Floats, int], Floats]
+    curves: Callable[[Floats, int], Floats]
+    """(s (n,), order 0 to 3) to the derivative of both (n, 6) [m]: of the tip, and of the second point."""
     most_second: Floats
     """(k - 1,) most |P''| of the tip between each two breaks [1/m]."""
 
     def evaluate(self, s: Floats) -> PathJet:
         """Position and derivatives at s (n,); the axis points from the tip to the second point."""
         s = np.asarray(s, dtype=np.float64)
-        tip = np.stack([self.tip_curve(s, order) for order in range(4)])
-        point = np.stack([self.point_curve(s, order) for order in range(4)])
-        return PathJet(tip, unit_jets(point - tip), None)
+        both = np.stack([self.curves(s, order) for order in range(4)])
+        tip = both[:, :, :3]
+        return PathJet(tip, unit_jets(both[:, :, 3:] - tip), None)
 
     def tip_slope(self, s: Floats) -> Floats:
-        """(n, 3) the first derivative of the tip at s (n,): that of one of both curves."""
-        return self.tip_curve(np.asarray(s, dtype=np.float64), 1)
+        """(n, 3) the first derivative of the tip at s (n,): no other order is asked."""
+        return self.curves(np.asarray(s, dtype=np.float64), 1)[:, :3]
 
     def second_derivative_bounds(self) -> Floats:
         """(k - 1,) most |P''| of the tip between breaks, by its control points."""
@@ -147,15 +147,12 @@ def bspline_run(knots: Floats, tip: Floats, axis_point: Floats, degree: int, fee
             " it takes as many of both, and degree + 1 knots more"
         )
     breaks = np.unique(knots[degree : len(knots) - degree])
-    curves = []
-    for points in (tip, axis_point):
-        spline = BSpline(knots, points, degree)
-        curves.append([spline] + [spline.derivative(order) for order in range(1, 4)])
+    spline = BSpline(knots, np.concatenate([tip, axis_point], axis=1), degree)
+    curves = [spline] + [spline.derivative(order) for order in range(1, 4)]
     return TwoCurveRun(
         breaks=breaks,
-        tip_curve=lambda s, order: np.asarray(curves[0][order](s)),
-        point_curve=lambda s, order: np.asarray(curves[1][order](s)),
-        most_second=largest_control_points(curves[0][2], breaks),
+        curves=lambda s, order: np.asarray(curves[order](s)),
+        most_second=largest_control_points(BSpline(knots, tip, degree).derivative(2), breaks),
         **one_block(breaks[[0, -1]], feed),
     )
 

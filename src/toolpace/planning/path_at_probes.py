@@ -130,6 +130,8 @@ class PathAtProbes:
 
         quarters = at(QUARTERS)
         five = np.stack([low, quarters[0], middle, quarters[1], high])
+        if self.run.smooth_cap and not (five < np.inf).any():
+            return np.full((len(low), len(inside)), np.inf), np.zeros(len(low), dtype=np.bool_)
         caps, bend = caps_between(five, inside)
         if self.run.smooth_cap:
             return caps, ~(bend <= BENT)

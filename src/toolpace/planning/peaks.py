@@ -188,6 +188,8 @@ def joined(parts: list[Peaks]) -> Peaks:
     """The peaks of parts one after the other."""
     if not parts:
         return Peaks(np.empty((0, 3)), np.empty((0, 3)))
+    if len(parts) == 1:
+        return parts[0]
     return Peaks(np.concatenate([part.used for part in parts]), np.concatenate([part.place for part in parts]))
 
 

@@ -113,7 +113,7 @@ class MeshedRun(OnMesh):
             self.lowered[:-1] *= over
             self.lowered[1:] *= over
         if self._given is not None:
-            new = np.setdiff1d(held.place, self._given.place[self._given.inside])
+            new = held.beside(self._given.place[self._given.inside])
             self._given = with_rows_between(self._given, self.run, self.limits, new)
             self._whole = self._given.lowered(self.lowered, held.lowered)
         self.between = held

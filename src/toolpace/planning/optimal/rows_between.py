@@ -38,6 +38,11 @@ class RowsBetween:
         """Those between two places."""
         return self._of(slice(*np.searchsorted(self.place, [low, high])))
 
+    def beside(self, places: Floats) -> Floats:
+        """(j,) places of those that are not at some places (n,), ascending."""
+        new: Floats = self.place[np.append(places, np.nan)[np.searchsorted(places, self.place)] != self.place]
+        return new
+
     def _of(self, which: Bools | slice) -> RowsBetween:
         return RowsBetween(self.place[which], self.lowered[which])
 
