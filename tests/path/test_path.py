@@ -65,6 +65,7 @@ def test_derivatives_by_differences(path):
     low, high = run.breaks[:-1], run.breaks[1:]
     s = 0.5 * (low + high)
     assert differences(run, s, 1e-3 * np.min(high - low)) < 1e-4
+    np.testing.assert_allclose(run.tip_slope(s), run.evaluate(s).tip[1], rtol=1e-12, atol=1e-12)
 
 
 def test_flank_axis_is_of_unit_length():

@@ -103,7 +103,8 @@ class PathRun(ABC):
 
     def tip_slope(self, s: Floats) -> Floats:
         """(n, 3) the first derivative of the tip at s (n,), as `evaluate` has it."""
-        return self.evaluate(s).tip[1]
+        slope: Floats = self.evaluate(s).tip[1]
+        return slope
 
     def second_derivative_bounds(self) -> Floats | None:
         """(k - 1,) most |P''| of the tip between each two breaks; None where only samples could tell."""

@@ -9,7 +9,7 @@ from testbed.mesh_problem import mesh_problem
 from tests.support.usage import dense_usage
 from toolpace import Limits, Optimal, plan
 from toolpace.kernels.motion import between_nodes, cubic_spline
-from toolpace.kernels.optimal.rows_between import LOWERED, MOST_LOWERED, SAME_PLACE
+from toolpace.kernels.motion.rows_between import LOWERED, MOST_LOWERED, SAME_PLACE
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import ALLOWED, PROMISED
 from toolpace.planning.optimal.problem import with_rows_between

@@ -73,7 +73,9 @@ def spline_peaks(
             for axis in range(m):
                 if high[axis]:
                     _highest(value[axis], inside, kind, peak[i], place[i])
-                    _closer(value[axis], z, floor, length, closer, q[i], axis, limits[kind, axis], kind, peak[i], place[i])
+                    _closer(
+                        value[axis], z, floor, length, closer, q[i], axis, limits[kind, axis], kind, peak[i], place[i]
+                    )
     return peak, place
 
 
@@ -91,8 +93,8 @@ def _states(cell: Floats, floor: float, length: float, inside: Floats, out: Floa
 
 @jit(reorder=True)
 def _values(q: Floats, state: Floats, limit: Floats, kind: int, out: Floats, most: Floats, high: Bools) -> bool:
-    """Set values over limits of a kind at probes (m, k), the most of all axes (k,), nan where any is nan, and which axes
-    (m,) have a value so high that it matters how high it goes between probes. Returns whether any has."""
+    """Set values over limits of a kind at probes (m, k), the most of all axes (k,), nan where any is nan, and the axes
+    (m,) with a value so high that it matters how high it goes between probes. Returns whether any has one."""
     most[:] = 0.0
     any_high = False
     for axis in range(q.shape[1]):
@@ -182,9 +184,7 @@ def _tops(inside: Floats, value: Floats, tops: Ints) -> int:
         if value[p] > HIGH and value[p] >= value[p - 1] and value[p] >= value[p + 1]:
             tops[count], count = p, count + 1
     if value[last] > HIGH and value[last - 1] <= value[last]:
-        _, at = summit(
-            inside[last - 2], inside[last - 1], inside[last], value[last - 2], value[last - 1], value[last]
-        )
+        _, at = summit(inside[last - 2], inside[last - 1], inside[last], value[last - 2], value[last - 1], value[last])
         if inside[last - 1] < at < inside[last]:
             tops[count], count = last, count + 1
     return count

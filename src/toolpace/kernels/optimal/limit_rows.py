@@ -54,7 +54,9 @@ def order_with(node: Ints, inside: Bools, place: Floats, cell: Ints, places: Flo
     out = np.empty(n + k, dtype=np.int64)
     i, j = 0, 0
     for p in range(n + k):
-        if j == k or (i < n and (node[i] < cell[j] or (node[i] == cell[j] and not (inside[i] and place[i] > places[j])))):
+        if j == k or (
+            i < n and (node[i] < cell[j] or (node[i] == cell[j] and not (inside[i] and place[i] > places[j])))
+        ):
             out[p], i = i, i + 1
         else:
             out[p], j = n + j, j + 1

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from toolpace.arrays import Bools, Floats
-from toolpace.kernels.optimal import rows_between
+from toolpace.kernels.motion import rows_between
 from toolpace.planning.guarantee import ALLOWED
 from toolpace.planning.peaks import Peaks
+
 
 def no_places() -> Floats:
     """None."""
@@ -53,7 +54,5 @@ class RowsBetween:
         more than usual limits are lowered.
         """
         return RowsBetween(
-            *rows_between.held(
-                nodes, self.place, self.lowered, peaks.used, peaks.place, wrong, fresh, urge, ALLOWED
-            )
+            *rows_between.held(nodes, self.place, self.lowered, peaks.used, peaks.place, wrong, fresh, urge, ALLOWED)
         )

@@ -39,7 +39,9 @@ def held(
     asked = asked_for(nodes, place, used, wrong, fresh, allowed)
     places, factors = with_further(nodes, place, lowered, used, top, asked, allowed)
     by = np.ones_like(factors)
-    for i in np.flatnonzero(asked == AT_PEAKS):
+    for i in range(len(asked)):
+        if asked[i] != AT_PEAKS:
+            continue
         for kind in range(3):
             if used[i, kind] > allowed:
                 s, length, excess = inside(nodes, i, top[i, kind]), nodes[i + 1] - nodes[i], used[i, kind] - 1.0
@@ -82,7 +84,9 @@ def with_further(
     most = len(place) + 3 * len(asked)
     places, factors, own = np.empty(most), np.ones((most, 3)), np.empty(3)
     count, j, last = 0, 0, -np.inf
-    for i in np.flatnonzero(asked):
+    for i in range(len(asked)):
+        if asked[i] == NOTHING:
+            continue
         few = own_places(nodes, place, used, top, asked, allowed, i, own)
         for one in range(few):
             if asked[i] == AT_PEAKS:
@@ -125,13 +129,14 @@ def own_places(
 @jit()
 def inside(nodes: Floats, i: int, share: float) -> float:
     """The place at a share of a cell, kept from both its nodes."""
-    return nodes[i] + min(max(share, BESIDE_NODE), 1.0 - BESIDE_NODE) * (nodes[i + 1] - nodes[i])
+    place: float = nodes[i] + min(max(share, BESIDE_NODE), 1.0 - BESIDE_NODE) * (nodes[i + 1] - nodes[i])
+    return place
 
 
 @jit()
 def nearest(places: Floats, s: float) -> int:
     """The nearest of places (k,), ascending, of which there are some."""
-    after = min(max(np.searchsorted(places, s), 1), max(len(places) - 1, 1))
+    after = min(max(int(np.searchsorted(places, s)), 1), max(len(places) - 1, 1))
     at = min(after, len(places) - 1)
     return after - 1 if abs(places[after - 1] - s) <= abs(places[at] - s) else at
 
