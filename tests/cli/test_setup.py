@@ -40,7 +40,7 @@ def test_the_folder_holds_what_is_to_be_loaded(part, tmp_path, capsys):
     plan = tmp_path / "plan"
     ways = (["-m", str(out / "machine.toml")], ["-m", "xyzac-trunnion", "--setup", str(out / "setup.toml")])
     for way in ways if record["set_ups"][0]["solution"] == 0 else ways[:1]:
-        assert main(["plan", str(out / "program.apt"), *way, "--out", str(plan), "--no-report"]) == 0
+        assert main(["plan", str(out / "program.apt"), *way, "--out", str(plan), "--effort", "low", "--no-report"]) == 0
         duration = json.loads((plan / "plan.json").read_text())["duration_s"]
         assert duration == pytest.approx(record["duration_s"], rel=1e-6)
     # the same again takes the place of what toolpace wrote

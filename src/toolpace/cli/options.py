@@ -62,7 +62,7 @@ Effort = Annotated[
     str,
     Parameter(
         help="How much is done for a fast path. low: the smoothest one, fitted once. normal: a few rounds of pace and\n"
-        "fit, which spend the tolerance where the motion is fast; the default. high: more of them."
+        "fit, and of a short program one quick change of both; the default. high: a thorough change of both."
     ),
 ]
 PlannerName = Annotated[

@@ -6,6 +6,7 @@ for some tolerances of the tool axis, up to the one asked for: a path within a n
         the path fitted again, smoother where the motion is fast, less so where it is slow anyway
         the motion along it, with its limits held at the nodes: cheap, and it ranks paths as the whole plan does
         not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
+    of a short program one such round, and then path and pace changed together, once                   (normal)
 the fastest of these paths, planned in full
 while another one was hoped to take less than that came to, it too: the best is taken
 before all that, path and pace of the one that is hoped to be the fastest changed together,          (high)
@@ -53,11 +54,15 @@ BROAD, SHARP = Measure(6.0, 0.3), Measure(4.0, 0.15)
 MEASURES: dict[str, tuple[Measure, ...]] = {"low": (), "normal": (BROAD, SHARP), "high": (BROAD, SHARP)}
 """By effort, one after the other."""
 EFFORTS = tuple(MEASURES)
-"""low: the path is fitted once; normal: a few rounds of pace and fit; high: then both are changed together."""
+"""low: the path is fitted once; normal: a few rounds of pace and fit, or one and a quick change of both; high: after
+the rounds both are changed together."""
 ROUNDS = 4
 """Most rounds with each of these."""
 LONG = 40_000
 """Points of a program for which one round is made; of one that is shorter, as many more as take that long."""
+SHORT = 10_000
+"""Points of a program up to which path and pace are changed together by "normal" too: for a longer one that takes more
+time than all else."""
 ENOUGH = 1e-3
 """Share of the duration that a round must gain for another to follow."""
 CANDIDATES = 3
@@ -91,7 +96,8 @@ class Round:
     duration: float
     """Of its motion with limits held at the nodes [s]: the whole plan takes a little more."""
     power: float
-    """Of the pace in the weight of its roughness; 0 for the first path, which knows no pace."""
+    """Of the pace in the weight of its roughness; 0 for the first path, which knows no pace, and for one that was
+    changed together with its own."""
     kept: bool
     """Whether it was the fastest so far."""
     axis_tolerance: float
@@ -155,10 +161,10 @@ def plan_program(
     """The fastest motion of a tool path within the tolerances [m], [rad] and the limits of a machine.
 
     `effort` "low" fits the smoothest path and plans it; "normal" spends the tolerance where the motion is fast, in a
-    few rounds of pace and fit; "high" then changes path and pace together. Paths are ranked by motions with their
-    limits held at the nodes, and the path of "low" is planned too where it may be the best. Another planner than the
-    optimal one takes the path as "low" does. `progress` is told the share done. Raises UsageError for what makes no
-    sense, PathError where no curve fits, InfeasibleError where no motion exists.
+    few rounds of pace and fit, and in a quick change of both; "high" changes path and pace together. Paths are ranked
+    by motions with their limits held at the nodes, and the path of "low" is planned too where it may be the best.
+    Another planner than the optimal one takes the path as "low" does. `progress` is told the share done. Raises
+    UsageError for what makes no sense, PathError where no curve fits, InfeasibleError where no motion exists.
     """
     told = Progress(progress or (lambda share: None))
     chosen = planner_of(planner, {}, "plan_program")
@@ -196,13 +202,19 @@ def fit_program(
     asked = Tolerances.of(axis_tolerance, "axis_tolerance")
     rounds = PaceRounds(toolpath, machine, tip_tolerance, told)
     rungs = axis_tolerances(float(asked.axis_along(toolpath).max()))
+    quick = effort == "normal" and len(toolpath) <= SHORT
     for axis in rungs:
-        rounds.begin(asked.within(axis), axis, last=axis == rungs[-1])
-        if rounds.done and toolpath.least_duration > (1.0 - ROOM) * rounds.done[0].duration:
-            continue
-        for measure in MEASURES[effort]:
-            rounds.follow(rounds.motion, measure)
-            rounds.follow(rounds.elsewhere, measure)
+        last = axis == rungs[-1]
+        rounds.within(asked.within(axis), axis)
+        if not quick or last or rounds.best is None:
+            rounds.begin(last=last)
+            if rounds.leave_no_room():
+                continue
+            for measure in (BROAD,) if quick else MEASURES[effort]:
+                rounds.follow(rounds.motion, measure, 1 if quick else rounds.most)
+                rounds.follow(rounds.elsewhere, measure, 1 if quick else rounds.most)
+        if quick and not rounds.leave_no_room():
+            rounds.change()
     told(1.0)
     together = None
     if effort == "high":
@@ -229,6 +241,7 @@ class PaceRounds:
     ) -> None:
         self.toolpath, self.machine, self.tip_tolerance, self.progress = toolpath, machine, tip_tolerance, progress
         self.ramp = float(np.clip(ramp_time(machine.limits), *RAMPS))
+        self.most = int(np.clip(LONG // len(toolpath), 1, ROUNDS))
         self.done: list[Round] = []
         self.levels: list[list[Candidate]] = []
         self.unknown: list[Candidate] = []
@@ -236,18 +249,23 @@ class PaceRounds:
         self.motion: Trajectory | None = None
         """The fastest within the tolerance at hand."""
         self.best: Trajectory | None = None
-        """The fastest of all."""
+        """The fastest of all on a path that was fitted."""
+        self.best_path: Candidate | None = None
+        """That it goes along."""
         self.elsewhere: Trajectory | None = None
         """The fastest within the tolerances before."""
 
-    def begin(self, tolerances: Tolerances, widest: float, *, last: bool) -> None:
-        """The path within tolerances of the axis, `widest` [rad] at most, that knows no pace.
-
-        One that cannot be had is passed over. Raises PathError where it is the last, and there was none before.
-        """
+    def within(self, tolerances: Tolerances, widest: float) -> None:
+        """Take tolerances of the axis, `widest` [rad] at most, for those at hand."""
         self.tolerances, self.widest = tolerances, widest
         self.elsewhere, self.motion = self.best, None
         self.levels.append([])
+
+    def begin(self, *, last: bool) -> None:
+        """The path that knows no pace.
+
+        One that cannot be had is passed over. Raises PathError where it is the last, and there was none before.
+        """
         try:
             path, self.motion = self._round(None)
         except PathError:
@@ -260,12 +278,30 @@ class PaceRounds:
             self.unknown.append(self._candidate(0.0, path))
         self._note(path, self.motion, 0.0)
 
-    def follow(self, start: Trajectory | None, measure: Measure) -> None:
-        """Rounds with one measure of the pace, from a motion on, while they gain; none from none."""
+    def leave_no_room(self) -> bool:
+        """Whether feeds and dwells take nearly all of the time of the first motion."""
+        return bool(self.done) and self.toolpath.least_duration > (1.0 - ROOM) * self.done[0].duration
+
+    def change(self) -> None:
+        """The fastest path that was fitted, changed once together with its pace, within the tolerance at hand."""
+        from toolpace.planning.together.care import QUICK
+        from toolpace.planning.together.refit import refitted
+
+        if self.best is None or self.best_path is None:
+            return
+        _, path, fitted = self.best_path
+        told = self._part()
+        allowed = PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.tolerances).counting_in(fitted)
+        changing = told.part(0.0, FITTED)
+        changed = refitted(self.toolpath, self.machine, path, self.best, allowed, self.ramp, QUICK, changing)
+        self._note(changed, self._motion(changed, told.part(FITTED, 1.0)), 0.0, fitted)
+
+    def follow(self, start: Trajectory | None, measure: Measure, most: int) -> None:
+        """Rounds with one measure of the pace, `most` of them, from a motion on, while they gain; none from none."""
         if start is None:
             return
         fastest, hastes = start.duration, self._hastes(start, measure)
-        for _ in range(int(np.clip(LONG // len(self.toolpath), 1, ROUNDS))):
+        for _ in range(most):
             try:
                 path, motion = self._round(hastes)
             except PathError:
@@ -281,15 +317,21 @@ class PaceRounds:
                 return
             hastes = [now.mean_with(before) for now, before in zip(self._hastes(motion, measure), hastes)]
 
-    def _note(self, path: Path, motion: Trajectory | None, power: float) -> None:
-        """Put a round down, and keep its path where it is among the fastest."""
+    def _note(self, path: Path, motion: Trajectory | None, power: float, fitted: PlaceTolerances | None = None) -> None:
+        """Put a round down, and keep its path where it is among the fastest; `fitted`: in which tolerances it counts,
+        where these are not those at hand."""
         if motion is None:
             return
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
         self.done.append(Round(motion.duration, power, kept, self.widest))
-        self.levels[-1].append(self._candidate(motion.duration, path))
+        candidate = self._candidate(motion.duration, path)
+        if fitted is not None:
+            # what was changed already is not changed again: it is rougher between the places where it was held
+            self.levels[-1].append(candidate._replace(tolerances=fitted))
+            return
+        self.levels[-1].append(candidate)
         if self.best is None or motion.duration < self.best.duration:
-            self.best = motion
+            self.best, self.best_path = motion, candidate
 
     def _candidate(self, hoped: float, path: Path) -> Candidate:
         within = PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.tolerances)
@@ -313,17 +355,24 @@ class PaceRounds:
     def _round(self, hastes: Sequence[Haste] | None) -> tuple[Path, Trajectory | None]:
         """A path, and its motion with limits held at the nodes; None where there is none (a whole plan will say why),
         or none that tells how fast the path is."""
-        # how many there will be nobody knows; the first ones take the longest
-        told = self.progress.part(1.0 - 0.5**self.tried, 1.0 - 0.5 ** (self.tried + 1))
-        self.tried += 1
+        told = self._part()
         path = Path.fit(
             self.toolpath, self.tip_tolerance, self.tolerances, self.machine, told.part(0.0, FITTED), hastes
         )
+        return path, self._motion(path, told.part(FITTED, 1.0))
+
+    def _part(self) -> Progress:
+        """The next part of the work: how many there will be nobody knows, and the first ones take the longest."""
+        self.tried += 1
+        return self.progress.part(1.0 - 0.5 ** (self.tried - 1), 1.0 - 0.5**self.tried)
+
+    def _motion(self, path: Path, progress: Progress) -> Trajectory | None:
+        """The motion along a path with limits held at the nodes; None where there is none, or none that tells."""
         try:
-            motion = plan(path, self.machine, guard=False, bound=False, progress=told.part(FITTED, 1.0))
+            motion = plan(path, self.machine, guard=False, bound=False, progress=progress)
         except InfeasibleError:
-            return path, None
-        return path, None if any(map(crawls, motion.laws)) else motion
+            return None
+        return None if any(map(crawls, motion.laws)) else motion
 
 
 def hope(candidate: Candidate) -> float:

@@ -30,11 +30,10 @@ TAPER = 24
 """Cells in which that comes and goes at the ends."""
 LEAST_SLACK = 0.05
 """Of a row at the start, whether it has it or not."""
-FIRST_GAP, GAP = 1.0, 1e-2
-"""Gap at the start and at the end, relative to the time."""
+FIRST_GAP = 1.0
+"""Gap at the start, relative to the time."""
 AT_ENDS = 1e-3
 """Room that rows and balls have at least in cells of which a slot stays as it is."""
-STEPS = 60
 SHORT = 0.97
 """Share of the way to the nearest bound."""
 NO_FASTER = 1.01
@@ -93,8 +92,8 @@ def fastest(stretch: Stretch, x: Floats, free: Bools, share: float = 1.0) -> Flo
     # what is not finite ends the method, and is told by that
     with np.errstate(all="ignore"):
         work = Work(stretch, free, x, share)
-        for _ in range(STEPS):
-            if work.gap <= GAP * work.time:
+        for _ in range(stretch.care.steps):
+            if work.gap <= stretch.care.gap * work.time:
                 break
             if not work.step():
                 return None

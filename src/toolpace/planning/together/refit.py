@@ -26,14 +26,13 @@ from toolpace.path.fit.fit import LIMIT, largest_of_cells
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
 from toolpace.path.path import Path
 from toolpace.path.run import SplineRun
+from toolpace.planning.together.care import Care
 from toolpace.planning.together.interior_point import fastest
 from toolpace.planning.together.stretch import SLOT, Known, Stretch, slots_of
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import Progress, Workers, side_by_side
 
-LONGEST = 0.08
-"""Most time from knot to knot, in that in which an acceleration builds up."""
 FEWEST = 16
 """Cells of a run below which it stays as it is."""
 WINDOW, SEAM = 500, 120
@@ -53,6 +52,7 @@ def refitted(
     motion: Trajectory,
     tolerances: PlaceTolerances,
     ramp: float,
+    care: Care,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
     """The path changed so that its motion gets faster, within tolerances that count in those that it was fitted in.
@@ -69,7 +69,7 @@ def refitted(
         assert isinstance(run, SplineRun)
         assert isinstance(axis_run, FollowRun)
         unchanged = run, path.tip_deviation, path.axis_deviation
-        known = known_run(run, axis_run, motion.laws[k], lines[k], machine, scale, LONGEST * ramp)
+        known = known_run(run, axis_run, motion.laws[k], lines[k], machine, scale, ramp, care)
         check = Comparison(lines[k], tolerances.axis, machine, in_joints)
         changed = changed_run(known, check, workers, told)
         return unchanged if changed is None else changed
@@ -80,18 +80,19 @@ def refitted(
 
 
 def known_run(
-    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, machine: Machine, scale: Floats, longest: float
-) -> Known:
-    """A run with knots that its motion passes at most `longest` [s] after each other."""
+    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, machine: Machine, scale: Floats, ramp: float,
+    care: Care,
+) -> Known:  # fmt: skip
+    """A run with knots that its motion passes soon enough after each other."""
     times = law.times_at(run.breaks)
     times[0], times[-1] = 0.0, law.duration
-    parts = np.maximum(np.ceil(np.diff(times) / longest), 1).astype(np.int64)
+    parts = np.maximum(np.ceil(np.diff(times) / (care.longest * ramp)), 1).astype(np.int64)
     cell = np.repeat(np.arange(len(parts)), parts)
     share = (np.arange(len(cell)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[cell]
     finer = np.append(times[cell] + share * np.diff(times)[cell], times[-1])
     breaks = law.at(finer)[0]
     breaks[np.append(share == 0.0, True)] = run.breaks
-    return Known(run, joints, law, line, machine, scale, breaks, finer, run.s0)
+    return Known(run, joints, law, line, machine, scale, breaks, finer, run.s0, care)
 
 
 def changed_run(
@@ -101,7 +102,7 @@ def changed_run(
     if len(known.breaks) <= FEWEST:
         return None
     also = known.begin + known.scale[0] * known.line.s
-    x, stages = np.zeros((slots_of(known.breaks), SLOT)), windows(slots_of(known.breaks))
+    x, stages = np.zeros((slots_of(known.breaks), SLOT)), windows(slots_of(known.breaks), known.care.seams)
     for repair in range(REPAIRS):
         told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
         change(known, x, stages, also, NARROWER**repair, workers, told)
@@ -153,12 +154,15 @@ def change(
         workers.each(solve, stage, told)
 
 
-def windows(count: int) -> list[list[tuple[int, int]]]:
-    """Ranges of slots that move, stage by stage; those of a stage have no cell in common."""
+def windows(count: int, seams_too: bool) -> list[list[tuple[int, int]]]:
+    """Ranges of slots that move, stage by stage; those of a stage have no cell in common.
+
+    `seams_too`: the last stage is that of the seams of the first.
+    """
     low, high = FIXED_AT_END, count - FIXED_AT_END
     seams = np.linspace(low, high, max(1, round((high - low) / WINDOW)) + 1).astype(int)
     first = [(int(a), int(b) - (SLOT - 1 if b < high else 0)) for a, b in pairwise(seams)]
-    return [first, [(int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1]]]
+    return [first, [(int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1]]] if seams_too else [first]
 
 
 def with_change(known: Known, x: Floats) -> SplineRun:

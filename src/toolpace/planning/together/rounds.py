@@ -20,6 +20,7 @@ from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import plan
+from toolpace.planning.together.care import THOROUGH
 from toolpace.planning.together.fine import LEFT, Fine
 from toolpace.planning.together.refit import refitted
 from toolpace.toolpath import ToolPath
@@ -99,7 +100,7 @@ class Together:
         for number in range(ROUNDS):
             # how many there will be nobody knows; the first ones gain the most
             told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
-            changed = refitted(self.toolpath, machine, path, motion, allowed, self.ramp, told)
+            changed = refitted(self.toolpath, machine, path, motion, allowed, self.ramp, THOROUGH, told)
             faster = plan(changed, machine, guard=False, bound=False)
             gained = 1.0 - faster.duration / motion.duration
             if gained > 0.0:

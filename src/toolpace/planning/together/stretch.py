@@ -28,12 +28,11 @@ from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.samples import turn_metric
 from toolpace.path.run import SplineRun
+from toolpace.planning.together.care import Care
 
 JERK = 0.98
 """Share of the jerk limits that the change may use: where an acceleration or a velocity at its limit tells the pace,
 what is left of the jerks is all the freedom that the plan of the changed path has."""
-PLACES = (np.arange(4) + 0.5) / 4.0
-"""In each cell, at which limits are held."""
 NUDGE = 1e-4
 """By which coordinates are moved to see what joints do [m or rad]."""
 SLOT = places.SLOT
@@ -59,6 +58,7 @@ class Known:
     """(cells + 1,) when the motion passes them [s]."""
     begin: float
     """Parameter at which the run starts [m]."""
+    care: Care
 
     def off(self, s: Floats) -> Floats:
         """(n, 5) deviation of the path from the program at s (n,) [tolerances]."""
@@ -108,8 +108,9 @@ class Stretch:
     def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
         breaks, times = known.breaks[low : high + 1], known.times[low : high + 1]
         self.low, self.cells = low, high - low
-        t = (times[:-1, None] + np.diff(times)[:, None] * PLACES).ravel()
-        self.weight = np.repeat(np.diff(times) / len(PLACES), len(PLACES))
+        self.care, each = known.care, known.care.places
+        t = (times[:-1, None] + np.diff(times)[:, None] * (np.arange(each) + 0.5) / each).ravel()
+        self.weight = np.repeat(np.diff(times) / each, each)
         """(n,) time of each place [s]."""
         state = known.law.at(t)
         s = np.clip(state[0] - known.law.s0 + known.begin, breaks[0], breaks[-1])
@@ -118,7 +119,7 @@ class Stretch:
         tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
         limits, cap = known.machine.limits, known.joints.speed_cap(s)
         self.places = places.Places(
-            first=low + np.repeat(np.arange(self.cells), len(PLACES)),
+            first=low + np.repeat(np.arange(self.cells), each),
             basis=by_place(in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)),
             pace=by_place(np.stack([local_basis(known.times, 3, t, order) for order in range(3)])),
             moved=by_place(moves(known.machine, tip, rotary) * known.scale),
