@@ -55,9 +55,10 @@ if TYPE_CHECKING:
     from toolpace.planning.endstate import EndState
     from toolpace.planning.genetic.planner import Genetic
     from toolpace.planning.optimal.planner import Optimal
+    from toolpace.planning.pace_rounds import Round
     from toolpace.planning.planned_run import PlannedRun
     from toolpace.planning.planner import Planner, plan
-    from toolpace.planning.program_plan import ProgramPlan, Round, plan_program
+    from toolpace.planning.program_plan import ProgramPlan, plan_program
     from toolpace.planning.second_order.planner import SecondOrder
     from toolpace.reading import Kinematics, apply_feed, read, read_text
     from toolpace.reading.controllers.controller import Controller, Sign
@@ -211,7 +212,7 @@ _HOME = {
     "ProgramTime": "timing.program_time",
     "Progress": "workers",
     "ReadBack": "exporting",
-    "Round": "planning.program_plan",
+    "Round": "planning.pace_rounds",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
     "SetPoint": "follow",

@@ -18,7 +18,7 @@ from toolpace.laws.linear import LinearLaw
 from toolpace.path.fit import fit
 from toolpace.path.fit.haste import ACCELERATION, Haste, basis_derivatives
 from toolpace.path.fit.spline import knots_of
-from toolpace.planning import program_plan
+from toolpace.planning import pace_rounds, program_plan
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
 
@@ -121,9 +121,8 @@ def test_a_first_path_whose_motion_nobody_knows_is_planned_too(blade, machine, m
             raise InfeasibleError("none at the nodes")
         return planned(path, *given, **options)
 
-    monkeypatch.setattr(program_plan, "plan", first_crawls)
+    monkeypatch.setattr(pace_rounds, "plan", first_crawls)
     fitted = fit_program(blade, machine, TIP, math.radians(0.2), effort="normal")
-    monkeypatch.setattr(program_plan, "plan", planned)
     assert [each.hoped for each in fitted.candidates].count(0.0) == 1 and len(fitted.candidates) >= 3
     hoped, unknown, _ = fitted.candidates[-1]
     assert hoped == 0.0

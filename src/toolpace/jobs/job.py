@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from toolpace.cuttingtool import CuttingTool
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
-    from toolpace.planning.program_plan import FittedProgram, ProgramPlan, Round
+    from toolpace.planning.pace_rounds import Round
+    from toolpace.planning.program_plan import FittedProgram, ProgramPlan
     from toolpace.reading import Source
     from toolpace.setpoints import SetPoints
     from toolpace.tolerances.tolerances import Tolerances

@@ -13,7 +13,7 @@ from toolpace.write.plan_json import OpenPlaceRecord, OperationRecord, RoundReco
 
 if TYPE_CHECKING:
     from toolpace.operations import OperationTime
-    from toolpace.planning.program_plan import Round
+    from toolpace.planning.pace_rounds import Round
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
 

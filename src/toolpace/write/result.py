@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from toolpace.bending.aim_off import AimedOff
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
-    from toolpace.planning.program_plan import Round
+    from toolpace.planning.pace_rounds import Round
     from toolpace.toolpath import ToolPath
     from toolpace.trajectory import Trajectory
 

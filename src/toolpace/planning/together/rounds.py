@@ -14,6 +14,7 @@ import numpy as np
 
 from toolpace.axispath.axispath import AxisPath
 from toolpace.errors import InfeasibleError, ReachError
+from toolpace.laws.law import TimeLaw
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import PlaceTolerances
@@ -115,5 +116,9 @@ def kept_to_the_promise(motion: Trajectory) -> Trajectory:
     used = motion.usage().worst
     if used <= PROMISED:
         return motion
-    laws = [law for law in motion.laws if isinstance(law, SplineLaw)]
-    return replace(motion, laws=tuple(law.slowed(used**2) for law in laws))
+
+    def slowed(law: TimeLaw) -> TimeLaw:
+        assert isinstance(law, SplineLaw)
+        return law.slowed(used**2)
+
+    return replace(motion, laws=tuple(map(slowed, motion.laws)))
