@@ -9,7 +9,7 @@ from testbed.mesh_problem import mesh_problem
 from tests.support.usage import dense_usage
 from toolpace import Limits, Optimal, plan
 from toolpace.kernels.motion import between_nodes, cubic_spline
-from toolpace.kernels.motion.rows_between import LOWERED, MOST_LOWERED, SAME_PLACE
+from toolpace.kernels.motion.rows_between import EIGHTHS, LOWERED, MOST_LOWERED, QUARTERS, SAME_PLACE
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import ALLOWED, PROMISED
 from toolpace.planning.optimal.problem import with_rows_between
@@ -100,13 +100,15 @@ def test_a_row_is_put_where_a_limit_is_passed_and_lowered_where_it_is_passed_aga
     assert len(twice.held(nodes, Peaks(used, place), wrong, fresh, 1.0).place) == 2
 
 
-def test_neighbours_of_a_place_that_passes_by_far_get_rows_too():
+@pytest.mark.parametrize("used, shares", [(1.005, QUARTERS), (1.5, EIGHTHS)])
+def test_neighbours_of_a_place_that_passes_by_far_get_rows_too(used, shares):
     nodes = np.arange(21.0)
-    used, place = np.zeros((20, 3)), np.full((20, 3), 0.5)
-    used[10, 2] = 1.5
-    rows = RowsBetween().held(nodes, Peaks(used, place), used.max(axis=1) > 1.0, np.zeros(20, dtype=bool), 1.0)
-    assert rows.place == pytest.approx(np.sort(np.append(np.arange(7.0, 14.0) + 0.5, [10.25, 10.75])))
-    assert rows.lowered[2] == pytest.approx(1.0) and rows.lowered[4] == pytest.approx(1.0 + LOWERED)
+    peaks = Peaks(np.zeros((20, 3)), np.full((20, 3), 0.5))
+    peaks.used[10, 2] = used
+    rows = RowsBetween().held(nodes, peaks, peaks.used.max(axis=1) > 1.0, np.zeros(20, dtype=bool), 1.0)
+    beside = [7.5, 8.5, *9.0 + QUARTERS], [*11.0 + QUARTERS, 12.5, 13.5]
+    assert rows.place == pytest.approx(np.concatenate([beside[0], 10.0 + shares, beside[1]]))
+    assert rows.lowered[1] == pytest.approx(1.0) and rows.lowered[2] == pytest.approx(1.0 + LOWERED)
 
 
 def test_derivatives_at_the_nodes_tell_a_smooth_path_to_the_sixth_order():

@@ -16,13 +16,16 @@ SAME_PLACE = 0.12
 """Share of a cell up to which two places are one: the row there is lowered, and no other put beside it."""
 BESIDE_NODE = 0.02
 """Share of a cell that a place between two nodes keeps from them."""
-QUARTERS, LOWERED = np.array([0.25, 0.5, 0.75]), 3e-4
-"""Where a cell that passes a limit by more than a little gets its first rows, and how far their limits are lowered."""
-A_LITTLE, FAR_PASSED, NEIGHBOURS = 1.0003, 1.001, 3
-"""Usage from which that is so; and from which as many cells on either side get a row too: what such a place loses they
-would gain."""
-NOTHING, AT_PEAKS, AT_QUARTERS, IN_THE_MIDDLE = range(4)
-"""The rows that a cell gets: none, one where each kind of limit is passed most, or those at such places."""
+QUARTERS, EIGHTHS, LOWERED = np.linspace(0.25, 0.75, 3), np.linspace(0.125, 0.875, 7), 3e-4
+"""Where a cell that passes a limit by more than a little, or very far, gets its first rows, and how far their limits
+are lowered."""
+A_LITTLE, FAR_PASSED, VERY_FAR = 1.0006, 1.001, 1.01
+"""Usage from which that is a little, far, and very far."""
+NEIGHBOURS = 3
+"""Cells on either side of one that passes a limit by far that get a row too: what such a place loses they would gain.
+The next of them get three, since the joints may come to take turns there."""
+NOTHING, IN_THE_MIDDLE, AT_PEAKS, AT_QUARTERS, AT_EIGHTHS = range(5)
+"""The rows that a cell gets: none, one, one where each kind of limit is passed most, or those at such places."""
 
 
 @jit()
@@ -65,15 +68,23 @@ def asked_for(nodes: Floats, place: Floats, used: Floats, wrong: Bools, fresh: B
     for i in range(cells):
         worst[i] = max(used[i, 0], used[i, 1], used[i, 2])
         if not has_rows[i] and (fresh[i] or (wrong[i] and worst[i] > A_LITTLE)):
-            asked[i] = AT_QUARTERS
+            asked[i] = AT_EIGHTHS if worst[i] > VERY_FAR else AT_QUARTERS
         elif wrong[i] and worst[i] > allowed:
             asked[i] = AT_PEAKS
     for i in range(cells):
         if fresh[i] or (wrong[i] and worst[i] > FAR_PASSED):
-            for near in range(max(i - NEIGHBOURS, 0), min(i + NEIGHBOURS, cells - 1) + 1):
-                if asked[near] == NOTHING and not has_rows[near]:
-                    asked[near] = IN_THE_MIDDLE
+            ask_beside(asked, has_rows, i, NEIGHBOURS, IN_THE_MIDDLE)
+        if wrong[i] and worst[i] > A_LITTLE and not has_rows[i]:
+            ask_beside(asked, has_rows, i, 1, AT_QUARTERS)
     return asked
+
+
+@jit()
+def ask_beside(asked: Ints, has_rows: Bools, i: int, reach: int, rows: int) -> None:
+    """Have so many cells on either side of one get such rows, or more, where they have none yet."""
+    for near in range(max(i - reach, 0), min(i + reach, len(asked) - 1) + 1):
+        if not has_rows[near]:
+            asked[near] = max(asked[near], rows)
 
 
 @jit()
@@ -81,8 +92,8 @@ def with_further(
     nodes: Floats, place: Floats, lowered: Floats, used: Floats, top: Floats, asked: Ints, allowed: float
 ) -> tuple[Floats, Floats]:
     """The places (k,) and factors (k, 3) of the rows there are, and of those that the cells get."""
-    most = len(place) + 3 * len(asked)
-    places, factors, own = np.empty(most), np.ones((most, 3)), np.empty(3)
+    most = len(place) + len(EIGHTHS) * np.count_nonzero(asked)
+    places, factors, own = np.empty(most), np.ones((most, 3)), np.empty(len(EIGHTHS))
     count, j, last = 0, 0, -np.inf
     for i in range(len(asked)):
         if asked[i] == NOTHING:
@@ -96,7 +107,7 @@ def with_further(
                 last = own[one]
             while j < len(place) and place[j] < own[one]:
                 places[count], factors[count], count, j = place[j], lowered[j], count + 1, j + 1
-            factors[count] = 1.0 + LOWERED if asked[i] == AT_QUARTERS else 1.0
+            factors[count] = 1.0 + LOWERED if asked[i] >= AT_QUARTERS else 1.0
             places[count], count = own[one], count + 1
     while j < len(place):
         places[count], factors[count], count, j = place[j], lowered[j], count + 1, j + 1
@@ -107,22 +118,24 @@ def with_further(
 def own_places(
     nodes: Floats, place: Floats, used: Floats, top: Floats, asked: Ints, allowed: float, i: int, out: Floats
 ) -> int:
-    """Set the places (3,) at which a cell gets rows, ascending, and return how many there are.
+    """Set the places (7,) at which a cell gets rows, ascending, and return how many there are.
 
     At peaks there is none where a row is near already.
     """
     node, length, few = nodes[i], nodes[i + 1] - nodes[i], 0
-    if asked[i] == AT_QUARTERS:
-        for x in QUARTERS:
-            out[few], few = node + length * x, few + 1
-    elif asked[i] == IN_THE_MIDDLE:
-        out[few], few = node + length / 2.0, few + 1
-    elif asked[i] == AT_PEAKS:
+    if asked[i] == AT_PEAKS:
         for kind in range(3):
             s = inside(nodes, i, top[i, kind])
             if used[i, kind] > allowed and not is_near(place, s, SAME_PLACE * length):
                 out[few], few = s, few + 1
         out[:few].sort()
+        return few
+    if asked[i] == IN_THE_MIDDLE:
+        out[0] = node + length / 2.0
+        return 1
+    shares = EIGHTHS if asked[i] == AT_EIGHTHS else QUARTERS
+    for x in shares:
+        out[few], few = node + length * x, few + 1
     return few
 
 

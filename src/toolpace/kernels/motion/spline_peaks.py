@@ -19,6 +19,8 @@ the terms of jerk are hundreds of limits each, and all but one of them are taken
 STRAIGHT = 1e-3
 """How far the inverse of a cap may be from a straight line over three probes, as a share of it, for a parabola to tell
 it between them: a cap that jumps there is known at probes only."""
+NO_HIGHER = 1e-6
+"""By how much a top may rise above the highest between probes without a closer look."""
 V, A, J = range(3)
 """ds/dt, d2s/dt2 and d3s/dt3."""
 
@@ -191,6 +193,27 @@ def _tops(inside: Floats, value: Floats, tops: Ints) -> int:
 
 
 @jit()
+def _bound(inside: Floats, value: Floats, p: int) -> float:
+    """What no value about probe p is above, as the parabola through three probes and their third differences tell."""
+    last = len(inside) - 1
+    o = min(max(p, 1), last - 1)
+    x0, x1, x2, y0, y1, y2 = inside[o - 1], inside[o], inside[o + 1], value[o - 1], value[o], value[o + 1]
+    rise, next_rise = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
+    bend, third, widest = (next_rise - rise) / (x2 - x0), 0.0, max(x1 - x0, x2 - x1)
+    if o > 1:
+        before = inside[o - 2]
+        third = abs(bend - (rise - (y0 - value[o - 2]) / (x0 - before)) / (x1 - before)) / (x2 - before)
+    if o < last - 1:
+        after = inside[o + 2]
+        third = max(third, abs(((value[o + 2] - y2) / (after - x2) - next_rise) / (after - x1) - bend) / (after - x0))
+    top = max(y0, y1, y2)
+    slope = rise + bend * (x1 - x0)
+    if bend < 0.0 and abs(slope) < -2.0 * bend * widest:
+        top = max(top, y1 - slope * slope / (4.0 * bend))
+    return top + third * widest * widest * widest
+
+
+@jit()
 def _closer(
     value: Floats, cell: Floats, floor: float, length: float, closer: Closer, q: Floats, axis: int, limit: float,
     kind: int, peak: Floats, place: Floats,
@@ -203,6 +226,8 @@ def _closer(
     inside, near, found, tops = closer.inside, closer.near, closer.found, closer.tops
     for one in range(_tops(inside, value, tops)):
         p = tops[one]
+        if _bound(inside, value, p) <= peak[kind] + NO_HIGHER:
+            continue
         _values_near(cell, floor, length, closer, p, q, axis, 1.0 / limit, kind)
         i = 0
         for other in range(1, LOOKS):

@@ -17,7 +17,7 @@ from toolpace.workers import UNTOLD, Progress, Workers
 
 START_LOSS = 0.03
 """Share of z by which a solve that starts from a solution is slowed down first."""
-WARM_SPREAD = 0.03
+WARM_SPREAD = 0.1
 """First gap of such a solve, relative to the duration."""
 MOST_PASSED = 1.5
 """Usage beyond which a start is slowed down no further."""
@@ -34,7 +34,7 @@ MOST_ROUNDS = 20
 """Rounds after which the best law so far is slowed down."""
 PATIENCE = 3
 """Rounds after which limits are lowered by more than usual, and at nodes too."""
-EASED_BY = 3e-5
+EASED_BY = 1e-4
 """Share of the duration that easing may cost: less is not worth another round."""
 URGE, MOST_URGE = 1.3, 6.0
 """By how much more after each further round, and at most."""
