@@ -10,13 +10,13 @@ from toolpace.kernels.jit import jit
 SHARE, MOST_LOWERED = 0.3, 4e-4
 """How far a limit is lowered where it gets a row, as a share of what it was passed by, and at most: on either side of
 the row about a fourth is left."""
-OVERSHOOT = 1.2
+OVERSHOOT = 1.6
 """The same where there is a row already: what is passed beside it stays, if it alone is held to the limit."""
 SAME_PLACE = 0.12
 """Share of a cell up to which two places are one: the row there is lowered, and no other put beside it."""
 BESIDE_NODE = 0.02
 """Share of a cell that a place between two nodes keeps from them."""
-QUARTERS, EIGHTHS, LOWERED = np.linspace(0.25, 0.75, 3), np.linspace(0.125, 0.875, 7), 3e-4
+QUARTERS, EIGHTHS, LOWERED = np.linspace(0.25, 0.75, 3), np.linspace(0.125, 0.875, 7), 5e-4
 """Where a cell that passes a limit by more than a little, or very far, gets its first rows, and how far their limits
 are lowered."""
 A_LITTLE, FAR_PASSED, VERY_FAR = 1.0006, 1.001, 1.01
@@ -74,7 +74,7 @@ def asked_for(nodes: Floats, place: Floats, used: Floats, wrong: Bools, fresh: B
     for i in range(cells):
         if fresh[i] or (wrong[i] and worst[i] > FAR_PASSED):
             ask_beside(asked, has_rows, i, NEIGHBOURS, IN_THE_MIDDLE)
-        if wrong[i] and worst[i] > A_LITTLE and not has_rows[i]:
+        if fresh[i] or (wrong[i] and worst[i] > A_LITTLE and not has_rows[i]):
             ask_beside(asked, has_rows, i, 1, AT_QUARTERS)
     return asked
 

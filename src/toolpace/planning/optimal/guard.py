@@ -38,7 +38,7 @@ EASED_BY = 1e-4
 """Share of the duration that easing may cost: less is not worth another round."""
 URGE, MOST_URGE = 1.3, 6.0
 """By how much more after each further round, and at most."""
-MOST_MENDED = 0.4
+MOST_MENDED = 0.8
 """Share of the nodes beyond which mending is no cheaper than solving anew."""
 GIVE = 1e-5
 """Share by which limits are raised in a stretch that is mended: between ends that are at their limits already there may
