@@ -144,7 +144,7 @@ class PathAtProbes:
 def path_between(low: Floats, high: Floats, length: Floats, inside: Floats) -> Floats:
     """q', q'', q''' (n, 3, m, k) at the shares `inside` (k,) of cells, from the path (4, n, m) at both their ends."""
     out = np.empty((len(length), 3, low.shape[2], len(inside)))
-    between_nodes.path_between(np.arange(len(length)), low, high, length, inside, out)
+    between_nodes.path_between(low, high, length, inside, out)
     return out
 
 

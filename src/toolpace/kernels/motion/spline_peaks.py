@@ -210,7 +210,8 @@ def _bound(inside: Floats, value: Floats, p: int) -> float:
     slope = rise + bend * (x1 - x0)
     if bend < 0.0 and abs(slope) < -2.0 * bend * widest:
         top = max(top, y1 - slope * slope / (4.0 * bend))
-    return top + third * widest * widest * widest
+    bound: float = top + third * widest * widest * widest
+    return bound
 
 
 @jit()
