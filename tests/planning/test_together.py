@@ -17,9 +17,11 @@ from toolpace.planning.together.care import THOROUGH
 from toolpace.planning.together.interior_point import EASED, Work, eased, fix, reach
 from toolpace.planning.together.refit import known_run, windows
 from toolpace.planning.together.rounds import kept_to_the_promise
+from toolpace.planning.together.still import standing_still
 from toolpace.planning.together.stretch import JERK, SLOT, Stretch, slots_of
 
 TIP, AXIS = 10e-6, math.radians(0.05)
+SCALE = np.repeat([TIP, AXIS], [3, 2])
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +90,7 @@ def test_slopes_are_those_of_what_is_used(normal, blade, machine):
     """Against differences, about a change of path and pace."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
     stretch = Stretch(known, 40, 48, np.zeros(0))
     r = np.random.default_rng(2)
     x = 0.01 * r.standard_normal((slots_of(known.breaks), SLOT))
@@ -101,7 +103,7 @@ def test_the_newton_matrix_is_that_of_the_slopes(normal, blade, machine):
     """Unknown by unknown: weights times slopes squared, curvature of the time, and balls."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
     stretch = Stretch(known, 40, 46, np.zeros(0))
     free = np.zeros(slots_of(known.breaks), dtype=bool)
     free[40:51] = True
@@ -132,7 +134,7 @@ def test_the_method_comes_to_its_end_within_few_steps(normal, blade, machine):
     """In the middle of a run, between ends that stay: what is at its limits there holds nothing up."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
     free = np.zeros(slots_of(known.breaks), dtype=bool)
     middle = len(free) // 2
     free[middle - 60 : middle + 60] = True
@@ -158,7 +160,7 @@ def test_a_step_goes_until_the_first_value_is_zero():
 def test_without_a_change_a_stretch_uses_what_its_motion_does(normal, blade, machine):
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, machine, np.repeat([TIP, AXIS], [3, 2]), 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
     assert np.diff(known.times).max() <= 0.01 * (1.0 + 1e-9) and np.isin(run.breaks, known.breaks).all()
     stretch = Stretch(known, 10, 60, np.zeros(0))
     used = stretch.at(np.zeros((slots_of(known.breaks), SLOT))).used
@@ -198,3 +200,35 @@ def test_the_pace_is_taken_back_but_not_at_the_ends():
     x = eased(np.zeros((100, SLOT)), free)
     assert (x[:, :5] == 0.0).all() and (x[~free] == 0.0).all()
     assert x[10, 5] == x[89, 5] == 0.0 and x[50, 5] == pytest.approx(-EASED)
+
+
+CORNERS = "G21 G90 G94\nG0 X0 Y0 Z5 A0 C0\nG1 Z0 F2000\nG1 X20 F20000\nY4\nX0\nY8\nX20\n"
+
+
+@pytest.mark.parametrize("effort", ["normal", "high"])
+def test_a_program_of_three_axes_is_not_swung(machine, effort):
+    """At A0 the tool axis does not feel C: within 0.05 degree it was swung by several degrees, for a percent."""
+    planned = plan_program(tp.read_text(CORNERS, machine), machine, TIP, AXIS, effort=effort)
+    assert np.ptp(planned.trajectory.sample(1e-3).q[:, 3:], axis=0).max() < 1e-9
+    assert len(planned.rounds) > 1
+
+
+def test_a_joint_that_rapids_position_stands_still_while_the_program_cuts(machine):
+    indexed = "G0 Z50\nG0 A90\nX0 Y0 Z40\nG1 X20 F20000\nY4\nX0\nG0 Z60\nM30\n"
+    planned = plan_program(tp.read_text(CORNERS + indexed, machine), machine, TIP, AXIS)
+    points = planned.trajectory.sample(1e-3)
+    cuts = (points.block >= 4) & (points.block <= 7) | (points.block >= 12) & (points.block <= 14)
+    assert np.ptp(points.q[:, 4]) < 1e-9
+    assert np.abs(points.qddd[cuts, 3]).max() < 0.5 * machine.limits.jerk[3]
+
+
+def test_a_joint_that_turns_while_the_program_cuts_may_turn_anywhere(blade, machine):
+    (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
+    count = len(line.entry)
+    breaks, middle = np.linspace(0.0, line.s[-1], 50), line.s[count // 2]
+    turned_later = replace(line, turn=line.turn[np.maximum(np.arange(count + 1), count // 2)])
+    positioned = standing_still(turned_later, np.arange(count) >= count // 2, breaks)
+    before = np.append(breaks[1:], np.full(5, breaks[-1])) <= middle
+    assert 10 < before.sum() < 40 and positioned[before].all() and not positioned[~before].all()
+    assert not standing_still(turned_later, np.arange(count) < count // 2, breaks).any()
+    assert not standing_still(turned_later, np.ones(count, dtype=bool), breaks).any()

@@ -107,7 +107,9 @@ class Work:
     def __init__(self, stretch: Stretch, free: Bools, x: Floats, share: float) -> None:
         self.stretch = stretch
         self.slots = slice(stretch.low, stretch.low + stretch.cells + SLOT - 1)
-        self.fixed = np.repeat(~free[self.slots], SLOT)
+        fixed = np.repeat(~free[self.slots, None], SLOT, axis=1)
+        fixed[:, GROUPS[1]] |= stretch.still[self.slots]
+        self.fixed = fixed.ravel()
         self.x = eased(x, free)
         now = stretch.at(x)
         deviation = np.sqrt(np.maximum(2.0 * now.excess(np.zeros(2)), 0.0))

@@ -17,7 +17,7 @@ from math import comb, factorial
 import numpy as np
 from scipy.interpolate import BSpline
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Bools, Floats
 from toolpace.axispath.follow import FollowRun
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
@@ -28,6 +28,7 @@ from toolpace.path.path import Path
 from toolpace.path.run import SplineRun
 from toolpace.planning.together.care import Care
 from toolpace.planning.together.interior_point import fastest
+from toolpace.planning.together.still import standing_still
 from toolpace.planning.together.stretch import SLOT, Known, Stretch, slots_of
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
@@ -68,8 +69,9 @@ def refitted(
         run, axis_run = path.runs[k], motion.axis_path.runs[k]
         assert isinstance(run, SplineRun)
         assert isinstance(axis_run, FollowRun)
+        rapid = toolpath.rapid[lines[k].entry]
         unchanged = run, path.tip_deviation, path.axis_deviation
-        known = known_run(run, axis_run, motion.laws[k], lines[k], machine, scale, ramp, care)
+        known = known_run(run, axis_run, motion.laws[k], lines[k], rapid, machine, scale, ramp, care)
         check = Comparison(lines[k], tolerances.axis, machine, in_joints)
         changed = changed_run(known, check, workers, told)
         return unchanged if changed is None else changed
@@ -80,10 +82,10 @@ def refitted(
 
 
 def known_run(
-    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, machine: Machine, scale: Floats, ramp: float,
-    care: Care,
+    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, rapid: Bools, machine: Machine, scale: Floats,
+    ramp: float, care: Care,
 ) -> Known:  # fmt: skip
-    """A run with knots that its motion passes soon enough after each other."""
+    """A run with knots that its motion passes soon enough after each other; `rapid`: which ways of the line are."""
     times = law.times_at(run.breaks)
     times[0], times[-1] = 0.0, law.duration
     parts = np.maximum(np.ceil(np.diff(times) / (care.longest * ramp)), 1).astype(np.int64)
@@ -92,7 +94,8 @@ def known_run(
     finer = np.append(times[cell] + share * np.diff(times)[cell], times[-1])
     breaks = law.at(finer)[0]
     breaks[np.append(share == 0.0, True)] = run.breaks
-    return Known(run, joints, law, line, machine, scale, breaks, finer, run.s0, care)
+    still = standing_still(line, rapid, (breaks - run.s0) / scale[0])
+    return Known(run, joints, law, line, machine, scale, breaks, finer, run.s0, still, care)
 
 
 def changed_run(

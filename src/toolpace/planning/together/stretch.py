@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Bools, Floats
 from toolpace.axispath.follow import FollowRun
 from toolpace.kernels.together import newton, places
 from toolpace.laws.law import TimeLaw
@@ -58,6 +58,8 @@ class Known:
     """(cells + 1,) when the motion passes them [s]."""
     begin: float
     """Parameter at which the run starts [m]."""
+    still: Bools
+    """(slots, 2) whether a rotary joint stays as it is in a slot."""
     care: Care
 
     def off(self, s: Floats) -> Floats:
@@ -108,7 +110,7 @@ class Stretch:
     def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
         breaks, times = known.breaks[low : high + 1], known.times[low : high + 1]
         self.low, self.cells = low, high - low
-        self.care, each = known.care, known.care.places
+        self.care, each, self.still = known.care, known.care.places, known.still
         t = (times[:-1, None] + np.diff(times)[:, None] * (np.arange(each) + 0.5) / each).ravel()
         self.weight = np.repeat(np.diff(times) / each, each)
         """(n,) time of each place [s]."""
