@@ -235,3 +235,15 @@ def test_what_a_narrower_tolerance_gains_a_wider_one_has_too(blade, machine):
         for wide in (0.05, 0.1, 0.2, 0.5)
     ]
     assert all(wider <= narrower for narrower, wider in itertools.pairwise(hoped))
+
+
+@pytest.mark.parametrize("axis", [AXIS, math.radians(0.2)])
+def test_high_chooses_from_what_normal_finds_too(blade, machine, axis):
+    normal, high = (fit_program(blade, machine, TIP, axis, effort=effort) for effort in ("normal", "high"))
+    hoped = [each.hoped for each in high.candidates]
+    assert {each.hoped for each in normal.candidates} <= set(hoped) and hoped == sorted(set(hoped))
+    assert high.rounds[: len(normal.rounds)] == normal.rounds and len(set(high.rounds)) == len(high.rounds)
+    least = np.minimum.accumulate([np.inf, *(each.duration for each in high.rounds)])
+    assert [each.kept for each in high.rounds] == [each.duration < before for each, before in zip(high.rounds, least)]
+    # the thorough change goes on from a path that was fitted: one that was changed is rougher
+    assert high.start in high.candidates and high.start not in normal.candidates[:1]

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from toolpace.write import PlanRecord
     from toolpace.write.plan_json import BendingRecord, OpenPlaceRecord
 
+LEAST_GAIN = 5e-4
+"""Share of the duration from which it is said that efforts took it away."""
 WORTH_A_WORD = 1e-3
 """Gap from which it is said where it lies."""
 PLACES_SHOWN = 3
@@ -115,10 +117,11 @@ def near_in_words(share: float | None) -> str:
 
 
 def rounds_in_words(record: PlanRecord) -> str:
-    """ "normal: 4 rounds of pace and fit promised 14.5% less than the first path"."""
-    first, best = record.rounds[0].duration_s, min(each.duration_s for each in record.rounds)
-    rounds = counted(len(record.rounds) - 1, "round")
-    return f"{record.effort}: {rounds} of pace and fit promised {1.0 - best / first:.1%} less than the first path"
+    """ "normal: 4 rounds of pace and fit, 14.5% less than the first path promised"."""
+    rounds = counted(len(record.rounds) - 1, "round") if len(record.rounds) > 1 else "no rounds"
+    gained = 1.0 - record.duration_s / record.rounds[0].duration_s
+    came_to = f"{gained:.1%} less" if gained >= LEAST_GAIN else "no less"
+    return f"{record.effort}: {rounds} of pace and fit, {came_to} than the first path promised"
 
 
 def bending_in_words(bending: BendingRecord) -> str:

@@ -9,14 +9,14 @@ for some tolerances of the tool axis, up to the one asked for: a path within a n
     of a short program one such round, and then path and pace changed together, once                   (normal)
 the fastest of these paths, planned in full
 while another one was hoped to take less than that came to, it too: the best is taken
-before all that, path and pace of the one that is hoped to be the fastest changed together,          (high)
-while that gains; where its plan takes less than was hoped of all others, none of them is planned
+before all that, path and pace of the fastest of many rounds changed together while that gains;       (high)
+where its plan takes less than was hoped of all others, those of normal too, none of them is planned
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,8 +67,10 @@ class FittedProgram:
     effort: str
     rounds: tuple[Round, ...] = ()
     """The first path and each that followed; none where it was fitted once."""
+    start: Candidate | None = None
+    """From which path and pace are changed together."""
     together: Together | None = None
-    """What it takes to change path and pace together, where that is asked for."""
+    """What that takes, where it is asked for."""
 
     def __repr__(self) -> str:
         return one_line(self, f"effort {self.effort}", counted(max(len(self.rounds) - 1, 0), "round"))
@@ -142,9 +144,26 @@ def fit_program(
         path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, told)
         return FittedProgram((Candidate(0.0, path, asked_for),), path, effort)
     asked = Tolerances.of(axis_tolerance, "axis_tolerance")
-    rounds = PaceRounds(toolpath, machine, tip_tolerance, told)
-    rungs = axis_tolerances(float(asked.axis_along(toolpath).max()))
-    quick = effort == "normal" and len(toolpath) <= SHORT
+    short = len(toolpath) <= SHORT
+    # what normal finds is among what high chooses from: more effort never takes longer
+    ways = [True, False] if short and effort == "high" else [short]
+    made = [
+        made_rounds(PaceRounds(toolpath, machine, tip_tolerance, part), asked, quick, MEASURES[effort])
+        for quick, part in zip(ways, told.split([1.0] * len(ways)))
+    ]
+    told(1.0)
+    last = made[-1]
+    together = None
+    if effort == "high":
+        from toolpace.planning.together.rounds import Together
+
+        together = Together(toolpath, asked_for, last.ramp)
+    return FittedProgram(all_candidates(made), last.first, effort, all_rounds(made), last.candidates()[0], together)
+
+
+def made_rounds(rounds: PaceRounds, asked: Tolerances, quick: bool, measures: Sequence[Measure]) -> PaceRounds:
+    """The rounds within each tolerance of the axis up to those asked for; `quick`: one, and a quick change."""
+    rungs = axis_tolerances(float(asked.axis_along(rounds.toolpath).max()))
     for axis in rungs:
         last = axis == rungs[-1]
         rounds.within(asked.within(axis), axis)
@@ -152,18 +171,26 @@ def fit_program(
             rounds.begin(last=last)
             if rounds.leave_no_room():
                 continue
-            for measure in (BROAD,) if quick else MEASURES[effort]:
+            for measure in (BROAD,) if quick else measures:
                 rounds.follow(rounds.motion, measure, 1 if quick else rounds.most)
                 rounds.follow(rounds.elsewhere, measure, 1 if quick else rounds.most)
         if quick and not rounds.leave_no_room():
             rounds.change()
-    told(1.0)
-    together = None
-    if effort == "high":
-        from toolpace.planning.together.rounds import Together
+    return rounds
 
-        together = Together(toolpath, asked_for, rounds.ramp)
-    return FittedProgram(rounds.candidates(), rounds.first, effort, tuple(rounds.done), together)
+
+def all_candidates(made: Sequence[PaceRounds]) -> tuple[Candidate, ...]:
+    """Those of all, the fastest first, each once: what takes as long to the last digit is the same path."""
+    known = {each.hoped: each for rounds in made for each in rounds.candidates() if each.hoped > 0.0}
+    return (*(known[each] for each in sorted(known)), *made[-1].unknown)
+
+
+def all_rounds(made: Sequence[PaceRounds]) -> tuple[Round, ...]:
+    """One after the other, those that begin alike once."""
+    told = list(made[0].done)
+    for each in (each for rounds in made[1:] for each in rounds.done if each not in made[0].done):
+        told.append(replace(each, kept=each.duration < min(before.duration for before in told)))
+    return tuple(told)
 
 
 def axis_tolerances(widest: float) -> list[float]:
@@ -226,8 +253,8 @@ def changed_plan(
 ) -> ProgramPlan | None:
     """The plan of the path that is hoped to be the fastest, changed together with its pace; None where that is not
     asked for, or nothing was found."""
-    first = fitted.candidates[0]
-    if fitted.together is None or first.hoped == 0.0:
+    start = fitted.start
+    if fitted.together is None or start is None or start.hoped == 0.0:
         return None
-    found = fitted.together.faster(first.path, first.tolerances, machine, check, progress)
+    found = fitted.together.faster(start.path, start.tolerances, machine, check, progress)
     return None if found is None else ProgramPlan(*found, fitted.effort, fitted.rounds)
