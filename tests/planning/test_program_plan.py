@@ -247,3 +247,12 @@ def test_high_chooses_from_what_normal_finds_too(blade, machine, axis):
     assert [each.kept for each in high.rounds] == [each.duration < before for each, before in zip(high.rounds, least)]
     # the thorough change goes on from a path that was fitted: one that was changed is rougher
     assert high.start in high.candidates and high.start not in normal.candidates[:1]
+
+
+def test_where_nothing_turns_no_narrower_tolerances_of_the_axis_are_tried(blade, machine):
+    """All would give the same path, twelve times."""
+    straight = tp.read_text("G21 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F20000\nY4\nX0\n", machine)
+    rounds = fit_program(straight, machine, TIP, math.radians(5.0)).rounds
+    assert len(rounds) == 3 and {each.axis_tolerance for each in rounds} == {math.radians(5.0)}
+    assert program_plan.turns(blade) and not program_plan.turns(straight)
+    assert program_plan.turns(tp.read_text("G21 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 C90 F20000\n", machine))

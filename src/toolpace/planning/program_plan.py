@@ -163,7 +163,9 @@ def fit_program(
 
 def made_rounds(rounds: PaceRounds, asked: Tolerances, quick: bool, measures: Sequence[Measure]) -> PaceRounds:
     """The rounds within each tolerance of the axis up to those asked for; `quick`: one, and a quick change."""
-    rungs = axis_tolerances(float(asked.axis_along(rounds.toolpath).max()))
+    widest = float(asked.axis_along(rounds.toolpath).max())
+    # where nothing turns, all of them give the same path
+    rungs = axis_tolerances(widest) if turns(rounds.toolpath) else [widest]
     for axis in rungs:
         last = axis == rungs[-1]
         rounds.within(asked.within(axis), axis)
@@ -177,6 +179,12 @@ def made_rounds(rounds: PaceRounds, asked: Tolerances, quick: bool, measures: Se
         if quick and not rounds.leave_no_room():
             rounds.change()
     return rounds
+
+
+def turns(toolpath: ToolPath) -> bool:
+    """Whether the tool axis or a rotary joint moves anywhere along a tool path."""
+    given = toolpath.axis if toolpath.rotary is None else np.concatenate([toolpath.axis, toolpath.rotary], axis=1)
+    return bool(np.any(given != given[0]))
 
 
 def all_candidates(made: Sequence[PaceRounds]) -> tuple[Candidate, ...]:
