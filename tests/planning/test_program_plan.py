@@ -17,10 +17,14 @@ from toolpace.kernels.fit.quintic_spline import third_rows
 from toolpace.laws.linear import LinearLaw
 from toolpace.path.fit import fit
 from toolpace.path.fit.haste import ACCELERATION, Haste, basis_derivatives
+from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.spline import knots_of
 from toolpace.planning import pace_rounds, program_plan
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
+from toolpace.planning.ranking import Ranking, crawls
+from toolpace.planning.together import refit
+from toolpace.planning.together.care import QUICK
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 
@@ -256,3 +260,26 @@ def test_where_nothing_turns_no_narrower_tolerances_of_the_axis_are_tried(blade,
     assert len(rounds) == 3 and {each.axis_tolerance for each in rounds} == {math.radians(5.0)}
     assert program_plan.turns(blade) and not program_plan.turns(straight)
     assert program_plan.turns(tp.read_text("G21 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 C90 F20000\n", machine))
+
+
+def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine):
+    """Where it turns back on its own way the pace held at the nodes falls to next to nothing, and tells nothing."""
+    cut = "G21 G94\nG0 X0 Y0 Z0\nG1 X20 F20000\nY4\nX0\nG0 Z20\nG98 G83 X0 Y0 Z-20 R2 Q3 F300\nG80\nG0 Z50\n"
+    program = tp.read_text(cut, machine)
+    rounds = fit_program(program, machine, TIP, AXIS).rounds
+    assert len(rounds) == 3 and min(each.duration for each in rounds) < rounds[0].duration < 20.0
+    at_nodes = tp.plan(tp.Path.fit(program, TIP, AXIS, machine), machine, guard=False, bound=False)
+    assert at_nodes.duration > 100.0 and crawls(at_nodes.laws[0])
+
+
+def test_a_run_that_its_feeds_make_long_is_not_cut_into_a_billion_pieces(machine, monkeypatch):
+    """One millimetre a minute beside twenty metres: knots of a change are counted by time."""
+    slow = "G21 G94\nG0 X0 Y0 Z0\n" + "".join(f"G1 X{5 * i} Y{i % 2} F{20000 if i % 2 else 1}\n" for i in range(1, 6))
+    program = tp.read_text(slow, machine)
+    path = tp.Path.fit(program, TIP, AXIS, machine)
+    motion = tp.plan(path, machine, planner=Ranking())
+    assert motion.duration < 2.0 * program.least_duration
+    monkeypatch.setattr(refit, "known_run", None)
+    monkeypatch.setattr(refit, "MOST", 10_000)
+    tolerances = PlaceTolerances.of(program, TIP, AXIS)
+    assert refit.refitted(program, machine, path, motion, tolerances, 0.1, QUICK).runs == path.runs

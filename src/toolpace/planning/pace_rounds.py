@@ -15,13 +15,13 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.errors import InfeasibleError, PathError
-from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.haste import Haste
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.mesh.guess import ramp_time
 from toolpace.planning.planner import plan
+from toolpace.planning.ranking import Ranking, crawls
 from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
@@ -55,8 +55,6 @@ WORSE = 1.1
 ROOM = 0.02
 """Share of the first motion's time, beyond what feeds and dwells alone take, below which no round is worth its time:
 of what feeds leave, a round gains a part."""
-CRAWLING, CRAWL_LOOKS = 1e-3, 256
-"""Share of its mean pace below which a motion hardly moves, and how often it is looked at."""
 FITTED = 0.6
 """Share of a round, for progress, that its fit takes."""
 
@@ -220,9 +218,9 @@ class PaceRounds:
         return self.progress.part(1.0 - 0.5 ** (self.tried - 1), 1.0 - 0.5**self.tried)
 
     def _motion(self, path: Path, progress: Progress) -> Trajectory | None:
-        """The motion along a path with limits held at the nodes; None where there is none, or none that tells."""
+        """The motion along a path by which it is ranked; None where there is none, or none that tells."""
         try:
-            motion = plan(path, self.machine, guard=False, bound=False, progress=progress)
+            motion = plan(path, self.machine, planner=Ranking(), progress=progress)
         except InfeasibleError:
             return None
         return None if any(map(crawls, motion.laws)) else motion
@@ -231,11 +229,3 @@ class PaceRounds:
 def hope(candidate: Candidate) -> float:
     """How long the motion along a path is hoped to take [s]."""
     return candidate.hoped
-
-
-def crawls(law: TimeLaw) -> bool:
-    """Whether a motion hardly moves for half of its time: held at the nodes only, its pace may fall to next to nothing
-    between two of them, which the guard of a whole plan mends."""
-    s = law.at(np.linspace(0.0, law.duration, CRAWL_LOOKS + 1))[0]
-    slow = np.diff(s) < CRAWLING * (s[-1] - s[0]) / CRAWL_LOOKS
-    return bool(2 * slow.sum() > CRAWL_LOOKS)

@@ -34,8 +34,8 @@ from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import Progress, Workers, side_by_side
 
-FEWEST = 16
-"""Cells of a run below which it stays as it is."""
+FEWEST, MOST = 16, 200_000
+"""Cells of a run below and above which it stays as it is: one that takes that long is slow by its feeds."""
 WINDOW, SEAM = 500, 120
 """Slots of a window, and on either side of a seam that move again."""
 FIXED_AT_END = 3
@@ -71,6 +71,8 @@ def refitted(
         assert isinstance(axis_run, FollowRun)
         rapid = toolpath.rapid[lines[k].entry]
         unchanged = run, path.tip_deviation, path.axis_deviation
+        if motion.laws[k].duration > MOST * care.longest * ramp:
+            return unchanged
         known = known_run(run, axis_run, motion.laws[k], lines[k], rapid, machine, scale, ramp, care)
         check = Comparison(lines[k], tolerances.axis, machine, in_joints)
         changed = changed_run(known, check, workers, told)

@@ -21,6 +21,7 @@ from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import plan
+from toolpace.planning.ranking import Ranking
 from toolpace.planning.together.care import THOROUGH
 from toolpace.planning.together.fine import LEFT, Fine
 from toolpace.planning.together.refit import refitted
@@ -97,12 +98,12 @@ class Together:
         self, path: Path, allowed: PlaceTolerances, machine: Machine, progress: Progress
     ) -> tuple[Path, Trajectory]:
         """The path changed while that gains, and its motion with limits held at the nodes."""
-        motion = plan(path, machine, guard=False, bound=False)
+        motion = plan(path, machine, planner=Ranking())
         for number in range(ROUNDS):
             # how many there will be nobody knows; the first ones gain the most
             told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
             changed = refitted(self.toolpath, machine, path, motion, allowed, self.ramp, THOROUGH, told)
-            faster = plan(changed, machine, guard=False, bound=False)
+            faster = plan(changed, machine, planner=Ranking())
             gained = 1.0 - faster.duration / motion.duration
             if gained > 0.0:
                 path, motion = changed, faster
