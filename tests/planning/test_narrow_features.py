@@ -125,3 +125,37 @@ def test_what_jumps_is_refused_by_place_and_joint(order, what):
 
         with pytest.raises(PathError, match=f"the {what} of q{joint + 1} jumps at s = {place:.6f}"[:-1]):
             plan(path_of(jets), limits_of(random, joints), mesh=[None, 100][seed % 2], bound=False)
+
+
+@pytest.mark.parametrize("width", [1.0 / 500.0, 1.0 / 1000.0])
+def test_a_dip_of_a_cap_is_planned_for_on_a_coarse_mesh(width):
+    for seed in range(6):
+        random = np.random.default_rng([seed, 29])
+        place, depth = random.uniform(0.2, 0.8), 10.0 ** random.uniform(0.5, 2.0)
+
+        def cap(s, place=place, depth=depth):
+            return 0.5 / (1.0 + depth * np.exp(-(((s - place) / width) ** 2)))
+
+        path = path_of(harmonics(random, 2, 3), speed_cap=cap)
+        trajectory = plan(path, limits_of(random, 2), mesh=12, bound=False)
+        t = np.linspace(0.0, trajectory.duration, 40_001)[:-1]
+        step = 1e-6 * trajectory.duration
+        s, behind = trajectory.parameter(t), trajectory.parameter(t + step)
+        most = np.maximum(np.maximum(cap(s), cap(behind)), cap(0.5 * (s + behind)))
+        assert ((behind - s - 1e-15) / step / most).max() <= PROMISED, f"seed {seed}"
+        assert trajectory.usage().worst <= PROMISED, f"seed {seed}"
+
+
+def test_a_path_that_is_rough_everywhere_is_looked_at_to_its_end():
+    """Octaves far apart on few cells: more cells tell too little of the path than are chased in the first rounds."""
+    for seed in range(3):
+        random = np.random.default_rng([seed, 31])
+        rates = np.array([1.0, 17.0, 211.0, 1500.0]) * random.uniform(0.7, 1.4)
+        size, phase = rates**-2.2 * random.normal(size=4), random.uniform(0.0, 6.3, 4)
+
+        def jets(s, rates=rates, size=size, phase=phase):
+            turn = np.outer(s, rates) + phase
+            return np.stack([(size * rates**k * np.sin(turn + k * np.pi / 2)).sum(axis=1)[:, None] for k in range(4)])
+
+        trajectory = plan(path_of(jets), Limits([1.0], [4.0], [40.0]), mesh=50, bound=False)
+        assert trajectory.usage().worst <= PROMISED, f"seed {seed}"

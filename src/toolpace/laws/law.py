@@ -13,7 +13,7 @@ from toolpace.description import one_line
 
 PROBES = 20_000
 """Probes of a whole law, shared among its cells."""
-FEWEST_PROBES, MOST_PROBES = 9, 65
+FEWEST_PROBES, MOST_PROBES = 9, 257
 """Probes of one cell: more where a coarse mesh leaves much room between nodes."""
 CELLS_AT_A_TIME = 10_000
 """Cells of a spline that are probed in one piece, to keep memory low."""

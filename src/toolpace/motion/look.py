@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Bools, Floats
 from toolpace.axispath.run import AxisRun
 from toolpace.laws.law import Probe, TimeLaw
 from toolpace.machine.limits import Limits
@@ -35,8 +35,6 @@ def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tup
     between two states as its derivatives say (kernels/motion/hidden.py), until what is there is resolved; and beside
     tops between three states.
     """
-    from toolpace.kernels.motion import usage
-
     ratio, path = ratios_along(run, limits, probe.state, probe.right)
     s, speed = probe.state[0], probe.state[1]
     extra: list[tuple[Floats, Floats]] = []
@@ -56,13 +54,23 @@ def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tup
         s, speed, path = s[order], speed[order], np.ascontiguousarray(path[:, order])
     of_low, of_high = (np.ascontiguousarray(part) for part in (path[:, :-1], path[:, 1:]))
     unexplained(run, limits, s[:-1], s[1:], of_low, of_high, np.maximum(speed[:-1], speed[1:]), look)
-    beside = usage.summits(probe.state[0], ratio, HIGHER)
-    if beside.any():
-        low, high = probe.state[0][:-1][beside], probe.state[0][1:][beside]
-        look(np.unique(low[:, None] + (high - low)[:, None] * TOPS))
+    beside_tops(probe.state[0], ratio, np.True_, look)
     if not extra:
         return ratio, np.empty(0), np.empty((0, ratio.shape[1]))
     return ratio, np.concatenate([places for places, _ in extra]), np.concatenate([found for _, found in extra])
+
+
+def beside_tops(
+    s: Floats, ratio: Floats, meant: Bools | np.bool_, look: Callable[[Floats], tuple[Floats, Floats]]
+) -> None:
+    """Look beside tops between three of the places s (n,) with these values over limits, in the stretches (n - 1,) that
+    are `meant`."""
+    from toolpace.kernels.motion import usage
+
+    beside = usage.summits(s, ratio, HIGHER) & meant
+    if beside.any():
+        low, high = s[:-1][beside], s[1:][beside]
+        look(np.unique(low[:, None] + (high - low)[:, None] * TOPS))
 
 
 def gained_in_a_ramp(limits: Limits) -> Floats:

@@ -13,7 +13,7 @@ from toolpace.laws.linear import LinearLaw
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.motion.look import IN_A_STRETCH, unexplained
+from toolpace.motion.look import IN_A_STRETCH, beside_tops, unexplained
 from toolpace.motion.usage import ratios_along
 from toolpace.planning.known_path import KnownPath
 from toolpace.planning.path_at_probes import PathAtProbes
@@ -23,8 +23,9 @@ CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""
 KEPT_CELLS = 20_000
 """Cells of a mesh up to which the path at its probes is kept from one look to the next."""
-CHASED_FROM, MOST_CHASED = 9, 500
-"""Places in such a cell between which what hides is chased, and cells after which no more is."""
+CHASED_FROM, BEGUN_FROM, MOST_CHASED = 9, 33, 500
+"""Places in such a cell between which what hides is chased, in the last look too, and cells after which no more is
+before it."""
 VAGUE_ABOVE, CLOSELY = 0.98, 65
 """Usage from which such a cell is looked at closely, and the number of its probes then."""
 
@@ -121,17 +122,27 @@ class Look:
             return peaks
         near = cells[largest(peaks.used[cells]) > VAGUE_ABOVE]
         closely = SplineLaw(law.nodes, law.c, law.rest)
-        closely.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, CLOSELY))) / 2.0
+        closely.inside = between(CLOSELY)
         again = self.peaks_in(closely, near, workers)
         used, place = peaks.used.copy(), peaks.place.copy()
         higher = again.used > used[near]
         used[near] = np.where(higher, again.used, used[near])
         place[near] = np.where(higher, again.place, place[near])
-        return self.with_hidden(law, Peaks(used, place))
+        found = Peaks(used, place)
+        # a cap tells nothing of what it does between places; a path tells enough for few to begin with
+        for which, shares in ((self.path.hiding, between(BEGUN_FROM)), (~self.path.hiding, law.inside)):
+            mine = cells[which[cells]]
+            for first in range(0, len(mine), CHUNK):
+                found = self._with_chased(law, found, mine[first : first + CHUNK], shares)
+        return found
 
     def with_hidden(self, law: SplineLaw, peaks: Peaks) -> Peaks:
         """The peaks, with what hides between the probes of cells where the path does more than the nodes say."""
         cells = np.flatnonzero(self.path.hiding)[:MOST_CHASED]
+        return self._with_chased(law, peaks, cells, np.linspace(0.0, 1.0, CHASED_FROM))
+
+    def _with_chased(self, law: SplineLaw, peaks: Peaks, cells: Ints, shares: Floats) -> Peaks:
+        """The peaks, with what is found in some cells from places at these shares (k,) on, as `closer_look` does it."""
         if not len(cells):
             return peaks
         found: list[tuple[Floats, Floats]] = []
@@ -140,13 +151,12 @@ class Look:
             state = law.states_at(places)
             state[0] = places
             ratio, path = ratios_along(self.run, self.limits, state, np.ones(len(places)))
-            found.append((places, by_kind(ratio, len(self.limits))))
+            found.append((places, ratio))
             return path, state[1]
 
-        share = np.linspace(0.0, 1.0, CHASED_FROM)
-        places = self.nodes[cells][:, None] + np.diff(self.nodes)[cells][:, None] * share
+        places = self.nodes[cells][:, None] + np.diff(self.nodes)[cells][:, None] * shares
         path, speed = look(places.ravel())
-        path = path.reshape(4, len(cells), CHASED_FROM, -1)
+        path = path.reshape(4, len(cells), len(shares), -1)
         of_low, of_high = (
             np.ascontiguousarray(part.reshape(4, -1, part.shape[3])) for part in (path[:, :, :-1], path[:, :, 1:])
         )
@@ -154,8 +164,9 @@ class Look:
         swift = np.maximum(speed[:, :-1], speed[:, 1:]).ravel()
         low, high = places[:, :-1].ravel(), places[:, 1:].ravel()
         unexplained(self.run, self.limits, low, high, of_low, of_high, swift, look)
-        s, of_kinds = (np.concatenate(parts) for parts in zip(*found))
-        return self._with(peaks, s, of_kinds)
+        beside_tops(places.ravel(), found[0][1], np.diff(places, append=places[:, -1:]).ravel()[:-1] > 0.0, look)
+        s, ratios = (np.concatenate(parts) for parts in zip(*found))
+        return self._with(peaks, s, by_kind(ratios, len(self.limits)))
 
     def _of(self, which: Ints, law: SplineLaw, q: Floats, cap: Floats) -> Peaks:
         """The peaks in cells whose path is known."""
@@ -165,6 +176,12 @@ class Look:
                 which, q, cap, law.nodes, law.cells, law.inside, limits.velocity, limits.acceleration, limits.jerk
             )
         )
+
+
+def between(count: int) -> Floats:
+    """(count,) shares of a cell, closer together next to its ends."""
+    shares: Floats = (1.0 - np.cos(np.linspace(0.0, np.pi, count))) / 2.0
+    return shares
 
 
 def places_about(hints: Floats, nodes: Floats) -> Floats:

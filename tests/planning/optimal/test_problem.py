@@ -11,7 +11,8 @@ from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.optimal.problem import OnMesh, discretise, rest_cap, weights, with_rows_between
+from toolpace.planning.optimal.problem import OnMesh, discretise, weights, with_rows_between
+from toolpace.planning.optimal.rest_cells import rest_cap
 from toolpace.planning.optimal.solve import pinned
 
 LOOSE = Limits([1e3] * 3, [1e7] * 3, [1e11] * 3)
@@ -121,6 +122,31 @@ def test_out_of_rest_no_limit_is_passed_and_one_is_reached(seed, broken, length,
     assert state[1, -1] == pytest.approx(np.sqrt(most), rel=1e-6)
     used = np.abs(limit_ratios(run, limits, state, np.ones(len(t)))).max()
     assert 0.99 < used <= 1.0 + 2e-4
+
+
+@pytest.mark.parametrize("forth", [True, False])
+@pytest.mark.parametrize("width", [1e-6, 1e-5, 1e-4])
+def test_a_bend_in_the_cell_next_to_rest_is_not_passed_too_fast(width, forth):
+    """However narrow: it changes the slope of the path between two of the places at which it is looked at."""
+    length, place = 0.1, 0.0613 if forth else 1.0 - 0.0613
+    node = length if forth else 1.0 - length
+
+    def jets(s):
+        y = np.tanh((s - place) / width)
+        g = 1.0 - y * y
+        bend = np.stack([0.0 * s, y, g / width, -2.0 * y * g / width**2]) * 0.3
+        bend[0] = 0.3 * (np.abs(s - place) + width * np.log1p(np.exp(-2.0 * np.abs(s - place) / width)))
+        return (np.stack([s, 1.0 + 0.0 * s, 0.0 * s, 0.0 * s]) + bend)[:, :, None]
+
+    limits = Limits([1.0], [4.0], [40.0])
+    run = path_of(jets).runs[0]
+    most = rest_cap(run, limits, node, length, forth)
+    sign = 1.0 if forth else -1.0
+    third = 2.0 * most**1.5 / (9.0 * length**2)
+    s = place + np.linspace(-6.0, 6.0, 4001) * width
+    t = np.cbrt(6.0 * (s - node + sign * length) * sign / third)
+    state = np.stack([s, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
+    assert limit_ratios(run, limits, state, np.ones(len(t))).max() <= 1.0 + 1e-4
 
 
 def test_points_of_one_place_share_its_weight():

@@ -12,16 +12,13 @@ from toolpace.axispath.run import AxisRun
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
-from toolpace.motion import limit_ratios
 from toolpace.planning.endstate import EndState
 from toolpace.planning.known_path import KnownPath
 from toolpace.planning.mesh.guess import highest_of
+from toolpace.planning.optimal.rest_cells import rest_cap
 
 AT_NODE = 0.02
 """Share of a cell up to which a break belongs to a node: breaks closer together than nodes are one place."""
-REST_STATES, CLOSER_AT_REST = 65, 3
-"""States of a rest cell that are looked at, and places of which the surroundings are looked at so again: on a coarse
-mesh it is long."""
 HIGHEST = 1e3
 """Cap on z where nothing else is one, as a multiple of the highest z at steady speed."""
 
@@ -217,42 +214,3 @@ def sides(nodes: Floats, breaks: Floats) -> tuple[Ints, Floats, npt.NDArray[np.b
     order = np.argsort(node, kind="stable")
     node = node[order]
     return node, point[order], np.concatenate([node[1:] == node[:-1], [False]])
-
-
-def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bool) -> float:
-    """Most z at the inner end of a rest cell, such that nothing inside the cell breaks a limit.
-
-    It is looked at where its ends are near, then around the places that allow least.
-    """
-    share = (1.0 - np.cos(np.linspace(0.0, np.pi, REST_STATES))) / 2.0
-    allowed = rest_caps(run, limits, node, length, forth, share)
-    lowest = np.minimum(np.argsort(allowed)[:CLOSER_AT_REST], REST_STATES - 1)
-    between = np.linspace(share[np.maximum(lowest - 1, 0)], share[np.minimum(lowest + 1, REST_STATES - 1)], REST_STATES)
-    closer = rest_caps(run, limits, node, length, forth, np.unique(between))
-    return float(min(allowed.min(), closer.min()))
-
-
-def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: bool, share: Floats) -> Floats:
-    """Most z at the inner end of a rest cell by the limits at shares (k,) of its time, and at both sides of breaks.
-
-    All states of the cell scale with that z: speeds with its root, accelerations with it, jerks with its power 3/2.
-    """
-    sign = 1.0 if forth else -1.0
-    rest = node - sign * length
-    breaks = run.breaks[(run.breaks > min(rest, node)) & (run.breaks < max(rest, node))]
-    inside = np.cbrt((breaks - rest) * sign / length)
-    side = np.concatenate([np.where((share == 1.0) == forth, 0.0, 1.0), np.zeros(len(inside)), np.ones(len(inside))])
-    third = 2.0 / (9.0 * length**2)
-    t = 3.0 * length * np.concatenate([share, inside, inside])
-    state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
-    # rounded, the node could lie beyond a break that is there, and the breaks on the other side of themselves
-    state[0, : len(share)][share == 1.0], state[0, len(share) :] = node, np.tile(breaks, 2)
-    ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
-    m = len(limits)
-    allowed = (
-        ratios[:, : 1 + m].max(axis=1) ** -2.0,
-        1.0 / ratios[:, 1 + m : 1 + 2 * m].max(axis=1),
-        ratios[:, 1 + 2 * m :].max(axis=1) ** (-2.0 / 3.0),
-    )
-    least: Floats = np.minimum.reduce(allowed)
-    return least
