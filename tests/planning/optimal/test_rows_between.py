@@ -10,11 +10,14 @@ from tests.support.usage import dense_usage
 from toolpace import Limits, Optimal, plan
 from toolpace.kernels.motion import between_nodes, cubic_spline
 from toolpace.kernels.motion.rows_between import EIGHTHS, LOWERED, MOST_LOWERED, QUARTERS, SAME_PLACE
+from toolpace.kernels.optimal.solver_rows import wanted
+from toolpace.kernels.optimal.tiles import TILE
 from toolpace.laws.spline import SplineLaw
 from toolpace.planning.guarantee import ALLOWED, PROMISED
+from toolpace.planning.optimal.guard import IDLE, WARM_SPREAD
 from toolpace.planning.optimal.problem import with_rows_between
 from toolpace.planning.optimal.rows_between import RowsBetween
-from toolpace.planning.optimal.solve import solve, start_from
+from toolpace.planning.optimal.solve import slower, solve, start_from
 from toolpace.planning.peaks import Look, Peaks
 
 LIMITS = Limits([1.0] * 5, [4.0] * 5, [40.0] * 5)
@@ -57,6 +60,25 @@ def test_the_guard_costs_next_to_nothing_on_more_paths(seed):
     test_the_guard_costs_next_to_nothing(seed, 1000)
 
 
+def test_rows_that_are_idle_about_a_place_may_be_left_out():
+    """Of a start that is slower than the optimum by three percent: the same motion, with a fraction of the rows."""
+    problem, start = everywhere(ten_harmonics(2), 1000, rows=3)
+    best = solve(problem, start, 1.0)
+    begin = slower(problem, best, 0.03)
+    idle = IDLE * 0.97**1.5
+    again = solve(problem, begin, WARM_SPREAD, idle=idle)
+    assert duration(problem, again) == pytest.approx(duration(problem, best), rel=2e-6)
+    points = problem.as_points()
+    kept = wanted(points, begin, idle)
+    assert wanted(points, begin, 0.0).all() and kept.mean() < 0.5
+    # all that any point of 64 uses is kept, whichever point it is
+    z, z1, z2 = (states_of(problem, begin, order) for order in range(3))
+    value = np.abs(np.einsum("pid,dp->pi", points.rows, np.stack([z, z1, z2])))
+    value[:, value.shape[1] // 2 :] *= np.sqrt(z)[:, None]
+    most = np.maximum.reduceat(value, np.arange(0, len(value), TILE))
+    np.testing.assert_array_equal(kept, most >= idle)
+
+
 def test_the_optimum_with_rows_between_nodes_is_that_of_ipopt():
     problem, start = everywhere(ten_harmonics(0), 60, rows=3)
     found = solve(problem, start, 1.0)
@@ -67,7 +89,12 @@ def test_the_optimum_with_rows_between_nodes_is_that_of_ipopt():
 
 
 def of_z(problem, c):
-    return np.einsum("pj,pj->p", problem.basis[:, 0], c[problem.first[:, None] + np.arange(4)])
+    return states_of(problem, c, 0)
+
+
+def states_of(problem, c, order):
+    """(points,) a derivative of z by the rows."""
+    return np.einsum("pj,pj->p", problem.basis[:, order], c[problem.first[:, None] + np.arange(4)])
 
 
 def test_a_place_between_nodes_sees_the_spline():

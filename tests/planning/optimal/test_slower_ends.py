@@ -70,7 +70,7 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
     problem, c = moving(0)
 
     def stalled(within):
-        def solve(*_):
+        def solve(*_, **_options):
             raise Stalled(0.25, "a jerk limit", within)
 
         return solve

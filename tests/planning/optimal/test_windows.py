@@ -89,7 +89,7 @@ def test_windows_whose_seams_would_overlap_are_wider(monkeypatch, wide, pieces):
         problem=lambda low, high: (low, high),
     )  # fmt: skip
     monkeypatch.setattr(windows, "mend", mend)
-    monkeypatch.setattr(windows, "solve_whole", lambda problem, c, spread: solved.append([problem]) or c)
+    monkeypatch.setattr(windows, "solve_whole", lambda problem, c, spread, idle: solved.append([problem]) or c)
     solve_run(run, np.ones(last + 3), 1.0, Workers())
     assert len(solved[0]) == pieces
     assert [low for low, _ in solved[0]] + [last] == [0] + [high for _, high in solved[0]]
@@ -103,11 +103,11 @@ def test_a_stretch_without_a_way_is_made_wider_and_at_last_left_alone(monkeypatc
     part = Stretch(80, 120, 95, 105)
     true, asked = windows.solve, []
 
-    def solve(problem, begin, spread, once=False):
+    def solve(problem, begin, spread, once=False, idle=0.0):
         asked.append((len(problem.nodes), once))
         if len(asked) <= fails:
             raise Stalled(0.0, "some limit")
-        return true(problem, begin, spread, once)
+        return true(problem, begin, spread, once, idle)
 
     monkeypatch.setattr(windows, "solve", solve)
     begin = spoiled(c, part)
@@ -125,7 +125,7 @@ def test_a_stretch_without_a_way_is_made_wider_and_at_last_left_alone(monkeypatc
 def test_a_stretch_that_loses_most_of_its_speed_is_no_way(monkeypatch):
     meshed, c = best()
     part = Stretch(80, 120, 95, 105)
-    monkeypatch.setattr(windows, "solve", lambda problem, begin, spread, once=False: 0.5 * begin)
+    monkeypatch.setattr(windows, "solve", lambda problem, begin, spread, once=False, idle=0.0: 0.5 * begin)
     found, stuck = mend(meshed, c, [part], 0.0, 0.1, Workers())
     assert (found == c).all() and len(stuck) == 1
     found, stuck = mend(meshed, c, [part], 0.0, 0.1, Workers(), least=0.0)

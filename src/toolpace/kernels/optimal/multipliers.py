@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.optimal.tiles import TILE, tiled
+from toolpace.kernels.optimal.tiles import TILE
 
 Z, Z1, Z2, LIMIT, FALL, EXTRA, EXTRA_JERK = range(7)
 """State of a point or knot: z, z', z'', the limit of its jerk rows, the negative slope of 1 / sqrt(z), and by how much
@@ -31,11 +31,14 @@ class RowTiles(NamedTuple):
     points: int
     """How many there are: the last tile is partly empty."""
     rows: Floats
-    """(tiles, 2 m, 3, TILE) the first m of acceleration, the others of jerk, divided by their limits."""
+    """(tiles, r, 3, TILE) those of acceleration, then those of jerk, divided by their limits; r as many as the tile has
+    that has most."""
+    kept: Ints
+    """(tiles, 2) how many of acceleration and of jerk each tile has."""
     at: Floats
     """(tiles, STATES, TILE) states of the points."""
     dual: Floats
-    """(tiles, 2 m, 2, TILE) multipliers above and below."""
+    """(tiles, r, 2, TILE) multipliers above and below."""
 
 
 class RowSteps(NamedTuple):
@@ -46,16 +49,42 @@ class RowSteps(NamedTuple):
     change: Floats
     """(tiles, 4, TILE) the corrector's."""
     dual: Floats
-    """(tiles, 2 m, 2, TILE) the corrector's, of the multipliers."""
+    """(tiles, r, 2, TILE) the corrector's, of the multipliers."""
 
 
 @jit(inline=True)
-def in_tiles(rows: Floats) -> RowTiles:
-    """The rows (points, 2 m, 3) in tiles, states and multipliers still zero."""
+def in_tiles(rows: Floats, wanted: Bools) -> RowTiles:
+    """The rows (points, 2 m, 3) that are wanted (tiles, 2 m) in tiles, states and multipliers still zero."""
     points, count = rows.shape[0], rows.shape[1]
-    of_tiles = tiled(rows.reshape(points, 3 * count)).reshape(-1, count, 3, TILE)
-    tiles = len(of_tiles)
-    return RowTiles(points, of_tiles, np.zeros((tiles, STATES, TILE)), np.zeros((tiles, count, 2, TILE)))
+    tiles, most = len(wanted), 0
+    for t in range(tiles):
+        most = max(most, int(np.count_nonzero(wanted[t])))
+    of_tiles, kept = np.zeros((tiles, most, 3, TILE)), np.zeros((tiles, 2), dtype=np.int64)
+    for t in range(tiles):
+        first, last = t * TILE, min((t + 1) * TILE, points)
+        for i in range(count):
+            if wanted[t, i]:
+                at = kept[t, 0] + kept[t, 1]
+                kept[t, 2 * i // count] += 1
+                for p in range(first, last):
+                    for d in range(3):
+                        of_tiles[t, at, d, p - first] = rows[p, i, d]
+    return RowTiles(points, of_tiles, kept, np.zeros((tiles, STATES, TILE)), np.zeros((tiles, most, 2, TILE)))
+
+
+@jit(inline=True)
+def all_wanted(rows: Floats) -> Bools:
+    """(tiles, 2 m) all of the rows (points, 2 m, 3)."""
+    return np.ones(((len(rows) + TILE - 1) // TILE, rows.shape[1]), dtype=np.bool_)
+
+
+@jit()
+def rows_in(tiles: RowTiles) -> int:
+    """How many rows there are."""
+    count = 0
+    for t in range(len(tiles.kept)):
+        count += min(TILE, tiles.points - t * TILE) * (tiles.kept[t, 0] + tiles.kept[t, 1])
+    return count
 
 
 @jit(inline=True)
@@ -85,14 +114,13 @@ def set_common(at: Floats, change: Floats, column: int, lanes: int, out: Floats)
 @jit(reorder=True)
 def start(tiles: RowTiles, centre: float) -> None:
     """Multipliers that make every product of slack and multiplier equal to `centre`."""
-    points, rows, at, dual = tiles
-    half = rows.shape[1] // 2
+    points, rows, kept, at, dual = tiles
     bounds = np.empty((BOUNDS, TILE))
     for t in range(len(rows)):
         lanes = min(TILE, points - t * TILE)
         set_bounds(at[t], lanes, bounds)
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
+        for i in range(kept[t, 0] + kept[t, 1]):
+            kind = 0 if i < kept[t, 0] else 1
             for p in range(lanes):
                 value = (
                     rows[t, i, 0, p] * at[t, Z, p] + rows[t, i, 1, p] * at[t, Z1, p] + rows[t, i, 2, p] * at[t, Z2, p]
@@ -137,17 +165,16 @@ def correct(tiles: RowTiles, steps: RowSteps, centre: float) -> tuple[float, flo
 
     Returns the largest relative losses of slack and of multiplier.
     """
-    points, rows, at, dual = tiles
+    points, rows, kept, at, dual = tiles
     affine, change, step = steps
-    half = rows.shape[1] // 2
     bounds, lane = np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
     for t in range(len(rows)):
         lanes = min(TILE, points - t * TILE)
         set_bounds(at[t], lanes, bounds)
         set_common(at[t], change[t], COMMON, lanes, bounds)
         set_common(at[t], affine[t], FIRST, lanes, bounds)
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
+        for i in range(kept[t, 0] + kept[t, 1]):
+            kind = 0 if i < kept[t, 0] else 1
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
                 value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p]

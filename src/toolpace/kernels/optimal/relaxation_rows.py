@@ -67,7 +67,7 @@ def _means(at: Floats, mean: Floats, lanes: int, out: Floats) -> None:
 @jit(reorder=True)
 def wait_system(tiles: RowTiles, out: Floats) -> None:
     """out (points, 4): what the jerk rows of each point add to the second derivatives by the wait of its knot."""
-    points, rows, at, dual = tiles
+    points, rows, _, at, dual = tiles
     half = rows.shape[1] // 2
     sums = np.empty((4, TILE))
     for t in range(len(rows)):

@@ -17,7 +17,7 @@ import numpy as np
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.dual import KnotRows
-from toolpace.kernels.optimal.multipliers import STATES, RowSteps, RowTiles, in_tiles, steps_of
+from toolpace.kernels.optimal.multipliers import STATES, RowSteps, RowTiles, all_wanted, in_tiles, steps_of
 from toolpace.kernels.optimal.newton import System, system_of
 from toolpace.kernels.optimal.tiles import TILE
 
@@ -113,7 +113,7 @@ class Work(NamedTuple):
 @jit(inline=True)
 def work_of(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> Work:
     """Room for the iteration."""
-    n, tiles = len(low), in_tiles(knots.rows)
+    n, tiles = len(low), in_tiles(knots.rows, all_wanted(knots.rows))
     own, points = own_rows_of(knots, low, cap, relief), points_of(knots, tiles)
     states, waits, system = states_of(n), waits_of(n), system_of(n + 2)
     knot_steps, row_steps = knot_steps_of(n), steps_of(tiles)

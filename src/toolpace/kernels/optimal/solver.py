@@ -22,7 +22,7 @@ from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import solver_rows
 from toolpace.kernels.optimal.limit_rows import PointRows
-from toolpace.kernels.optimal.multipliers import RowSteps, RowTiles, in_tiles, product_aimed_at, steps_of
+from toolpace.kernels.optimal.multipliers import RowSteps, RowTiles, in_tiles, product_aimed_at, rows_in, steps_of
 from toolpace.kernels.optimal.newton import (
     Ends,
     System,
@@ -50,18 +50,25 @@ RELIEVED = 1e-3
 
 @jit()
 def maximise_speed(
-    points: PointRows, ends: Ends, c: Floats, relief: Floats, spread: float, tolerance: float, most_steps: int
+    points: PointRows,
+    ends: Ends,
+    c: Floats,
+    relief: Floats,
+    spread: float,
+    idle: float,
+    tolerance: float,
+    most_steps: int,
 ) -> tuple[Floats, int, int, float, float]:
     """Coefficients of the fastest z within the rows.
 
     Parameters: c (n,) start with z > 0 at all points, overwritten by the result; relief (points, 3) of cap,
     acceleration and jerk rows, positive where the start breaks one; spread, the first gap, and tolerance of the gap,
-    relative to the time.
+    relative to the time; idle: rows of which the start uses less in a whole tile of points are left out.
     Returns c, status, steps, and gap and scaled gradient relative to the time.
     """
-    tiles, caps = in_tiles(points.rows), caps_of(points, relief)
+    tiles, caps = in_tiles(points.rows, solver_rows.wanted(points, c, idle)), caps_of(points, relief)
     steps, system, gradient = steps_of(tiles), system_of(len(c)), np.empty(len(c))
-    products = tiles.points * (2 * points.rows.shape[1] + 1)
+    products = tiles.points + 2 * rows_in(tiles)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0
     solver_rows.states(points, c, caps, tau, tiles.at)
     time = solver_rows.duration(tiles, caps)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Bools, Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import multipliers
 from toolpace.kernels.optimal.limit_rows import PointRows
@@ -83,6 +83,25 @@ def spread(points: PointRows, c: Floats, out: Floats) -> None:
                 out[p // TILE, d, p % TILE] += basis[p, d, 3] * c[k + 3]
 
 
+@jit()
+def wanted(points: PointRows, c: Floats, idle: float) -> Bools:
+    """(tiles, 2 m) the rows that are used at least so much at some point of a tile, with the coefficients c."""
+    basis, first, rows = points.basis, points.first, points.rows
+    n, count = rows.shape[0], rows.shape[1]
+    out = np.zeros(((n + TILE - 1) // TILE, count), dtype=np.bool_)
+    state = np.empty(3)
+    for p in range(n):
+        for d in range(3):
+            state[d] = 0.0
+            for j in range(4):
+                state[d] += basis[p, d, j] * c[first[p] + j]
+        pace = np.sqrt(state[0])
+        for i in range(count):
+            value = abs(rows[p, i, 0] * state[0] + rows[p, i, 1] * state[1] + rows[p, i, 2] * state[2])
+            out[p // TILE, i] |= not (value if 2 * i < count else value * pace) < idle
+    return out
+
+
 @jit(reorder=True)
 def states(points: PointRows, c: Floats, caps: Caps, tau: float, at: Floats) -> None:
     """Set the states at the points from the coefficients c."""
@@ -123,10 +142,9 @@ def newton_system(
     points: PointRows, tiles: RowTiles, caps: Caps, tau: float, system: System, gradient: Floats
 ) -> tuple[float, float]:
     """Newton matrix, right-hand side for a centring of zero, gradient (n,) of the Lagrangian; returns gap and time."""
-    basis, first, rows, at, dual = points.basis, points.first, tiles.rows, tiles.at, tiles.dual
+    basis, first, rows, kept, at, dual = points.basis, points.first, tiles.rows, tiles.kept, tiles.at, tiles.dual
     weight, cap, relief, dual_cap = caps.weight, caps.cap, caps.relief, caps.dual
     matrix, rhs = system.matrix, system.rhs
-    half = rows.shape[1] // 2
     matrix[:] = 0.0
     rhs[:] = 0.0
     gradient[:] = 0.0
@@ -135,9 +153,9 @@ def newton_system(
         lanes = min(TILE, len(first) - t * TILE)
         set_bounds(at[t], lanes, bounds)
         sums[:] = 0.0
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
-            jerk = 0.0 if i < half else 1.0
+        for i in range(kept[t, 0] + kept[t, 1]):
+            kind = 0 if i < kept[t, 0] else 1
+            jerk = float(kind)
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
                 fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]
@@ -200,9 +218,8 @@ def predict(
 
     Returns the share of the gap that the longest such step leaves.
     """
-    basis, first, rows, at, dual = points.basis, points.first, tiles.rows, tiles.at, tiles.dual
+    basis, first, rows, kept, at, dual = points.basis, points.first, tiles.rows, tiles.kept, tiles.at, tiles.dual
     cap, relief, dual_cap, centring, second = caps.cap, caps.relief, caps.dual, system.centring, system.second
-    half = rows.shape[1] // 2
     centring[:] = 0.0
     second[:] = 0.0
     sums, bounds, lane = np.empty((6, TILE)), np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
@@ -221,8 +238,8 @@ def predict(
             lane[SQUARE, p] += product * change
             lane[FALLS, p] = max(lane[FALLS, p], max(-change, -move / at[t, Z, p]))
             lane[GROWS, p] = max(lane[GROWS, p], change)
-        for i in range(2 * half):
-            kind = 0 if i < half else 1
+        for i in range(kept[t, 0] + kept[t, 1]):
+            kind = 0 if i < kept[t, 0] else 1
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
                 fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]

@@ -43,6 +43,9 @@ MOST_MENDED = 0.8
 GIVE = 1e-5
 """Share by which limits are raised in a stretch that is mended: between ends that are at their limits already there may
 be no other motion within the same ones."""
+IDLE = 0.5
+"""Share of a limit below which it is not held about a place in another solve: what comes to use more then, the next
+look sees."""
 
 
 def guarded(
@@ -137,9 +140,10 @@ def resolve(
     Only stretches around those cells are solved again, unless they are most of the run.
     """
     loss = START_LOSS + 1.0 - 1.0 / min(used, MOST_PASSED)
+    idle = IDLE * (1.0 - loss) ** 1.5  # what the slower start uses where the law uses so much of a jerk
     parts = stretches(meshed, wrong)
     if sum(part.high - part.low for part in parts) < MOST_MENDED * len(wrong):
-        mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress, give=GIVE)
+        mended, stuck = mend(meshed, c, parts, loss, WARM_SPREAD, workers, progress, give=GIVE, idle=idle)
         if not stuck:
             return mended
-    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress)
+    return solve_run(meshed, slower(meshed, c, loss), WARM_SPREAD, workers, progress, idle)

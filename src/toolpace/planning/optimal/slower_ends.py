@@ -27,14 +27,14 @@ LOSS, SPREAD = 0.03, 0.03
 """How a solve starts: the last answer, so much slower, and its first gap relative to the duration."""
 
 
-def solve_whole(problem: Problem, c: Floats, spread: float) -> Floats:
+def solve_whole(problem: Problem, c: Floats, spread: float, idle: float = 0.0) -> Floats:
     """Coefficients of the fastest z of a run as a whole, as `solve` finds them. Raises Stalled.
 
     With an end in motion, what is within the limits counts however far from the optimum it is, since nothing slower
     would be: the way to the end would be another one.
     """
     try:
-        return solve(problem, c, spread)
+        return solve(problem, c, spread, idle=idle)
     except Stalled as stall:
         found = from_slower_ends(problem, c) if stall.within is None else stall.within
         if found is None:

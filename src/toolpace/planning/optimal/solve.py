@@ -94,17 +94,19 @@ class Attempt:
         return self.used is not None and bool(self.used.max() <= 1.0 + BROKEN_BY)
 
 
-def solve(problem: Problem, c: Floats, spread: float, once: bool = False) -> Floats:
+def solve(problem: Problem, c: Floats, spread: float, once: bool = False, idle: float = 0.0) -> Floats:
     """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
 
     A start from which the core does not come to its end is followed by slower ones, between two rests at last by one
     within all limits at the nodes, which is as good as the answer gets where the core does not move from it. `once`: by
-    none, where something else can be tried.
+    none, where something else can be tried. `idle`: limits of which the first start uses less all around a point
+    are not held there, where what is found is looked at, and held in a further solve.
     """
     rests = bool((problem.end == newton.REST).all())
     attempts: list[Attempt] = []
     for begin, first_gap in starts_from(problem, c, spread, rests, once):
-        attempt = attempted(problem, begin, first_gap)
+        attempt = attempted(problem, begin, first_gap, idle)
+        idle = 0.0
         if attempt is None:
             continue
         if attempt.optimal:
@@ -132,13 +134,13 @@ def starts_from(problem: Problem, c: Floats, spread: float, rests: bool, once: b
         yield well_inside(problem, c), 1.0
 
 
-def attempted(problem: Problem, begin: Floats, first_gap: float) -> Attempt | None:
+def attempted(problem: Problem, begin: Floats, first_gap: float, idle: float = 0.0) -> Attempt | None:
     """What the core makes of one start; None where z has fallen to nothing, which is no start."""
     relief = reliefs(problem, begin)
     if not np.isfinite(relief).all():
         return None
     found, status, _, gap, gradient = solver.maximise_speed(
-        problem.as_points(), problem.as_ends(), begin.copy(), relief, first_gap, TOLERANCE, MOST_STEPS
+        problem.as_points(), problem.as_ends(), begin.copy(), relief, first_gap, idle, TOLERANCE, MOST_STEPS
     )
     if status == solver.OPTIMAL:
         return Attempt(found, optimal=True)

@@ -62,8 +62,11 @@ def solve_run(
     spread: float,
     workers: Workers,
     progress: Progress = UNTOLD,
+    idle: float = 0.0,
 ) -> Floats:
     """The fastest z of a run, from the start c with a first gap of `spread`; a long run is solved window by window.
+
+    `idle` is as `solve` has it.
 
     What happens at one place of a run is of no matter further away than the machine needs to stop and start again.
     So the windows are solved with their borders left as they start, slow; then a wide stretch over each border is
@@ -79,7 +82,7 @@ def solve_run(
             break
         count //= 2
     if count <= 1:
-        return solve_whole(meshed.problem(0, last), c, spread)
+        return solve_whole(meshed.problem(0, last), c, spread, idle)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
     begin = c
     for parts, loss, gap, told in (
@@ -102,20 +105,21 @@ def mend(
     progress: Progress = UNTOLD,
     least: float = LEAST_LEFT,
     give: float = 0.0,
+    idle: float = 0.0,
 ) -> tuple[Floats, list[Stretch]]:
     """Solve again within the given stretches of nodes only, all other coefficients staying as they are.
 
-    Each stretch starts from c, slowed down by the share `loss` in its middle, with limits that are higher by the share
-    `give`. The stretches are solved on all cores;
-    one that finds no way, or leaves less than the share `least` of a coefficient, is solved once more, wider, when
-    the others are done, and on a long run a third time, much wider. Returns the coefficients, and the stretches that
-    found no way, which are as they were.
+    Each stretch starts from c, slowed down by the share `loss` in its middle, with limits that are higher by the
+    share `give`. The stretches are solved on all cores; one that finds no way, or leaves less than the share
+    `least` of a coefficient, is solved once more, wider, when the others are done, and on a long run a third time,
+    much wider. `idle` is as `solve` has it. Returns the coefficients, and the stretches that found no way, which
+    are as they were.
     """
     out = c.copy()
 
     def one(part: Stretch) -> Stretch | None:
         try:
-            mend_one(meshed, c, out, part, loss, spread, least, give, once=True)
+            mend_one(meshed, c, out, part, loss, spread, least, give, idle, once=True)
         except Stalled:
             return part
         return None
@@ -128,7 +132,7 @@ def mend(
         still = []
         for part in around(meshed, first, last, wide):
             try:
-                mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least, give, once=False)
+                mend_one(meshed, out, out, part, max(loss, SEAM_LOSS), spread, least, give, 0.0, once=False)
             except Stalled:
                 still.append(part)
         stuck = still
@@ -137,13 +141,13 @@ def mend(
 
 def mend_one(
     meshed: MeshedRun, c: Floats, out: Floats, part: Stretch, loss: float, spread: float, least: float, give: float,
-    once: bool,
+    idle: float, once: bool,
 ) -> None:  # fmt: skip
     """Set the coefficients in `out` that lie inside one stretch of nodes, from those in c. Raises Stalled."""
     mine = c[part.low : part.high + 3]
     piece = meshed.problem(part.low, part.high).raised(give)
     taper = part.first - part.low, part.high - part.last
-    mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread, once)
+    mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread, once, idle)
     if least > 0.0 and (mended < least * mine).any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
         raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]), "some limit")
