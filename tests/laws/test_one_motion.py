@@ -142,6 +142,20 @@ def test_next_to_rest_the_spline_is_one_motion():
             assert abs(a1 - a0) < 1e-9 * abs(a0) + 2.0 * step * (abs(j0) + abs(j1))
 
 
+def test_the_inner_ends_of_rest_cells_are_probed_at_the_nodes():
+    """Rounded beyond a break there, the left side of the node would be its right one."""
+    random, moved = np.random.default_rng(5), 0
+    for _ in range(50):
+        nodes = np.sort(random.uniform(0.1, 0.9, 4))
+        h = random.uniform(0.01, 0.1, 2)
+        law = SplineLaw(nodes, random.uniform(0.5, 1.0, 6), (h[0], h[1]))
+        s = np.concatenate([each.state[0] for each in law.probes()])
+        assert np.count_nonzero(s == nodes[0]) == np.count_nonzero(s == nodes[-1]) == 2
+        third = 2.0 * law.cells[0, 0] ** 1.5 / (9.0 * h[0] ** 2)
+        moved += nodes[0] - h[0] + third * law.times[0] ** 3 / 6.0 != nodes[0]
+    assert moved > 5
+
+
 def random_linear(random):
     nodes = random_nodes(random, int(random.integers(5, 300)))
     z = 10.0 ** random.uniform(-3.0, 0.0, len(nodes))

@@ -159,3 +159,23 @@ def test_a_path_that_is_rough_everywhere_is_looked_at_to_its_end():
 
         trajectory = plan(path_of(jets), Limits([1.0], [4.0], [40.0]), mesh=50, bound=False)
         assert trajectory.usage().worst <= PROMISED, f"seed {seed}"
+
+
+@pytest.mark.parametrize(("seed", "mesh"), [(75, 12), (104, 8), (119, 8), (119, None)])
+def test_strips_between_breaks_keep_their_caps(seed, mesh):
+    """A feed that jumps to and fro within 1e-7 to 1e-4 of the run: most of its breaks are no nodes of a coarse mesh."""
+    random = np.random.default_rng([seed, 5])
+    low = np.sort(random.uniform(0.05, 0.95, 20))
+    breaks = np.unique(np.stack([low, low + 10.0 ** random.uniform(-7.5, -4.0, 20)]))
+    caps = 10.0 ** random.uniform(-3.0, 0.5, len(breaks) + 1)
+    caps[::2] += 1000.0
+
+    def speed_cap(s):
+        return caps[np.searchsorted(breaks, s, side="right")]
+
+    jerk = 10.0 ** random.uniform(2.0, 6.0)
+    limits = Limits([1.0, 1.0], [np.sqrt(jerk)] * 2, [jerk] * 2)
+    trajectory = plan(path_of(harmonics(random, 2), breaks=breaks, speed_cap=speed_cap), limits, mesh=mesh)
+    s = np.linspace(breaks[:-1], np.nextafter(breaks[1:], 0.0), 201).ravel(order="F")
+    assert (trajectory.laws[0].states_at(s)[1] / speed_cap(s)).max() <= PROMISED
+    assert trajectory.usage().worst <= PROMISED

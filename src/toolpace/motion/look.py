@@ -92,14 +92,16 @@ def least_changes(limits: Limits) -> Floats:
 
 
 def stretches_unseen(run: AxisRun, s: Floats) -> Floats:
-    """(k,) places in the stretches between hints that have too few of the places s (n,) in order."""
-    hints: Floats = run.hints[(run.hints > s[0]) & (run.hints < s[-1])]
-    if len(hints) == 0:
-        return hints
-    ends = np.concatenate([[s[0]], hints, [s[-1]]])
+    """(k,) places in the stretches between hints, and between breaks that are none of the places, that have too few of
+    the places s (n,) in order; and both sides of such breaks."""
+    hints, breaks = (each[(each > s[0]) & (each < s[-1])] for each in (run.hints, run.breaks))
+    breaks = breaks[s[np.searchsorted(s, breaks)] != breaks]
+    if not len(hints) and not len(breaks):
+        return np.empty(0)
+    ends = np.concatenate([[s[0]], np.union1d(hints, breaks), [s[-1]]])
     sparse = (np.diff(np.searchsorted(s, ends)) < len(IN_A_STRETCH)) & (np.diff(ends) > 0.0)
     places: Floats = (ends[:-1][sparse, None] + np.diff(ends)[sparse, None] * IN_A_STRETCH).ravel()
-    return places
+    return np.concatenate([places, np.nextafter(breaks, -np.inf), breaks])
 
 
 def unexplained(

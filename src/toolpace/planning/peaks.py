@@ -24,7 +24,7 @@ CHUNK = 5_000
 KEPT_CELLS = 20_000
 """Cells of a mesh up to which the path at its probes is kept from one look to the next."""
 CHASED_FROM, BEGUN_FROM, MOST_CHASED = 9, 33, 500
-"""Places in such a cell between which what hides is chased, in the last look too, and cells after which no more is
+"""Places in such a cell between which what hides is chased, in the last look at least, and cells after which no more is
 before it."""
 VAGUE_ABOVE, CLOSELY = 0.98, 65
 """Usage from which such a cell is looked at closely, and the number of its probes then."""
@@ -47,11 +47,12 @@ class Look:
         """Take the nodes (n,) of the mesh, and what is known of the path already."""
         self.run, self.limits, self.nodes = run, limits, nodes
         self.path = PathAtProbes(run, limits, nodes, known)
-        self.hints = places_about(
-            np.setdiff1d(run.hints[(run.hints > nodes[0]) & (run.hints < nodes[-1])], nodes), nodes
+        hints, breaks = (
+            np.setdiff1d(each[(each > nodes[0]) & (each < nodes[-1])], nodes) for each in (run.hints, run.breaks)
         )
-        """(k,) places between nodes where the path's derivatives may bend, and between two such: probes of a cell may
-        all miss a top there."""
+        self.hints = np.union1d(places_about(np.union1d(hints, breaks), nodes), np.nextafter(breaks, -np.inf))
+        """(k,) places between nodes where the path's derivatives may bend or its cap may jump, and between two such:
+        probes of a cell may all miss a top there."""
         self._at_hints: tuple[Floats, Floats] | None = None
         """The path (4, k, m) there, and its cap (k,)."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
@@ -130,7 +131,8 @@ class Look:
         place[near] = np.where(higher, again.place, place[near])
         found = Peaks(used, place)
         # a cap tells nothing of what it does between places; a path tells enough for few to begin with
-        for which, shares in ((self.path.hiding, between(BEGUN_FROM)), (~self.path.hiding, law.inside)):
+        begun = between(BEGUN_FROM) if len(law.inside) < BEGUN_FROM else law.inside
+        for which, shares in ((self.path.hiding, begun), (~self.path.hiding, law.inside)):
             mine = cells[which[cells]]
             for first in range(0, len(mine), CHUNK):
                 found = self._with_chased(law, found, mine[first : first + CHUNK], shares)

@@ -199,7 +199,8 @@ def probe(law: Law, inside: Floats, first: int, beyond: int) -> tuple[Floats, Fl
             _rest(nodes[0] - rest0, rest0, np.sqrt(cells[0, 0]), f * times[0], 1.0, out, i)
             share[i] = times[0] / outer
             i += 1
-        right[i - 1] = 0.0
+        # rounded, it could lie on the other side of a break there
+        out[0, i - 1], right[i - 1] = nodes[0], 0.0
     for k in range(first, beyond):
         h = nodes[k + 1] - nodes[k]
         floor = floor_of(cells[k], h)
@@ -215,5 +216,5 @@ def probe(law: Law, inside: Floats, first: int, beyond: int) -> tuple[Floats, Fl
             _rest(nodes[n - 1] + rest1, rest1, end_speed(nodes, cells), (1.0 - f) * last, -1.0, out, i)
             share[i] = last / outer
             i += 1
-        right[i - 1] = 0.0
+        out[0, i - outer], right[i - 1] = nodes[n - 1], 0.0
     return out, right, share
