@@ -141,6 +141,31 @@ def test_a_jerk_that_swings_once_a_step_is_known_by_its_velocities(period):
     assert "jerk column" in failed(joint(t, *calm, jerk), limits)
 
 
+@pytest.mark.parametrize("count", [1, 40])
+@pytest.mark.parametrize("lasts", [0.01, 0.03, 0.1, 0.25, 0.5])
+def test_a_swing_of_the_jerk_that_is_over_within_a_step_is_no_false_column(lasts, count):
+    """From rest to a feed so slow, and back, that no set-point shows the acceleration, and some show all of the jerk:
+    the first always, where the motion begins with it."""
+    jerk, half, n = 50.0, 0.5 * lasts * DT, 1000
+    random = np.random.default_rng(round(1e3 * lasts))
+    begins = DT * np.append(0.0, np.sort(random.uniform(1.0, n - 3.0, 2 * count - 1)))
+    t = np.arange(n) * DT
+    q, qd, qdd, qddd = np.zeros((4, n))
+    for begin, way in zip(begins, np.tile([jerk, -jerk], count)):
+        for weight, since in zip((way, -2.0 * way, way), (t - begin, t - begin - half, t - begin - 2.0 * half)):
+            after = np.maximum(since, 0.0)
+            q += weight * after**3 / 6.0
+            qd += weight * after**2 / 2.0
+            qdd += weight * after
+            qddd += weight * (since >= 0.0)
+    limits = Limits([1.0], [2.0], [100.0], ("X",))
+    assert qddd[0] == jerk and "jerk column" not in failed(joint(t, q, qd, qdd, qddd), limits)
+    # where velocities show no swing, a column that tells of eight is another's
+    told = np.zeros(n)
+    told[100:300:25] = jerk
+    assert "jerk column" in failed(joint(t, 0.0, 0.0, 0.0, told), limits)
+
+
 def test_what_a_column_is_off_by_has_its_unit_and_size():
     found = failed(replace(POINTS, qd=0.99 * POINTS.qd))
     for what, per in (("velocity column", ""), ("acceleration column", "/s")):

@@ -1,5 +1,5 @@
-"""Programs whose plans keep every limit and are found right: waits shorter than a step, blocks shorter than one, and
-blocks by inverse time that are slow for an instant."""
+"""Programs whose plans keep every limit and are found right: waits shorter than a step, blocks shorter than one, blocks
+by inverse time that are slow for an instant, and feeds that are reached within a step."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import plan
+from toolpace.planning.program_plan import plan_program
 from toolpace.reading import read_text
 
 HEAD = "G21 G90 G94\nG0 X0 Y0 Z5 {0}0 {1}0\n"
@@ -72,3 +73,16 @@ def test_an_open_place_may_lie_in_a_block_between_two_set_points():
         {**said, "open_places": [{"from_s": 0.1, "to_s": 0.1, "gain_s": 0.0, "block": 12}]},
         points, motions.machine(), replace(program, block=3 * program.block), None, None,
     ).of_places()[0].ok  # fmt: skip
+
+
+@pytest.mark.parametrize("effort", ["low", "high"])
+def test_a_feed_that_is_reached_within_a_step_is_no_false_column(effort):
+    """However slow the feed, or long the step: moves of 10 micrometres at 0.1 mm/min and more."""
+    machine = Machine.load("xyzac-trunnion")
+    for feed in (0.1, 1.0, 10.0):
+        text = HEAD.format("A", "C") + f"G1 F{feed} X0.01\nX0.02 Y0.01\nX0.03\nM30\n"
+        toolpath = read_text(text, machine, "gcode")
+        trajectory = plan_program(toolpath, machine, 10e-6, 1e-3, effort=effort).trajectory
+        for dt in (1e-3, 2e-3, 1e-2, 2e-2, 5e-2):
+            found = verify(trajectory, machine, toolpath, 10e-6, 1e-3, dt)
+            assert not found.findings, (feed, dt)

@@ -24,6 +24,8 @@ CHANGE = 2.0
 SAG = 12.0
 """By how much a jerk that swings within a step may stray from its mean at the ends, for each unit by which the mean
 acceleration is off that of both ends, a step: 6 for a triangle of the length of a step, 2 pi for a sine."""
+SPREADS = 4.0
+"""Standard deviations by which more swings may be met by set-points than are expected."""
 
 
 def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
@@ -82,6 +84,8 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
     of the steps tell: summed over a window, what is off is at most half of what they change, unless the jerk jumps
     there and back within a step. Then accelerations sag between set-points, and velocities tell by how much: also
     where the jerk swings once a step, and its column shows one side of the swing for long, as the phase creeps on.
+    Where a motion is so slow, or the steps are so long, that all of a swing is over before it shows in the
+    accelerations, a column holds the whole jerk wherever a set-point meets one (`_hidden`).
     A column of another motion, of no motion, or turned round, is off by all of the jerk.
     """
     checks: list[Check] = []
@@ -93,15 +97,17 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
         off = np.abs(mean - 0.5 * (points.qddd[1:, j] + points.qddd[:-1, j]))
         change = np.abs(np.diff(mean, prepend=mean[0]))
         between = np.diff(points.qd[:, j]) / steps - 0.5 * (points.qdd[1:, j] + points.qdd[:-1, j])
-        swing = SAG * np.abs(between) / steps
+        sag = np.abs(between) / steps
         noise = COLUMN_ROUNDING * float(np.abs(points.qdd[:, j]).max()) / steps + COLUMN_ROUNDING * np.abs(mean).max()
-        largest = float(np.abs(mean).max())
         starts = np.arange(0, len(steps), WINDOW)
         found = np.add.reduceat(off, starts)
         # What changes just before and behind a window may belong to a step in it.
         total = np.concatenate(([0.0], np.cumsum(change)))
         around = total[np.minimum(starts + WINDOW + 2, len(steps))] - total[np.maximum(starts - 2, 0)]
-        allowed = CHANGE * around + JUMPS * largest + np.add.reduceat(swing + noise, starts)
+        peak = np.maximum.reduceat(np.maximum(np.abs(points.qddd[1:, j]), np.abs(points.qddd[:-1, j])), starts)
+        swing, more = _hidden(sag, peak, starts)
+        allowed = CHANGE * around + JUMPS * np.maximum(np.abs(mean).max(), peak) + more
+        allowed += np.add.reduceat(np.maximum(SAG * sag, swing) + noise, starts)
         worst = int(np.argmax(found - allowed))
         if found[worst] > allowed[worst]:
             k, count = int(starts[worst]), min(WINDOW, len(steps) - int(starts[worst]))
@@ -110,3 +116,17 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
             note = "the jerk column is not the derivative of the accelerations, in the mean of a window"
             checks.append(Check("jerk column", value, limit, unit_of(units[j], 3), False, time, block, joint, note))
     return checks
+
+
+def _hidden(sag: Floats, peak: Floats, starts: Ints) -> tuple[Floats, Floats]:
+    """By how much (steps,) swings of the jerk that are over within a step let it stray from its mean, as expected, and
+    (windows,) how much more a window may happen to have.
+
+    A jerk of J one way for a time T, and the other way for as long, is a change in velocity of J T^2 that no
+    acceleration shows: the mean acceleration of the step is off by J T^2 / dt, its `sag` by dt. So the swing lasts
+    2 T = 2 dt (sag / J)^(1/2), a set-point meets it in as large a share of the cases, and the column then is off by J:
+    2 (J sag)^(1/2) as expected. How many of n are met has a variance of n at most. J is the `peak` of the window.
+    """
+    steps = np.diff(np.append(starts, len(sag)))
+    swing = 2.0 * np.sqrt(np.repeat(peak, steps) * sag)
+    return swing, SPREADS * np.sqrt(peak * np.add.reduceat(swing, starts))
