@@ -25,6 +25,7 @@ from toolpace.planning.program_plan import fit_program, plan_fitted, plan_progra
 from toolpace.planning.ranking import Ranking, crawls
 from toolpace.planning.together import refit
 from toolpace.planning.together.care import QUICK
+from toolpace.tolerances.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 
@@ -239,6 +240,36 @@ def test_what_a_narrower_tolerance_gains_a_wider_one_has_too(blade, machine):
         for wide in (0.05, 0.1, 0.2, 0.5)
     ]
     assert all(wider <= narrower for narrower, wider in itertools.pairwise(hoped))
+
+
+class ToldRounds:
+    """Rounds whose quick changes take what is told for each tolerance of the axis."""
+
+    best = "widest"
+
+    def __init__(self, told):
+        self.told, self.tried = told, []
+
+    def within(self, tolerances, widest):
+        self.tried.append((widest, None))
+
+    def change(self, start):
+        widest = self.tried[-1][0]
+        self.tried[-1] = widest, start
+        return self.told[widest]
+
+
+def test_narrower_tolerances_are_changed_within_while_these_are_no_slower():
+    for told, tried in (
+        ({1.0: 5.0, 2.0: 6.0, 3.0: 5.5}, [3.0, 2.0]),
+        ({1.0: 5.0, 2.0: 5.2, 3.0: 5.2}, [3.0, 2.0, 1.0]),
+        ({1.0: 5.0, 2.0: math.inf, 3.0: math.inf}, [3.0, 2.0, 1.0]),
+        ({1.0: math.inf, 2.0: 5.1, 3.0: 5.2}, [3.0, 2.0, 1.0]),
+    ):
+        rounds = ToldRounds(told)
+        rounds.within(None, 3.0)
+        program_plan.change_once(rounds, Tolerances.of(3.0, "axis_tolerance"), [1.0, 2.0], "narrow")
+        assert rounds.tried == [(3.0, "widest"), *((axis, "narrow") for axis in tried[1:])]
 
 
 @pytest.mark.parametrize("axis", [AXIS, math.radians(0.2)])

@@ -84,6 +84,13 @@ class Candidate(NamedTuple):
     """That it was fitted within."""
 
 
+class Fastest(NamedTuple):
+    """A path that was fitted, and the motion along it, with limits held at the nodes."""
+
+    motion: Trajectory
+    candidate: Candidate
+
+
 class PaceRounds:
     """Paths that follow each other, each fitted for the pace of those before it."""
 
@@ -99,17 +106,15 @@ class PaceRounds:
         self.tried = 0
         self.motion: Trajectory | None = None
         """The fastest within the tolerance at hand."""
-        self.best: Trajectory | None = None
-        """The fastest of all on a path that was fitted."""
-        self.best_path: Candidate | None = None
-        """That it goes along."""
+        self.best: Fastest | None = None
+        """Of all paths that were fitted."""
         self.elsewhere: Trajectory | None = None
         """The fastest within the tolerances before."""
 
     def within(self, tolerances: Tolerances, widest: float) -> None:
         """Take tolerances of the axis, `widest` [rad] at most, for those at hand."""
         self.tolerances, self.widest = tolerances, widest
-        self.elsewhere, self.motion = self.best, None
+        self.elsewhere, self.motion = None if self.best is None else self.best.motion, None
         self.levels.append([])
 
     def begin(self, *, last: bool) -> None:
@@ -133,19 +138,22 @@ class PaceRounds:
         """Whether feeds and dwells take nearly all of the time of the first motion."""
         return bool(self.done) and self.toolpath.least_duration > (1.0 - ROOM) * self.done[0].duration
 
-    def change(self) -> None:
-        """The fastest path that was fitted, changed once together with its pace, within the tolerance at hand."""
+    def change(self, start: Fastest | None) -> float:
+        """A path that was fitted, changed once together with its pace, within the tolerance at hand: the time of its
+        motion [s], infinite where there is none."""
         from toolpace.planning.together.care import QUICK
         from toolpace.planning.together.refit import refitted
 
-        if self.best is None or self.best_path is None:
-            return
-        _, path, fitted = self.best_path
+        if start is None:
+            return np.inf
+        motion, (_, path, fitted) = start
         told = self._part()
         allowed = PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.tolerances).counting_in(fitted)
         changing = told.part(0.0, FITTED)
-        changed = refitted(self.toolpath, self.machine, path, self.best, allowed, self.ramp, QUICK, changing)
-        self._note(changed, self._motion(changed, told.part(FITTED, 1.0)), 0.0, fitted)
+        changed = refitted(self.toolpath, self.machine, path, motion, allowed, self.ramp, QUICK, changing)
+        found = self._motion(changed, told.part(FITTED, 1.0))
+        self._note(changed, found, 0.0, fitted)
+        return np.inf if found is None else found.duration
 
     def follow(self, start: Trajectory | None, measure: Measure, most: int) -> None:
         """Rounds with one measure of the pace, `most` of them, from a motion on, while they gain; none from none."""
@@ -181,8 +189,8 @@ class PaceRounds:
             self.levels[-1].append(candidate._replace(tolerances=fitted))
             return
         self.levels[-1].append(candidate)
-        if self.best is None or motion.duration < self.best.duration:
-            self.best, self.best_path = motion, candidate
+        if self.best is None or motion.duration < self.best.motion.duration:
+            self.best = Fastest(motion, candidate)
 
     def _candidate(self, hoped: float, path: Path) -> Candidate:
         within = PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.tolerances)

@@ -6,7 +6,8 @@ for some tolerances of the tool axis, up to the one asked for: a path within a n
         the path fitted again, smoother where the motion is fast, less so where it is slow anyway
         the motion along it, with its limits held at the nodes: cheap, and it ranks paths as the whole plan does
         not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
-    of a short program one such round, and then path and pace changed together, once                   (normal)
+    of a short program one such round within the narrowest and the widest, and then path and pace changed together,
+        once within the widest, and within the next narrower one while that is no slower               (normal)
 the fastest of these paths, planned in full
 while another one was hoped to take less than that came to, it too: the best is taken
 before all that, path and pace of the fastest of many rounds changed together while that gains;       (high)
@@ -27,7 +28,7 @@ from toolpace.errors import InfeasibleError, ReachError, ToolpaceError, UsageErr
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
-from toolpace.planning.pace_rounds import BROAD, SHARP, Candidate, Measure, PaceRounds, Round
+from toolpace.planning.pace_rounds import BROAD, SHARP, Candidate, Fastest, Measure, PaceRounds, Round
 from toolpace.planning.planner import Planner, plan, planner_of
 from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
@@ -162,23 +163,44 @@ def fit_program(
 
 
 def made_rounds(rounds: PaceRounds, asked: Tolerances, quick: bool, measures: Sequence[Measure]) -> PaceRounds:
-    """The rounds within each tolerance of the axis up to those asked for; `quick`: one, and a quick change."""
+    """The rounds within each tolerance of the axis up to those asked for; `quick`: one within the narrowest that a path
+    fits in and one within the widest, and a quick change of what these found."""
     widest = float(asked.axis_along(rounds.toolpath).max())
     # where nothing turns, all of them give the same path
     rungs = axis_tolerances(widest) if turns(rounds.toolpath) else [widest]
+    narrow: Fastest | None = None
+    within: list[float] = []
     for axis in rungs:
         last = axis == rungs[-1]
+        if quick and not last and rounds.best is not None:
+            within.append(axis)
+            continue
+        narrow = rounds.best
         rounds.within(asked.within(axis), axis)
-        if not quick or last or rounds.best is None:
-            rounds.begin(last=last)
-            if rounds.leave_no_room():
-                continue
-            for measure in (BROAD,) if quick else measures:
-                rounds.follow(rounds.motion, measure, 1 if quick else rounds.most)
-                rounds.follow(rounds.elsewhere, measure, 1 if quick else rounds.most)
-        if quick and not rounds.leave_no_room():
-            rounds.change()
+        rounds.begin(last=last)
+        if rounds.leave_no_room():
+            continue
+        for measure in (BROAD,) if quick else measures:
+            rounds.follow(rounds.motion, measure, 1 if quick else rounds.most)
+            rounds.follow(rounds.elsewhere, measure, 1 if quick else rounds.most)
+        if rounds.best is not None and not last:
+            within.append(axis)
+    if quick and not rounds.leave_no_room():
+        change_once(rounds, asked, within, narrow)
     return rounds
+
+
+def change_once(rounds: PaceRounds, asked: Tolerances, within: Sequence[float], narrow: Fastest | None) -> None:
+    """The quick change within the widest tolerance of the axis, and within those that are narrower, ascending, from the
+    fastest path of these: the widest first, as long as that is no slower."""
+    fastest = rounds.change(rounds.best)
+    for axis in reversed(within):
+        rounds.within(asked.within(axis), axis)
+        changed = rounds.change(narrow)
+        # the room of a wider one nearly always gains: where it did, there is no more within
+        if changed > fastest:
+            return
+        fastest = changed
 
 
 def turns(toolpath: ToolPath) -> bool:
@@ -204,8 +226,9 @@ def all_rounds(made: Sequence[PaceRounds]) -> tuple[Round, ...]:
 def axis_tolerances(widest: float) -> list[float]:
     """The tolerance of the tool axis that is asked for, and those within it that are tried before [rad], ascending.
 
-    A path within a narrower tolerance is one within a wider. As these are the same for all, and all their fastest paths
-    are candidates, what is gained within one of them is never lost to a wider one.
+    A path within a narrower tolerance is one within a wider. As these are the same for all, and their fastest paths are
+    candidates, what is gained within one of them is not lost to a wider one: in rounds never, by the quick change
+    where times fall from each to the next.
     """
     return [*(float(rung) for rung in RUNGS if rung < widest / APART), widest]
 
