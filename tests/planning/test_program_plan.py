@@ -21,6 +21,7 @@ from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.spline import knots_of
 from toolpace.planning import pace_rounds, program_plan
 from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
 from toolpace.planning.ranking import Ranking, crawls
 from toolpace.planning.together import refit
@@ -129,8 +130,8 @@ def test_a_first_path_whose_motion_nobody_knows_is_planned_too(blade, machine, m
     monkeypatch.setattr(pace_rounds, "plan", first_crawls)
     fitted = fit_program(blade, machine, TIP, math.radians(0.2), effort="normal")
     assert [each.hoped for each in fitted.candidates].count(0.0) == 1 and len(fitted.candidates) >= 3
-    hoped, unknown, _ = fitted.candidates[-1]
-    assert hoped == 0.0
+    assert fitted.candidates[-1].hoped == 0.0
+    unknown = fitted.candidates[-1].path
     assert all(each.axis_tolerance > 1.5 * math.radians(0.05) for each in fitted.rounds)
     slowed = []
 
@@ -301,6 +302,24 @@ def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine):
     assert len(rounds) == 3 and min(each.duration for each in rounds) < rounds[0].duration < 20.0
     at_nodes = tp.plan(tp.Path.fit(program, TIP, AXIS, machine), machine, guard=False, bound=False)
     assert at_nodes.duration > 100.0 and crawls(at_nodes.laws[0])
+
+
+def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, monkeypatch):
+    """Of a drill that crawls at the nodes; what is taken is what planning its path gives."""
+    cut = "G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-20 R2 Q3 F300\nG80\nG0 Z50\n"
+    fitted = fit_program(tp.read_text(cut, machine), machine, TIP, AXIS)
+    known = next(each for each in fitted.candidates if set(each.joints.runs) <= set(each.whole))
+    fitted = replace(fitted, candidates=(known,))
+    again = tp.plan(known.path, machine)
+    planned = []
+    plan_run = Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", lambda *given: planned.append(given[1]) or plan_run(*given))
+    best = plan_fitted(fitted, machine).trajectory
+    assert not planned
+    assert best.duration == again.duration and best.lower_bound == again.lower_bound
+    # other options ask for other plans
+    plan_fitted(fitted, machine, planner=Optimal(bound=False))
+    assert planned == list(known.joints.runs)
 
 
 def test_a_run_that_its_feeds_make_long_is_not_cut_into_a_billion_pieces(machine, monkeypatch):

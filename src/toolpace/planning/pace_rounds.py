@@ -8,18 +8,21 @@ within the tolerances at hand
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from toolpace.axispath.axispath import AxisPath
+from toolpace.axispath.run import AxisRun
 from toolpace.errors import InfeasibleError, PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.haste import Haste
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.mesh.guess import ramp_time
+from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.planner import plan
 from toolpace.planning.ranking import Ranking, crawls
 from toolpace.tolerances.tolerances import Tolerances
@@ -82,6 +85,10 @@ class Candidate(NamedTuple):
     path: Path
     tolerances: PlaceTolerances
     """That it was fitted within."""
+    joints: AxisPath | None = None
+    """Along the path; None where nobody followed it."""
+    whole: Mapping[AxisRun, PlannedRun] | None = None
+    """Runs of these, among others, that are planned in whole already."""
 
 
 class Fastest(NamedTuple):
@@ -103,6 +110,7 @@ class PaceRounds:
         self.done: list[Round] = []
         self.levels: list[list[Candidate]] = []
         self.unknown: list[Candidate] = []
+        self.ranking = Ranking(whole={})
         self.tried = 0
         self.motion: Trajectory | None = None
         """The fastest within the tolerance at hand."""
@@ -146,7 +154,7 @@ class PaceRounds:
 
         if start is None:
             return np.inf
-        motion, (_, path, fitted) = start
+        motion, path, fitted = start.motion, start.candidate.path, start.candidate.tolerances
         told = self._part()
         allowed = PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.tolerances).counting_in(fitted)
         changing = told.part(0.0, FITTED)
@@ -184,6 +192,7 @@ class PaceRounds:
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
         self.done.append(Round(motion.duration, power, kept, self.widest))
         candidate = self._candidate(motion.duration, path)
+        candidate = candidate._replace(joints=motion.axis_path, whole=self.ranking.whole)
         if fitted is not None:
             # what was changed already is not changed again: it is rougher between the places where it was held
             self.levels[-1].append(candidate._replace(tolerances=fitted))
@@ -228,7 +237,7 @@ class PaceRounds:
     def _motion(self, path: Path, progress: Progress) -> Trajectory | None:
         """The motion along a path by which it is ranked; None where there is none, or none that tells."""
         try:
-            motion = plan(path, self.machine, planner=Ranking(), progress=progress)
+            motion = plan(path, self.machine, planner=self.ranking, progress=progress)
         except InfeasibleError:
             return None
         return None if any(map(crawls, motion.laws)) else motion

@@ -30,6 +30,7 @@ from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.pace_rounds import BROAD, SHARP, Candidate, Fastest, Measure, PaceRounds, Round
 from toolpace.planning.planner import Planner, plan, planner_of
+from toolpace.planning.ranking import WHOLE, Rest
 from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
@@ -246,29 +247,31 @@ def plan_fitted(
     `check` is given the joints along a path before they are planned, and raises ReachError where these will not do.
     Raises as `check` and `plan` do of the first path, where no other will do.
     """
-
     told = Progress(progress or (lambda share: None))
+    chosen = planner_of(planner, {})
     changed = changed_plan(fitted, machine, check, told.part(0.0, CHANGED))
     if changed is not None and changed.trajectory.duration <= fitted.candidates[0].hoped:
         told(1.0)
         return changed
     planning = told.part(CHANGED, 1.0) if fitted.together is not None else told
 
-    def whole(path: Path) -> ProgramPlan:
-        axis_path = AxisPath.follow(path, machine)
+    def whole(candidate: Candidate) -> ProgramPlan:
+        axis_path = candidate.joints or AxisPath.follow(candidate.path, machine)
         check(axis_path)
-        trajectory = plan(axis_path, machine, planner=planner, progress=planning)
-        return ProgramPlan(path, trajectory, fitted.effort, fitted.rounds)
+        # what is known was planned with the usual options
+        rest = Rest(candidate.whole) if candidate.whole and chosen == WHOLE else chosen
+        trajectory = plan(axis_path, machine, planner=rest, progress=planning)
+        return ProgramPlan(candidate.path, trajectory, fitted.effort, fitted.rounds)
 
     best = changed
     problem: ToolpaceError | None = None
-    for hoped, path, _ in fitted.candidates:
-        if best is not None and best.trajectory.duration <= hoped:
+    for candidate in fitted.candidates:
+        if best is not None and best.trajectory.duration <= candidate.hoped:
             continue
         try:
-            found = whole(path)
+            found = whole(candidate)
         except (InfeasibleError, ReachError) as error:
-            if problem is None or path is fitted.first:
+            if problem is None or candidate.path is fitted.first:
                 problem = error
             continue
         if best is None or found.trajectory.duration < best.trajectory.duration:
