@@ -7,6 +7,7 @@ import pytest
 
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from toolpace.judge.matching.alignment import Lost, align
+from toolpace.judge.matching.sweep import NEVER, Line, Sweep
 
 
 def turns(count, radius, *, parts=40, dwell=0, pitch=0.0):
@@ -36,6 +37,21 @@ def judged(given):
 def test_many_turns_of_a_rotary_joint(radius, pitch):
     few, many = turns(25, radius, pitch=pitch), turns(200, radius, pitch=pitch)
     assert order_of_growth(judged, few, many, 8.0) < NEARLY_LINEAR
+
+
+@pytest.mark.parametrize("radius", [0.35, 0.45, 0.6, 0.8])
+def test_turns_about_a_tip_beside_them_are_passed_at_once(radius):
+    """A table turns 400 times under a tip that is near all of each turn, though not in its plane and near no ball about
+    it: some cells for each pose, where way by way there are 28 800."""
+    program, motion = (np.zeros((400 * parts + 1, 6)) for parts in (72, 40))
+    for row, around in ((program, radius), (motion, 0.1)):
+        angle = np.linspace(0.0, 800.0 * np.pi, len(row))
+        row[:, 0], row[:, 1] = around * np.cos(angle), around * np.sin(angle)
+    motion[:, 2] = 0.97 * np.sqrt(1.0 - (radius + 0.1) ** 2)
+    line = Line(program, np.zeros(len(program)), np.zeros((len(program) - 1, 2)))
+    sweep = Sweep(motion, np.zeros((len(motion) - 1, 2)), line, np.ones(len(motion)))
+    assert sweep.run(-1, len(motion) - 1) == len(motion) - 1 and sweep.ends()
+    assert NEVER - sweep.work < 150 * len(motion)
 
 
 def test_long_dwells():

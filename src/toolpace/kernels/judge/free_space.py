@@ -83,36 +83,40 @@ def near(
 
 
 @jit()
-def encloses(poses: Floats, k: int, radius: float, ball: Floats, b: int) -> bool:
-    """Whether all of part b of the line, within the balls (6 of centre, 2 radii), is within the radius of pose k."""
+def encloses(poses: Floats, k: int, radius: float, discs: Floats, b: int) -> bool:
+    """Whether all of part b of the line, within its discs (16: of tip and axis centre, upright, radius and half the
+    thickness), is within the radius of pose k."""
     for half in range(2):
-        square = 0.0
-        for i in range(3 * half, 3 * half + 3):
-            square += (poses[k, i] - ball[b, i]) ** 2
-        if math.sqrt(square) + ball[b, 6 + half] > radius:
+        first, square, above = 8 * half, 0.0, 0.0
+        for i in range(3):
+            w = poses[k, 3 * half + i] - discs[b, first + i]
+            square += w * w
+            above += w * discs[b, first + 3 + i]
+        beside = math.sqrt(max(square - above * above, 0.0)) + discs[b, first + 6]
+        if beside > radius or beside * beside + (abs(above) + discs[b, first + 7]) ** 2 > radius * radius:
             return False
     return True
 
 
 @jit()
-def free_part(rows: Floats, radius: Floats, balls: Floats, levels: Ints, k: int, after: int, j: int) -> int:
+def free_part(rows: Floats, radius: Floats, discs: Floats, levels: Ints, k: int, after: int, j: int) -> int:
     """Length of the longest part of the line that begins at j and is wholly near from pose k to pose `after`; 0 for
     none.
 
-    A ball that holds both poses holds the way between them.
+    What is within the radius of both poses is within that of the way between them.
     """
-    best, size = 0, FANOUT
-    for level in range(len(levels) - 1):
-        if j % size != 0:
+    level, size = -1, 1
+    while level + 2 < len(levels) and j % (size * FANOUT) == 0:
+        if levels[level + 1] + j // (size * FANOUT) >= levels[level + 2]:
             break
+        level, size = level + 1, size * FANOUT
+    # A larger part may be seen to be near where a smaller one is not: a turn fills its disc, and an arc does not.
+    while level >= 0:
         b = levels[level] + j // size
-        if b >= levels[level + 1]:
-            break
-        if not encloses(rows, k, radius[k], balls, b) or not encloses(rows, after, radius[after], balls, b):
-            break
-        best = size
-        size *= FANOUT
-    return best
+        if encloses(rows, k, radius[k], discs, b) and encloses(rows, after, radius[after], discs, b):
+            return size
+        level, size = level - 1, size // FANOUT
+    return 0
 
 
 @jit()
@@ -121,7 +125,7 @@ def advance(
     line_row: Row,
     radius: Floats,
     extra: Floats,
-    balls: Floats,
+    discs: Floats,
     levels: Ints,
     k: int,
     after: int,
@@ -153,7 +157,7 @@ def advance(
         cells += 1
         here = i < last and (low[i] < j + 1 or j == segments - 1)
         if below <= 1.0 or (here and low[i] <= j):
-            size = free_part(rows, radius, balls, levels, k, after, j)
+            size = free_part(rows, radius, discs, levels, k, after, j)
             if size > 0:
                 if i < last and low[i] < j + size:
                     below = 0.0
@@ -216,7 +220,7 @@ def reach(
     line_row: Row,
     radius: Floats,
     extra: Floats,
-    balls: Floats,
+    discs: Floats,
     levels: Ints,
     task: Ints,
     raised: float,
@@ -245,7 +249,7 @@ def reach(
             return -1
         low[0], high[0] = 0.0, 0.0
         span[0], span[1] = 0, 1
-        if advance(row, line_row, radius, extra, balls, levels, 0, 0, span, low, high) == FULL:
+        if advance(row, line_row, radius, extra, discs, levels, 0, 0, span, low, high) == FULL:
             return FULL
         for i in range(span[1], span[2]):
             low[i - 1], high[i - 1] = low[i], high[i]
@@ -253,7 +257,7 @@ def reach(
         k = 0
     while k < goal:
         span[0], span[1] = begin[k], begin[k + 1]
-        cells = advance(row, line_row, radius, extra, balls, levels, k, k + 1, span, low, high)
+        cells = advance(row, line_row, radius, extra, discs, levels, k, k + 1, span, low, high)
         if cells == FULL:
             return FULL
         found = span[2] > span[1]
@@ -262,7 +266,7 @@ def reach(
                 begin[k + 2] = span[2]
                 return k + 1
             radius[k + 1] = raised
-            cells = advance(row, line_row, radius, extra, balls, levels, k, k + 1, span, low, high)
+            cells = advance(row, line_row, radius, extra, discs, levels, k, k + 1, span, low, high)
             if cells == FULL:
                 return FULL
             found = span[2] > span[1]

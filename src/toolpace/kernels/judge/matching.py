@@ -176,13 +176,41 @@ def nearest(
 
 
 @jit()
+def stretch_before(start: Floats, place: float, r: int) -> int:
+    """The last of the stretches from start[r] to start[r + 1] that begins before the place; 0 for none.
+
+    Looked for from r on in steps that grow: what is near is found at once, and what is far in a few steps.
+    """
+    count = len(start) - 1
+    low, high, step = r, r, 1
+    while low > 0 and start[low] >= place:
+        high, low, step = low, max(low - step, 0), 2 * step
+    if high == low:
+        high = low + 1
+        while high < count and start[high] < place:
+            low, high, step = high, min(high + step, count), 2 * step
+    while high - low > 1:
+        middle = (low + high) // 2
+        if start[middle] < place:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@jit()
 def largest_between(begin: Ints, low: Floats, high: Floats, start: Floats, value: Floats, out: Floats) -> None:
     """The largest value that may hold on the way from each pose to the next, (n - 1,).
 
     value[r] holds from place start[r] to start[r + 1]. The way leads to places of the next pose from the last places
     of this one that lie before them.
     """
-    r = 0
+    r, count = 0, len(value)
+    # The larger of each two, of each two of these, ...: those from any to any other are the largest of a few.
+    larger = np.empty(2 * count)
+    larger[count:] = value
+    for b in range(count - 1, 0, -1):
+        larger[b] = max(larger[2 * b], larger[2 * b + 1])
     for k in range(len(begin) - 2):
         i, stop = begin[k], begin[k + 1]
         most = 0.0
@@ -192,14 +220,17 @@ def largest_between(begin: Ints, low: Floats, high: Floats, start: Floats, value
             lowest = low[j]
             if i < stop:
                 lowest = min(low[i], lowest)
-            while r > 0 and start[r] >= lowest:
-                r -= 1
-            while r < len(value) - 1 and start[r + 1] < lowest:
-                r += 1
-            run = r
-            while run < len(value) and start[run] <= high[j]:
-                most = max(most, value[run])
-                run += 1
+            r = stretch_before(start, lowest, r)
+            last = stretch_before(start, np.nextafter(high[j], np.inf), r)
+            first, last = r + count, last + count + 1
+            while first < last:
+                if first % 2:
+                    most = max(most, larger[first])
+                    first += 1
+                if last % 2:
+                    last -= 1
+                    most = max(most, larger[last])
+                first, last = first // 2, last // 2
         out[k] = most
 
 
@@ -207,19 +238,30 @@ def largest_between(begin: Ints, low: Floats, high: Floats, start: Floats, value
 def named(begin: Ints, low: Floats, high: Floats, start: Floats, value: Ints, asked: Ints, found: Bools) -> None:
     """Whether the value asked for each pose is one of those that hold at its places; value[r] holds from start[r] to
     start[r + 1]."""
-    r = 0
+    r, count = 0, len(value)
+    # stretches of one value after those of another, each in their order
+    order, first = np.argsort(value), 0
+    for at in range(1, count + 1):
+        if at == count or value[order[at]] != value[order[first]]:
+            order[first:at] = np.sort(order[first:at])
+            first = at
     for k in range(len(begin) - 1):
         found[k] = False
         for j in range(begin[k], begin[k + 1]):
-            while r > 0 and start[r] >= low[j]:
-                r -= 1
-            while r < len(value) - 1 and start[r + 1] < low[j]:
-                r += 1
-            run = r
-            while run < len(value) and start[run] <= high[j]:
-                if value[run] == asked[k]:
-                    found[k] = True
-                    break
-                run += 1
-            if found[k]:
+            r = stretch_before(start, low[j], r)
+            last = stretch_before(start, np.nextafter(high[j], np.inf), r)
+            if value[r] == asked[k]:
+                found[k] = True
+                break
+            # the first with this value that is not before r
+            below, above = 0, count
+            while below < above and last > r:
+                middle = (below + above) // 2
+                there = order[middle]
+                if value[there] < asked[k] or (value[there] == asked[k] and there < r):
+                    below = middle + 1
+                else:
+                    above = middle
+            if last > r and below < count and value[order[below]] == asked[k] and order[below] <= last:
+                found[k] = True
                 break
