@@ -14,7 +14,11 @@ from toolpace.planning.planner import plan
     [
         (1000871, "a break in the first cell of a motion was dropped: 1400 times the acceleration"),
         (1000804, "a bend beside the end of a long cell next to rest fell between two looks: 1.003"),
-        (1005858, "a bend of 1e-7 of the run between nine probes of a cell: jerk 7e9 times its limit"),
+        pytest.param(
+            1005858,
+            "a bend of 1e-7 of the run between nine probes of a cell: jerk 7e9 times its limit",
+            marks=pytest.mark.sweep,
+        ),
         (1005020, "the same in motion on a fixed mesh: 35 000 times"),
         (1001824, "a bend of the third derivative at a hint of the path, inside a cell of a fixed mesh: 1.01"),
         (1003624, "the same between two hints inside a cell: 1.019"),
