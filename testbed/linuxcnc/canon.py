@@ -53,12 +53,13 @@ class Motion:
         """Of X, Y, Z [mm]; where none moves, of the rotary axes [deg]."""
         way = self.end - self.start
         if self.normal >= 0:
-            return math.hypot(self.radius() * self.sweep, float(way[:3] @ np.array(self.axis)))
+            mean = 0.5 * (self.radius() + self.radius(at_end=True))
+            return math.hypot(mean * self.sweep, float(way[:3] @ np.array(self.axis)))
         return float(np.linalg.norm(way[:3])) if self.travels() else float(np.linalg.norm(way[3:]))
 
-    def radius(self) -> float:
-        """Of an arc [mm]."""
-        axis, spoke = np.array(self.axis), self.start[:3] - np.array(self.centre)
+    def radius(self, at_end: bool = False) -> float:
+        """Of an arc, at its start or its end [mm]."""
+        axis, spoke = np.array(self.axis), (self.end if at_end else self.start)[:3] - np.array(self.centre)
         return float(np.linalg.norm(spoke - (spoke @ axis) * axis))
 
     def travels(self) -> bool:
@@ -177,10 +178,13 @@ class _Canon:
 
 
 def _sweep(a: Floats, b: Floats, axis: Floats, turns: int, unit: float) -> float:
-    """Angle from spoke a to spoke b about an axis: `turns` is 1 for the first turn on the left, -1 on the right."""
+    """Angle from spoke a to spoke b about an axis: `turns` is 1 for the first turn on the left, -1 on the right.
+
+    Spokes on one ray are the ends of a full circle, however long each is (LinuxCNC's pmCircleInit).
+    """
     a, b = a - (a @ axis) * axis, b - (b @ axis) * axis
     angle = math.atan2(float(np.cross(a, b) @ axis), float(a @ b))
-    near = float(np.linalg.norm(a - b)) < 3e-4 * unit
+    near = abs(angle) * float(np.linalg.norm(a)) < 3e-4 * unit
     if turns > 0:
         angle = 0.0 if near else angle % (2 * math.pi)
         whole = turns if near else turns - 1

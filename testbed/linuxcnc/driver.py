@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """The display of a headless LinuxCNC, run by /usr/bin/python3: power, home, run the program, log each servo cycle.
 
-It reads `sampled.json`, runs `program.ngc`, and writes `log.bin` (rows of doubles: line, path velocity, joints) and
+It reads `sampled.json`, loads the HAL files `more_*.hal` in the order of their names, as a GUI does those of
+POSTGUI_HALFILE, runs `program.ngc`, and writes `log.bin` (rows of doubles: line, path velocity, joints) and
 `ended.json`. LinuxCNC's modules `linuxcnc` and `hal` belong to the system's Python; nothing else is imported.
 """
 
 import array
 import json
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -54,6 +56,7 @@ class Session:
         """Power on, joints homed, automatic mode."""
         self.command.state(linuxcnc.STATE_ESTOP_RESET)
         self.until(lambda: self.state.task_state != linuxcnc.STATE_ESTOP, "emergency stop reset")
+        load_hal_files()  # the task answers by now, and its pins are there
         self.command.state(linuxcnc.STATE_ON)
         self.until(lambda: self.state.task_state == linuxcnc.STATE_ON, "machine on")
         self.command.home(-1)
@@ -92,6 +95,14 @@ class Session:
             block.extend(self.samples.read())
             self.rows += 1
         block.tofile(out)
+
+
+def load_hal_files():
+    """Of the folder; what HAL says of one that it does not take is an error."""
+    for file in sorted(Path().glob("more_*.hal")):
+        done = subprocess.run(["halcmd", "-i", "machine.ini", "-f", file.name], capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"{file.name}: {done.stdout.strip()} {done.stderr.strip()}")
 
 
 def main():

@@ -45,30 +45,43 @@ class Log:
         return self.joints[:, [self.letters.index(name) for name in names]]
 
 
-def run_program(text: str, configuration: Configuration, *, seconds: float = 600.0, speed: int = SPEED) -> Log:
+def run_program(
+    text: str,
+    configuration: Configuration,
+    *,
+    seconds: float = 600.0,
+    speed: int = SPEED,
+    hal: tuple[str, ...] = (),
+    to_the_end: bool = True,
+) -> Log:
     """The log of a program that ends with M2 or M30.
 
-    seconds: most real time. Raises LinuxCNCError where LinuxCNC is missing, does not start, takes too long, lost
-    samples, or did not get to the program's last line.
+    seconds: most real time. hal: texts of HAL files that are loaded one after the other once LinuxCNC runs, the machine
+    off. to_the_end: whether a program that is stopped is an error; if not, its log says so. Raises LinuxCNCError where
+    LinuxCNC is missing, does not start, takes too long, lost samples, or did not get to the program's last line.
     """
     marked = _marked(text)
     with folder() as place:
         configuration.write(place)
         (place / "program.ngc").write_text(marked, encoding="utf-8")
+        for number, each in enumerate(hal):
+            (place / f"more_{number}.hal").write_text(each, encoding="utf-8")
         driver = shutil.copy(Path(__file__).with_name("driver.py"), place / "driver.py")
         driver.chmod(0o755)
         printed = execute(["linuxcnc", "-r", "machine.ini"], place, seconds, speed)
         try:
             ended = json.loads((place / "ended.json").read_text())
-            rows = np.fromfile(place / "log.bin", dtype=float)
+            log = place / "log.bin"
+            rows = np.fromfile(log, dtype=float) if log.exists() else np.zeros(0)
         except OSError:
             raise LinuxCNCError(f"LinuxCNC did not start: {last_words(printed)}") from None
     said = "; ".join([*filter(None, [ended["problem"]]), *ended["messages"]])
-    if ended["failed"] or not ended["to_the_end"]:
+    whole = ended["to_the_end"] and not ended["failed"]
+    if not whole and (to_the_end or ended["problem"]):
         raise LinuxCNCError(f"LinuxCNC stopped behind line {ended['line']}: {said or 'no message'}")
     if ended["lost"]:
         raise LinuxCNCError(f"{ended['lost']} cycles were not sampled: the driver was too slow; lower the speed")
-    return _log(rows.reshape(-1, 2 + len(configuration.letters)), configuration, tuple(ended["messages"]))
+    return _log(rows.reshape(-1, 2 + len(configuration.letters)), configuration, tuple(ended["messages"]), whole)
 
 
 def _marked(text: str) -> str:
@@ -82,7 +95,7 @@ def _marked(text: str) -> str:
     return text[: ends[-1].start(1)] + "M64 P0 " + text[ends[-1].start(1) :]
 
 
-def _log(rows: Floats, configuration: Configuration, messages: tuple[str, ...]) -> Log:
+def _log(rows: Floats, configuration: Configuration, messages: tuple[str, ...], ended: bool) -> Log:
     units = configuration.units()
     joints = rows[:, 2:] * units
     moved = np.flatnonzero(np.any(np.diff(joints, axis=0) != 0.0, axis=1))
@@ -94,6 +107,6 @@ def _log(rows: Floats, configuration: Configuration, messages: tuple[str, ...]) 
         speed=rows[first:, 1] * units[0],
         joints=joints,
         letters=configuration.letters,
-        ended=True,
+        ended=ended,
         messages=messages,
     )

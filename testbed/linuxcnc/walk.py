@@ -23,10 +23,11 @@ class Walk:
         assert ours.rotary is not None
         self.ours, self.theirs = ours, theirs
         turned = ours.rotary / DEGREE
-        nose = ours.tip + np.array([0.0, 0.0, Cartesian.tool_length])
+        # the axis of its tool is +z wherever the joints are
+        lengths = np.where(np.isnan(ours.tool_length), Cartesian.tool_length, ours.tool_length)
+        nose = ours.tip + np.outer(lengths, [0.0, 0.0, 1.0])
         self.points = np.column_stack([nose / MILLIMETRE, turned[:, 0], np.zeros(len(turned)), turned[:, 1]])
-        lengths = np.linalg.norm(np.diff(ours.tip, axis=0), axis=1)
-        self.times = np.maximum(np.append(0.0, lengths / ours.feed[1:]), ours.least_time)
+        self.times = np.maximum(np.append(0.0, ours.way_length[1:] / ours.feed[1:]), ours.least_time)
         self.at = 0
         self.waited = float(ours.dwell[0])
 
@@ -99,6 +100,8 @@ class _Way:
             self.w = np.cross(self.axis, self.u)
             self.rise = float(self.way[:3] @ self.axis)
             self.radius = motion.radius()
+            # ends that differ in radius are those of a spiral, evenly widened (LinuxCNC's pmCirclePoint)
+            self.growth = motion.radius(at_end=True) / self.radius - 1.0
 
     def off(self, point: Floats) -> float:
         """Distance of a place from the way; progress goes on to it."""
@@ -122,6 +125,7 @@ class _Way:
         self.progress = max(self.progress, share)
         wanted = self.motion.start + share * self.way
         turned = math.cos(share * sweep) * self.u + math.sin(share * sweep) * self.w
+        turned = turned * (1.0 + self.growth * share)
         wanted[:3] = np.array(self.motion.centre) + turned + (self.height + share * self.rise) * self.axis
         # what the rounding of the centre makes of the share gone, the rotary axes show too
         doubt = 4 * PRINTED * self.motion.unit / (self.radius * abs(sweep))

@@ -153,6 +153,33 @@ class TestInverseTime:
         with pytest.raises(VerificationError, match="nothing was written"):
             target.check(brief, tmp_path, written)
 
+    def test_the_stream_stops_at_each_block_and_says_what_must_hold(self, brief, tmp_path):
+        InverseTime().write(brief, tmp_path)
+        text = (tmp_path / "stream.ngc").read_text()
+        modes = re.findall(r"^(?!;).*\bG6[14][.\d]*", text, re.MULTILINE)
+        assert modes == ["G21 G90 G17 G40 G49 G80 G61.1"]
+        # asked only where there is such a pin, which is from 2.10 on
+        asked = r"o(\d+) if \[EXISTS\[#<_hal\[ini\.traj_planner_type\]>\]\]\n.*\n.*_planner_type\]> NE 0\]\n\(MSG,"
+        assert re.search(asked + r".*PLANNER_TYPE is not 0\)\n(?:.*\n){4}o\1 endif\n", text)
+        assert "SERVO_PERIOD must be 1000000 ns" in text and "PLANNER_TYPE must be 0" in text and "limits.hal" in text
+
+    @pytest.mark.parametrize(
+        "name, change, message",
+        [
+            ("guard.hal", lambda text: text.replace("gain0 0.5", "gain0 0.4", 1), "guard.hal: read back"),
+            ("limits.hal", lambda text: text.replace("window-1.max ", "window-1.max 1"), "largest relative difference"),
+            ("limits.hal", lambda text: "\n".join(text.splitlines()[:-1]) + "\n", "largest relative difference"),
+        ],
+    )
+    def test_a_guard_that_was_changed_is_found(self, brief, tmp_path, name, change, message):
+        target = InverseTime()
+        written = target.write(brief, tmp_path)
+        file = tmp_path / name
+        assert change(file.read_text()) != file.read_text()
+        file.write_text(change(file.read_text()))
+        with pytest.raises(VerificationError, match=message):
+            target.check(brief, tmp_path, written)
+
 
 class TestFifo:
     def test_rows_are_doubles_row_by_row_and_rest_at_the_end(self, motion, tmp_path):

@@ -1,4 +1,4 @@
-"""Plans played by the real LinuxCNC: a G93 stream of joints, one of the tip, and rows through HAL's streamer."""
+"""Plans played by the real LinuxCNC: rows through HAL's streamer, and long G93 streams of joints and of the tip."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ import shutil
 import numpy as np
 import pytest
 
-from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.instance import execute, folder
 from testbed.linuxcnc.play import play
-from testbed.linuxcnc.run import run_program
+from testbed.linuxcnc.streamed import PAD, against, play_stream, usage
 from toolpace.cli import main
 from toolpace.exporting import PlannedMotion, export
 from toolpace.machine.limits import Limits
@@ -19,8 +18,6 @@ from toolpace.machine.limits import Limits
 HEAD = "G21 G90 G17 G94\nG0 X10 Y-5 Z12 A0 C0\nG1 Z8 F900\n"
 SHORT = HEAD + "X20 Y0 A3 C4 F500\nG4 P0.2\nY4 A0\nM2\n"
 LONG = HEAD + "X40 Y5 A8 C14 F300\nY30 A2\nG4 P0.3\nX5 Y20 A0 C0\nX10 Y-5 A-4\nG0 Z12\nM2\n"
-SWING = 1e-8
-"""[m or rad] Above what the stream swings while it rests."""
 
 
 def planned(program, place):
@@ -32,53 +29,12 @@ def planned(program, place):
     return PlannedMotion.load(place / "plan")
 
 
-def lifted(machine):
-    """The machine without limits: the plan keeps them by itself."""
-    none = np.full(len(machine.joints), np.inf)
-    return machine.with_limits(Limits(none, none, none, machine.joints))
-
-
-def usage(joints, limits, step):
-    """Largest share of a limit, by differences of positions (n, m) `step` [s] apart."""
-    kinds = (limits.velocity, limits.acceleration, limits.jerk)
-    return max(
-        float((np.abs(np.diff(joints, n=order, axis=0)).max(axis=0) / step**order / limit).max())
-        for order, limit in enumerate(kinds, start=1)
-    )
-
-
-def shift_of(joints, points):
-    """The one shift in cycles by which a log (n, m) lies behind set-points (k, m)."""
-    least = [
-        (float(np.abs(joints[first : first + len(points) : 5] - points[::5]).max()), first)
-        for first in range(len(joints) - len(points) + 1)
-    ]
-    return min(least)[1]
-
-
-def play_stream(motion, place, tip):
+def play_as_stream(motion, place, tip):
     """Play a G93 stream, and hold what LinuxCNC logs against the plan."""
-    export(place / "plan", "linuxcnc-g93", place / "out", tip=tip)
-    free = lifted(motion.machine)
-    configuration = Configuration.tip(free) if tip else Configuration.joints(free)
-    # In real time: run faster, the interpreter of a busy computer leaves the queue empty.
-    log = run_program((place / "out" / "stream.ngc").read_text(), configuration, speed=1)
-    joints, points = log.of(motion.joints), motion.setpoints.q
-    # The rapid to the start and its settling come first: the stream begins when the start is reached.
-    there = np.flatnonzero(np.abs(joints - points[0]).max(axis=1) < SWING)
-    stream = joints[there[0] + 2 :]
-    first = shift_of(stream, points)
-    off = np.abs(stream[first : first + len(points)] - points)
-    lengths = ~np.array(motion.rotary)
-    assert off[:, lengths].max() < 1e-6 and np.degrees(off[:, ~lengths].max()) < 1e-4
-    moving = np.flatnonzero((np.abs(stream - points[0]) > SWING).any(axis=1))
-    still = np.flatnonzero((np.abs(stream - points[-1]) > SWING).any(axis=1))
-    moves = np.flatnonzero((np.abs(points - points[0]) > SWING).any(axis=1))
-    stops = np.flatnonzero((np.abs(points - points[-1]) > SWING).any(axis=1))
-    duration, right = still[-1] - moving[0], stops[-1] - moves[0]
-    assert abs(duration / right - 1.0) < 5e-3
-    # A block is two cycles of even speed, so that differences are taken over two cycles, in both phases.
-    assert max(usage(stream[phase::2], motion.machine.limits, 2e-3) for phase in (0, 1)) <= 1.01
+    export(place / "plan", "linuxcnc-g93", place / "out", tip=tip, pad=PAD)
+    found = against(play_stream(place / "out", motion.machine, 1e-3, tip=tip), motion)
+    assert abs(found.cycles) <= 1
+    assert found.slides < 1e-6 and np.degrees(found.turns) < 5e-4 and found.usage <= 1.01
 
 
 def play_rows(motion, place):
@@ -115,9 +71,8 @@ def run_hal_file(motion, place):
 
 @pytest.mark.linuxcnc
 @pytest.mark.sweep
-def test_a_plan_is_played_by_the_tip_and_through_hal(tmp_path):
+def test_a_plan_is_played_through_hal(tmp_path):
     motion = planned(SHORT, tmp_path)
-    play_stream(motion, tmp_path, tip=True)
     play_rows(motion, tmp_path)
     run_hal_file(motion, tmp_path)
 
@@ -128,7 +83,7 @@ def test_a_plan_is_played_by_the_tip_and_through_hal(tmp_path):
 def test_a_plan_of_twenty_seconds_is_played_as_a_stream(tmp_path, tip):
     motion = planned(LONG, tmp_path)
     assert motion.duration > 20.0
-    play_stream(motion, tmp_path, tip)
+    play_as_stream(motion, tmp_path, tip)
 
 
 @pytest.mark.linuxcnc

@@ -19,8 +19,8 @@ TargetName = Annotated[
     str,
     Parameter(
         name="--to",
-        help="table: CSV or Parquet. linuxcnc-hal: rows for HAL's streamer. linuxcnc-g93: a G93 stream. beckhoff-fifo:"
-        " rows for TwinCAT's FIFO axes. program: the same program with the feeds of the plan.",
+        help="table: CSV or Parquet. linuxcnc-hal: rows for HAL's streamer. linuxcnc-g93: a G93 stream and its guard."
+        " beckhoff-fifo: rows for TwinCAT's FIFO axes. program: the same program with the feeds of the plan.",
     ),
 ]
 ExportOut = Annotated[
@@ -53,6 +53,13 @@ class TargetOptions:
     tip: Annotated[bool, Switch, Parameter(help="linuxcnc-g93: the tip, under M428, in place of joints.")] = False
     digits: Annotated[int | None, Parameter(help="linuxcnc-g93: decimals; 9 by default.")] = None
     pad: Annotated[str | None, Parameter(help="linuxcnc-g93: time for the queue to fill; 1s by default.")] = None
+    coordinates: Annotated[
+        str | None,
+        Parameter(help="linuxcnc-g93: axis letters of LinuxCNC's joints, like XYYZ; by default each axis once."),
+    ] = None
+    guard_output: Annotated[
+        int | None, Parameter(help="linuxcnc-g93: digital output that switches its guard on; 3 by default.")
+    ] = None
     fifo_rows: Annotated[
         int | None, Parameter(help="beckhoff-fifo: rows of the channel's FIFO, as FiFoGetDimension tells.")
     ] = None

@@ -19,6 +19,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError
+from toolpace.exporting.changes import refuse_tool_changes
 from toolpace.exporting.motion import PlannedMotion
 from toolpace.exporting.periods import refuse_no_cycle
 from toolpace.exporting.provenance import provenance, start_in_words
@@ -96,6 +97,7 @@ class Fifo:
         return table
 
     def _refuse(self, motion: PlannedMotion, rows: Rows) -> None:
+        refuse_tool_changes(motion, self.name)
         joints = motion.joints
         if self.fifo_axes is not None and self.fifo_axes != len(joints):
             raise UsageError(

@@ -36,7 +36,8 @@ def _moved(motion: PlannedMotion, points: SetPoints, scale: Scale) -> tuple[floa
     for start in range(0, len(points), CHUNK):
         q = points.q[start : start + CHUNK]
         rounded = np.where(scale.counted, np.rint(q * scale.factors) / scale.factors, q)
-        (here, along), (there, turned) = motion.machine.forward(q), motion.machine.forward(rounded)
+        lengths = points.tool_length[start : start + CHUNK]
+        (here, along), (there, turned) = (motion.machine.forward(each, lengths) for each in (q, rounded))
         tip = max(tip, float(np.linalg.norm(there - here, axis=1).max()))
         chord = float(np.linalg.norm(turned - along, axis=1).max())
         axis = max(axis, 2.0 * float(np.arcsin(min(0.5 * chord, 1.0))))

@@ -80,7 +80,8 @@ def _picked(points: SetPoints, t: Floats, index: Ints, beyond: Bools) -> SetPoin
         rate[beyond] = 0.0
     tool = index if points.has_tool else np.zeros(0, dtype=np.int64)
     tip, axis, block = points.tip[tool], points.axis[tool], points.block[index]
-    return SetPoints(t, points.q[index], qd, qdd, qddd, tip, axis, block, points.joints)
+    lengths = points.tool_length[index] if len(points.tool_length) else points.tool_length
+    return SetPoints(t, points.q[index], qd, qdd, qddd, tip, axis, block, points.joints, lengths)
 
 
 def _between(motion: PlannedMotion, t: Floats) -> SetPoints:
@@ -88,6 +89,7 @@ def _between(motion: PlannedMotion, t: Floats) -> SetPoints:
     points, dt = motion.setpoints, motion.dt
     parts: list[list[Floats]] = [[], [], [], []]
     blocks: list[Ints] = []
+    lengths: list[Floats] = [np.zeros(0)]
     for start in range(0, len(t), CHUNK):
         share = t[start : start + CHUNK] / dt
         k = np.minimum(share.astype(np.int64), len(points) - 2)
@@ -97,10 +99,14 @@ def _between(motion: PlannedMotion, t: Floats) -> SetPoints:
             if order:
                 state[beyond] = 0.0
             part.append(state)
-        blocks.append(points.block[np.where(beyond, len(points) - 1, k)])
+        row = np.where(beyond, len(points) - 1, k)
+        blocks.append(points.block[row])
+        if len(points.tool_length):
+            lengths.append(points.tool_length[row])
     q, qd, qdd, qddd = (np.concatenate(part) for part in parts)
-    tip, axis = motion.machine.forward(q) if points.has_tool else (np.empty((0, 3)), np.empty((0, 3)))
-    return SetPoints(t, q, qd, qdd, qddd, tip, axis, np.concatenate(blocks), points.joints)
+    tools = np.concatenate(lengths)
+    tip, axis = motion.machine.forward(q, tools) if points.has_tool else (np.empty((0, 3)), np.empty((0, 3)))
+    return SetPoints(t, q, qd, qdd, qddd, tip, axis, np.concatenate(blocks), points.joints, tools)
 
 
 def quintic(points: SetPoints, k: Ints, u: Floats, dt: float) -> tuple[Floats, Floats, Floats, Floats]:

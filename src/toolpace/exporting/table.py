@@ -11,6 +11,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.exporting.changes import tool_changes
 from toolpace.exporting.comma_separated import read_comma_separated, write_comma_separated
 from toolpace.exporting.increments import refuse_coarse
 from toolpace.exporting.motion import PlannedMotion
@@ -167,6 +168,9 @@ class Table:
             notes.append(f"rows lie between set-points of the plan: interpolated, off by at most {worst}")
         sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
         notes.append(f"a control that goes straight from row to row leaves the motion by at most {sag}")
+        if changes := tool_changes(motion):
+            told = ", ".join(map(str, changes))
+            notes.append(f"the plan changes its tool {told}: stop there, where it rests, put the tool in, and go on")
         if any(scale.counted):
             rounded = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, scale.resolution) if e)
             notes.append(f"positions are rounded to whole increments, by at most {rounded}")

@@ -1,27 +1,32 @@
 """Target `linuxcnc-g93`: a program of G1 blocks under G93 that LinuxCNC runs in step with the plan, two cycles a block.
 
-LinuxCNC plans no jerk and holds no joint to its limit where the tool centre point rules, but a block that asks for more
-speed than it can have takes exactly two cycles of its servo thread under G61, where the limits of the machine are
-lifted; so positions two cycles apart play a time law. Blocks without displacement are dropped, and the first blocks run
-early until the queue is full: where the plan rests, before it and on the way, a linear axis swings by a tenth of a
-nanometre (measured: with 0.002 nm they are dropped, with 0.1 nm every block takes two cycles).
+LinuxCNC plans no jerk and holds no joint to its limit where the tool centre point rules, but under G61.1 (exact stop) a
+block that asks for more speed than it can have takes exactly two cycles of its servo thread, where the limits of the
+machine are lifted; so positions two cycles apart play a time law. Under G61 only blocks that turn an axis do: others
+that meet straight are run through in one cycle each. Blocks without displacement are dropped: where the plan rests,
+before it and on the way, a linear axis swings by a tenth of a nanometre (measured: with 0.002 nm they are dropped, with
+0.1 nm every block takes two cycles). Where the plan changes its tool the program waits (M0).
 """
 
 from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.description import counted
 from toolpace.errors import UsageError, VerificationError
+from toolpace.exporting.linuxcnc.guard import ABOVE, GUARD, LIMITS, MOST_JOINTS, Guard, stamp_of, stops_at
+from toolpace.exporting.linuxcnc.sections import Section, sections_of
+from toolpace.exporting.linuxcnc.stream_text import StreamText, longer_by
 from toolpace.exporting.motion import PlannedMotion
 from toolpace.exporting.periods import refuse_no_cycle
-from toolpace.exporting.provenance import provenance, start_in_words
+from toolpace.exporting.provenance import provenance
 from toolpace.exporting.rows import Rows, rows_every
 from toolpace.exporting.target import ReadBack, Written
 from toolpace.units import format_angle, format_length, format_time
@@ -35,13 +40,22 @@ MOST_USE = 1.01
 """Of a limit, by differences of the positions as they are written, two cycles apart."""
 DIGITS = (4, 12)
 """Decimals that can be asked for."""
+AT_REST = (1e-2, 10.0)
+"""Velocity and acceleration at which to stop for a joint that no plan moves [mm/s, mm/s^2 or deg]."""
+LIMIT_DIGITS = 1e-8
+"""Relative rounding of the guard's limits, which have nine digits."""
 CHUNK = 20_000
 """Rows that are turned into text at once."""
-LIFTED = ("MAX_LINEAR_VELOCITY and each MAX_VELOCITY 1e6", "MAX_LINEAR_ACCELERATION and each MAX_ACCELERATION 1e9")
-"""Settings with which the stream was measured."""
-SETTLE = "G4P0.1\nM429\n"
-"""A joint is the mean of three cycles: where the kinematics switch at once, the last micrometres are never driven."""
+OUTPUTS = (0, 63)
+"""Digital outputs that LinuxCNC may have."""
 _WORD = re.compile(r"([XYZABCUVW])([-+]?[0-9.]+)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stream(Written):
+    """What was written, and the guard of it."""
+
+    guard: Guard = field(repr=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +71,11 @@ class InverseTime:
     """Decimals of positions in mm and deg."""
     pad: float = 1.0
     """Time at rest before the motion [s], for the queue to fill."""
+    coordinates: str = ""
+    """Axis letters of LinuxCNC's joints by number, as its KINEMATICS has them, such as XYYZ; empty: each axis once, in
+    the order of AXES."""
+    guard_output: int = 3
+    """Number of the digital output (M64) that switches the guard on."""
 
     def __post_init__(self) -> None:
         refuse_no_cycle("--period", self.period)
@@ -64,63 +83,144 @@ class InverseTime:
             raise UsageError(f"--digits {self.digits}: give {DIGITS[0]} to {DIGITS[1]} decimals; 9 are the usual")
         if not 0.0 <= self.pad <= 60.0:
             raise UsageError(f"--pad {self.pad:g} s: give a time up to 60 s; 1s is the usual")
+        if not OUTPUTS[0] <= self.guard_output <= OUTPUTS[1]:
+            raise UsageError(
+                f"--guard-output {self.guard_output}: LinuxCNC's digital outputs are {OUTPUTS[0]} to {OUTPUTS[1]}"
+            )
+        if wrong := set(self.coordinates.upper()) - set(AXES):
+            raise UsageError(f"--coordinates {self.coordinates[:40]}: LinuxCNC has no axis {', '.join(sorted(wrong))}")
 
-    def write(self, motion: PlannedMotion, folder: Path) -> Written:
-        """Write stream.ngc. Raises UsageError where the plan cannot be played so."""
+    def write(self, motion: PlannedMotion, folder: Path) -> Stream:
+        """Write stream.ngc, guard.hal and limits.hal. Raises UsageError where the plan cannot be played so."""
         self._refuse(motion)
         rows = self._rows(motion)
-        positions = self._positions(motion, rows)
+        sections = sections_of(motion, rows)
+        self._refuse_tools(motion, sections)
         lead = self._lead(motion)
-        written = np.round(np.concatenate([np.tile(positions[0], (lead, 1)), positions[1:]]), self.digits)
-        self._swing(motion, written, positions[0])
-        use = self._use(motion, written[max(lead - 1, 0) :], rows.period)
-        with (folder / FILE).open("w", encoding="ascii", newline="\n") as stream:
-            stream.write(self._head(motion, positions[0], rows.period))
-            form = "G1" + "".join(f"{axis}%.{self.digits}f" for axis in motion.joints)
-            form += f"F{2.0 * 60.0 / rows.period:.9g}\n"
-            for start in range(0, len(written), CHUNK):
-                part = written[start : start + CHUNK] + 0.0  # zero has no sign
-                stream.write((form * len(part)) % tuple(part.ravel().tolist()))
-            stream.write((SETTLE if self.tip else "") + "G94\nM2\n")
+        blocks = [self._blocks(motion, each) for each in sections]
+        parts = [each.joints(motion, words, self.tip) for each, words in zip(sections, blocks)]
+        joints = np.concatenate(parts)
+        sag = np.concatenate([each.sag(motion, words, self.tip) for each, words in zip(sections, blocks)])
+        use = self._use(motion, np.concatenate([part[lead:] for part in parts]), rows.period)
+        guard = self._guard(motion, joints, sag, rows.period)
+        self._write_stream(folder / FILE, StreamText(motion, guard, self.tip, self.digits, rows.period / 2), sections)
+        (folder / GUARD).write_text(guard.hal(self._guard_head(motion)), encoding="utf-8")
+        (folder / LIMITS).write_text(guard.limits(self._limits_head(motion)), encoding="utf-8")
         what = "tip and rotary joints" if self.tip else "joints"
         show = [format_angle if turns else format_length for turns in motion.rotary]
-        sag = ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(motion.joints, show, rows.sag))
-        return Written(
-            [FILE],
+        off = ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(motion.joints, show, rows.sag))
+        stops = f", waiting for {counted(len(sections) - 1, 'further tool')}" if len(sections) > 1 else ""
+        return Stream(
+            [FILE, GUARD, LIMITS],
             [
-                f"{len(written)} blocks of two cycles of {format_time(rows.period / 2)}: {what}, {self.digits} "
-                "decimals, "
-                f"after {format_time(lead * rows.period)} for the queue to fill",
-                f"straight from block to block it leaves the motion by at most {sag}",
+                f"{len(joints) - len(sections)} blocks of two cycles of {format_time(rows.period / 2)}: {what}, "
+                f"{self.digits} decimals, after {format_time(lead * rows.period)} for the queue to fill{stops}",
+                f"straight from block to block it leaves the motion by at most {off}",
                 f"a limit is used to {100.0 * use:.2f} % at most, by differences of the written positions",
-                f"LinuxCNC's own limits must be lifted while it runs: {'; '.join(LIFTED)}",
+                f"{GUARD} and {LIMITS} stop LinuxCNC where a joint passes its highest planned velocity by "
+                f"{100.0 * (ABOVE[0] - 1.0):.0f} % or its acceleration by {100.0 * (ABOVE[1] - 1.0):.0f} %; LinuxCNC's "
+                "own limits are lifted only while they watch",
             ],
+            guard=guard,
         )
 
     def check(self, motion: PlannedMotion, folder: Path, written: Written) -> list[ReadBack]:
         """Every second set-point must be there, to the digits that were asked for and the swing at rest."""
-        positions = self._positions(motion, self._rows(motion))[1:]
-        file, lead = folder / FILE, self._lead(motion)
+        sections = sections_of(motion, self._rows(motion))
+        lead, right = self._lead(motion), []
+        for section in sections:
+            words = section.words(motion, self.tip)
+            right += [np.tile(words[0], (lead, 1)), words[1:]]
+        positions = np.concatenate(right)
+        file = folder / FILE
         allowed = 0.5 * 10.0**-self.digits + self._width + 8.0 * float(np.spacing(np.abs(positions).max()))
-        worst, at, still = 0.0, -lead, False
+        worst, at, still = 0.0, 0, False
         before: tuple[str, ...] = ()
         with file.open(encoding="ascii") as stream:
             for line in stream:
                 if not line.startswith("G1"):
+                    before = ()
                     continue
-                words = _WORD.findall(line)
-                values = tuple(text for _, text in words)
-                still = still or values == before or tuple(axis for axis, _ in words) != motion.joints
+                words_found = _WORD.findall(line)
+                values = tuple(text for _, text in words_found)
+                still = still or values == before or tuple(axis for axis, _ in words_found) != motion.joints
                 before = values
-                if at >= 0:
-                    if at >= len(positions):
-                        raise VerificationError(
-                            f"{FILE}: read back it has more blocks than the plan; nothing was written"
-                        )
-                    worst = max(worst, float(np.abs(np.array(values, dtype=np.float64) - positions[at]).max()))
+                if at >= len(positions):
+                    raise VerificationError(f"{FILE}: read back it has more blocks than the plan; nothing was written")
+                worst = max(worst, float(np.abs(np.array(values, dtype=np.float64) - positions[at]).max()))
                 at += 1
         worst = worst if at == len(positions) and not still else math.inf
-        return [ReadBack("largest difference of a position [mm, deg]", worst, allowed).raise_if_failed(file)]
+        assert isinstance(written, Stream)
+        return [
+            ReadBack("largest difference of a position [mm, deg]", worst, allowed).raise_if_failed(file),
+            self._check_guard(motion, folder, written.guard),
+        ]
+
+    def _check_guard(self, motion: PlannedMotion, folder: Path, guard: Guard) -> ReadBack:
+        """guard.hal must be as it was written, and limits.hal hold every limit."""
+        if (folder / GUARD).read_text(encoding="utf-8") != guard.hal(self._guard_head(motion)):
+            raise VerificationError(f"{GUARD}: read back it is not what was written; nothing was written")
+        worst = guard.difference((folder / LIMITS).read_text(encoding="utf-8"))
+        return ReadBack("largest relative difference of a limit of the guard", worst, LIMIT_DIGITS).raise_if_failed(
+            folder / LIMITS
+        )
+
+    def _write_stream(self, file: Path, text: StreamText, sections: list[Section]) -> None:
+        motion, period = text.motion, 2.0 * text.cycle
+        form = "G1" + "".join(f"{axis}%.{self.digits}f" for axis in motion.joints) + f"F{2.0 * 60.0 / period:.9g}\n"
+        with file.open("w", encoding="ascii", newline="\n") as stream:
+            stream.write(text.head())
+            for number, section in enumerate(sections):
+                words = self._blocks(motion, section)
+                stream.write((text.between(section) if number else "") + text.begin(section, words[0]))
+                for start in range(1, len(words), CHUNK):
+                    part = words[start : start + CHUNK] + 0.0  # zero has no sign
+                    stream.write((form * len(part)) % tuple(part.ravel().tolist()))
+            stream.write(text.end())
+
+    def _blocks(self, motion: PlannedMotion, section: Section) -> Floats:
+        """(1 + k, m) where a section begins, and what its blocks say, as they are written: at rest, then the rows."""
+        words = section.words(motion, self.tip)
+        lead = np.tile(words[0], (self._lead(motion), 1))
+        written = np.round(np.concatenate([lead, words[1:]]), self.digits)
+        self._swing(motion, written, words[0])
+        blocks: Floats = np.concatenate([np.round(words[:1], self.digits), written])
+        return blocks
+
+    def _guard(self, motion: PlannedMotion, joints: Floats, sag: Floats, period: float) -> Guard:
+        """The guard of joint positions (n, m) [mm, deg] as they are written, `sag` (k, m) beside them within blocks."""
+        factors = motion.shop_units[1]
+        limits = motion.machine.limits
+        most = stops_at(joints, sag, period, (limits.velocity * factors, limits.acceleration * factors))
+        axes = self.coordinates.upper() or "".join(sorted(motion.joints, key=AXES.index))
+        if missing := set(motion.joints) - set(axes):
+            raise UsageError(f"--coordinates {axes}: lacks {', '.join(sorted(missing))}, which the plan moves")
+        if len(axes) > MOST_JOINTS:
+            raise UsageError(f"--coordinates {axes}: {len(axes)} joints, and the guard watches {MOST_JOINTS} at most")
+        velocity, acceleration = (
+            np.array([(dict(zip(motion.joints, each)) | {"": 0.0}).get(axis, rest) for axis in axes])
+            for each, rest in zip(most, AT_REST)
+        )
+        return Guard(axes, velocity, acceleration, self.guard_output, stamp_of(joints))
+
+    def _guard_head(self, motion: PlannedMotion) -> list[str]:
+        return [
+            *provenance(motion, "Guard of G93 streams in LinuxCNC")[:1],
+            "Stops the machine (motion.enable) where a joint is commanded beyond limits.hal while a stream is played.",
+            "Load it once after LinuxCNC has started, the machine off: POSTGUI_HALFILE = guard.hal in the INI file,",
+            "or halcmd -i machine.ini -f guard.hal. It is the same for every plan on this machine; before each run:",
+            "halcmd -f limits.hal, that of the plan. The INI file must have LINEAR_UNITS = mm, MAX_LINEAR_VELOCITY and",
+            "MAX_LINEAR_ACCELERATION in [TRAJ], MAX_VELOCITY and MAX_ACCELERATION of each axis.",
+            f"Streams switch it on by motion.digital-out-{self.guard_output:02d}. It does not watch following errors.",
+            "motion.enable must not be connected by another file: join that signal to toolpace-allow.nor with and2.",
+            "toolpace-passed-N.out tells which joint it was.",
+        ]
+
+    def _limits_head(self, motion: PlannedMotion) -> list[str]:
+        return [
+            *provenance(motion, "Limits of the guard of a G93 stream"),
+            "Behind guard.hal: halcmd -f limits.hal. In mm, deg and s, a few per cent above what the stream uses.",
+        ]
 
     @property
     def _width(self) -> float:
@@ -147,6 +247,18 @@ class InverseTime:
         if self.tip and not set("XYZ") <= set(motion.joints):
             raise UsageError(f"--to {self.name} --tip: the tip is told by X, Y, Z, and the machine has not all of them")
 
+    def _refuse_tools(self, motion: PlannedMotion, sections: list[Section]) -> None:
+        """Raise UsageError where the tip is told, of a tool that the kinematics of a head do not show to know."""
+        longest = max((longer_by(motion, each) for each in sections), key=abs)
+        turned = set(motion.machine.file.chain.tool) & {j for j, turns in zip(motion.joints, motion.rotary) if turns}
+        if self.tip and longest and turned:
+            raise UsageError(
+                f"--to {self.name} --tip: a tool of the plan is {longest * 1e3:.3f} mm longer than that of the machine "
+                f"file ({motion.machine.tool_length * 1e3:.3f} mm), and {', '.join(sorted(turned))} turn it: whether "
+                "LinuxCNC's kinematics of a head know its length cannot be seen from a program; leave --tip out (the "
+                "joints are right for every tool), or plan with its length in the machine file"
+            )
+
     def _rows(self, motion: PlannedMotion) -> Rows:
         period = self.period or motion.dt
         try:
@@ -157,15 +269,6 @@ class InverseTime:
     def _lead(self, motion: PlannedMotion) -> int:
         """Blocks at rest before the motion; an even number, so that the swing ends where the motion begins."""
         return 2 * math.ceil(self.pad / (4.0 * (self.period or motion.dt)))
-
-    def _positions(self, motion: PlannedMotion, rows: Rows) -> Floats:
-        """(n, m) what the blocks say, in mm and deg."""
-        points = rows.points
-        positions: Floats = points.q * motion.shop_units[1]
-        if self.tip:
-            columns = [motion.joints.index(axis) for axis in "XYZ"]
-            positions[:, columns] = points.tip * 1e3
-        return positions
 
     def _swing(self, motion: PlannedMotion, written: Floats, first: Floats) -> None:
         """Let one linear axis swing wherever a block would have next to no displacement (in place)."""
@@ -180,15 +283,13 @@ class InverseTime:
             # Away from where the axis goes next, so that the block behind the rest is none of no displacement.
             written[head:end, column] += np.where(out, -math.copysign(self._width, leaves), 0.0)
 
-    def _use(self, motion: PlannedMotion, written: Floats, period: float) -> float:
-        """Largest share of a joint's limit, by differences of the written positions. Raises UsageError above 1.01."""
+    def _use(self, motion: PlannedMotion, joints: Floats, period: float) -> float:
+        """Largest share of a limit, by differences of joints as they are written. Raises UsageError above 1.01."""
         limits, factors = motion.machine.limits, motion.shop_units[1]
-        if self.tip:
-            written = self._joints_of(motion, written)
         worst = (0.0, "")
         for order, kind in enumerate(("velocity", "acceleration", "jerk"), start=1):
             limit = getattr(limits, kind) * factors
-            use = np.abs(np.diff(written, n=order, axis=0)).max(axis=0, initial=0.0) / period**order / limit
+            use = np.abs(np.diff(joints, n=order, axis=0)).max(axis=0, initial=0.0) / period**order / limit
             worst = max([worst, *((float(value), f"{kind} of {j}") for value, j in zip(use, motion.joints))])
         if worst[0] > MOST_USE:
             raise UsageError(
@@ -198,41 +299,3 @@ class InverseTime:
                 + (f"give --digits 9, not {self.digits}" if self.digits < 9 else "plan with a longer --dt")
             )
         return worst[0]
-
-    def _joints_of(self, motion: PlannedMotion, written: Floats) -> Floats:
-        """Joint positions (n, m) [mm, deg] of blocks that tell the tip."""
-        machine = motion.machine
-        tip = written[:, [motion.joints.index(axis) for axis in "XYZ"]] * 1e-3
-        q: Floats = machine.joints_at(tip, np.radians(written[:, machine.rotary])) * motion.shop_units[1]
-        return q
-
-    def _head(self, motion: PlannedMotion, first: Floats, period: float) -> str:
-        rounded = np.round(first, self.digits) + 0.0
-        words = " ".join(f"{axis}{value:.{self.digits}f}" for axis, value in zip(motion.joints, rounded))
-        what = "the tip in the workpiece frame and the rotary joints" if self.tip else "joint positions"
-        kins = (
-            "under the tool-centre-point kinematics of the machine: M428 and M429 must be remapped to switch "
-            "them on and off"
-            if self.tip
-            else "so the kinematics must be the identity, with no offset and no tool length in force"
-        )
-        lines = [
-            *provenance(motion, "G93 stream for LinuxCNC"),
-            f"Positions are {what}, {kins}.",
-            f"Each block lasts two servo periods: SERVO_PERIOD must be {round(period * 0.5e9)} ns.",
-            *(f"In the INI file while it runs: {line} (mm, deg, s); set them back afterwards." for line in LIFTED),
-            "The plan keeps the limits of the machine by itself; LinuxCNC must not plan it again.",
-            "Feed override at 100 %, no adaptive feed, no external offsets: each changes the time law.",
-            f"The first move is a rapid to the start: {start_in_words(motion)} (joints). Stand next to it.",
-            "Run it first without a workpiece and with the spindle off.",
-        ]
-        text = "".join(f"; {line}\n" for each in lines for line in _wrapped(each))
-        text += "G21 G90 G17 G40 G49 G80 G61 G94\n" + ("M428\n" if self.tip else "")
-        return text + f"G0 {words}\nG4 P0.5\nG93\n"
-
-
-def _wrapped(text: str, width: int = 120) -> list[str]:
-    """Lines of a comment: plain letters, since LinuxCNC reads at most 255 of them."""
-    import textwrap
-
-    return textwrap.wrap(text.encode("ascii", "replace").decode(), width) or [""]

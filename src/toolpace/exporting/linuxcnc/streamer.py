@@ -16,6 +16,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.errors import UsageError, VerificationError
+from toolpace.exporting.changes import refuse_tool_changes
 from toolpace.exporting.linuxcnc.approach import approach
 from toolpace.exporting.motion import PlannedMotion
 from toolpace.exporting.periods import refuse_no_cycle
@@ -53,7 +54,7 @@ class Streamer:
         refuse_no_cycle("--period", self.period)
 
     def write(self, motion: PlannedMotion, folder: Path) -> Written:
-        """Write rows.txt and play.hal."""
+        """Write rows.txt and play.hal. Raises UsageError where they cannot hold the plan."""
         self._refuse(motion)
         rows, lead = self._rows(motion)
         period = self.period or motion.dt
@@ -92,6 +93,7 @@ class Streamer:
         return [ReadBack("largest difference of a position [mm, deg]", worst, 0.0).raise_if_failed(folder / ROWS)]
 
     def _refuse(self, motion: PlannedMotion) -> None:
+        refuse_tool_changes(motion, self.name)
         if len(motion.joints) > MOST_PINS:
             raise UsageError(
                 f"--to {self.name}: {len(motion.joints)} joints, and a streamer has {MOST_PINS} pins at most"
