@@ -63,8 +63,6 @@ def followed(
 ) -> tuple[Floats, Floats]:
     """(count, 3) error of the tip, (count, OUTPUTS) set-points; without `measured` the follower is left blind."""
     follower.reset()
-    if plant.feed == 0.0:
-        follower.state[[at.PACE, at.GOAL, at.FINAL]] = 0.0
     noise = plant.noise * np.random.default_rng(seed).normal(size=(count, 3))
     figures = np.array(
         [

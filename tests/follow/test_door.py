@@ -30,6 +30,18 @@ def test_lengths_of_the_page_are_those_of_the_kernel():
     assert f"`STATE` = {layout.STATE} " in text and (layout.INPUTS, layout.OVERRIDE, layout.OUTPUTS) == (14, 13, 45)
 
 
+def test_places_of_the_page_are_those_of_the_kernel():
+    """Of every constant that the page defines, and it defines all bits of the status, inputs and outputs."""
+    text = PAGE.read_text(encoding="utf-8")
+    told = {name: int(value) for name, value in re.findall(r"^#define (\w+) (\d+)", text, re.MULTILINE)}
+    assert told == {name: getattr(layout, name) for name in told}
+    bits = text.split("/* bits of the status */")[1].split("/*")[0]
+    assert [int(value) for value in re.findall(r"#define \w+ (\d+)", bits)] == [each.value for each in tp.Status]
+    assert {"TIP", "AXIS", "FORCE", "DEFLECTION", "OVERRIDE", "MEASURED_AT", "Q", "OUT_CORRECTION"} <= set(told)
+    assert f"/* {layout.MAGIC:.0f} */" in text and f"/* {layout.VERSION:.0f} */" in text
+    assert "step_for_c()" in text
+
+
 def test_a_law_is_the_same_from_its_file(follower: tp.Follower, tmp_path: Path):
     follower.save(tmp_path / "arc.law")
     assert np.array_equal(read_law(tmp_path / "arc.law"), follower.piece)
@@ -52,9 +64,9 @@ def test_no_changed_byte_of_a_law_gets_to_the_kernel(follower: tp.Follower, tmp_
         with pytest.raises(tp.ToolpaceError, match=r"(no law|version|bytes where|was changed).*; write"):
             tp.Follower.load(tmp_path / "changed.law")
     old = follower.piece.copy()
-    old[layout.HAS_VERSION] = 2.0
+    old[layout.HAS_VERSION] = 3.0
     (tmp_path / "old.law").write_bytes(old.tobytes())
-    with pytest.raises(tp.ToolpaceError, match="a law of version 2, read is 3; write it anew"):
+    with pytest.raises(tp.ToolpaceError, match="a law of version 3, read is 4; write it anew"):
         tp.Follower.load(tmp_path / "old.law")
 
 
@@ -64,6 +76,11 @@ def test_no_changed_byte_of_a_law_gets_to_the_kernel(follower: tp.Follower, tmp_
         (layout.DELAY, np.nan, "figure 8 is no number"),
         (layout.PATH + 100, np.nan, f"figure {layout.PATH + 100} is no number"),
         (layout.PATH + 100, np.inf, "its path leads to infinity"),
+        (-layout.TOOL_COLUMNS, np.inf, "a tool of it has no length"),
+        (-1, -np.inf, "a tool of it has no length"),
+        (layout.USED, 6.0, "its joints or its dead time make no sense"),
+        (layout.USED, 2.5, "its joints or its dead time make no sense"),
+        (layout.DEAD_TIME, -1.0, "its joints or its dead time make no sense"),
         (layout.PERIOD, 0.0, "its period is 0 s"),
         (layout.STEP, np.inf, "its step is inf s"),
         (layout.DURATION, np.inf, "it has no path"),
@@ -78,6 +95,17 @@ def test_a_law_that_others_wrote_is_not_played_where_it_makes_no_sense(
     piece[at] = figure
     write_law(tmp_path / "odd.law", piece)
     with pytest.raises(tp.ToolpaceError, match=f"{words}.*; write one with"):
+        tp.Follower.load(tmp_path / "odd.law")
+
+
+@pytest.mark.parametrize("back", range(1, 4 * layout.COLUMNS + 1))
+def test_no_control_point_of_a_law_is_infinite(follower: tp.Follower, tmp_path: Path, back: int):
+    """Of none of the last four, which the end of the path is made of."""
+    piece = follower.piece.copy()
+    last = layout.PATH + (int(piece[layout.SAMPLES]) + 3) * layout.COLUMNS
+    piece[last - back] = np.inf if back % 2 else -np.inf
+    write_law(tmp_path / "odd.law", piece)
+    with pytest.raises(tp.ToolpaceError, match="its path leads to infinity"):
         tp.Follower.load(tmp_path / "odd.law")
 
 

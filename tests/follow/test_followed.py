@@ -13,6 +13,7 @@ from testbed.followed.drive import driven
 from testbed.followed.judge import judged
 from tests.support.tool_paths import toolpath_through
 from toolpace.follow import Follower, Measurement
+from toolpace.follow.driven import driven_by
 from toolpace.follow.samples import samples_of
 from toolpace.kernels.follow import layout
 
@@ -58,7 +59,24 @@ def test_the_parameter_that_a_follower_tells_runs_on_over_stops():
     toolpath = toolpath_through([[0, 0, 0], [0.01, 0, 0], [0.01, 0.01, 0]], 3 * [[0, 0, 1]], stops=(1,))
     machine = tp.Machine.load("xyzac-trunnion")
     trajectory = tp.plan(tp.Path.fit(toolpath, machine=machine), machine, bound=False)
-    samples = samples_of(trajectory, machine, 1e-3, 1.0)
+    samples = samples_of(trajectory, driven_by(machine, machine.joints), 4e-3, 1.0)
     lengths = [run.s1 for run in trajectory.axis_path.runs]
     assert len(lengths) == 2 and samples.s[-1] == pytest.approx(sum(lengths))
     assert np.diff(samples.s).min() >= 0.0 and np.diff(samples.s).max() < 0.01 * sum(lengths)
+
+
+def test_a_correction_at_a_slow_feed_is_as_slow_as_is_promised():
+    """By the speed of the tip along its two directions: the machine turns no axis here."""
+    toolpath = toolpath_through([[0.0, 0.0, 0.0], [0.02, 0.0, 0.0]], 2 * [[0, 0, 1]], feed=5e-3)
+    machine = tp.Machine.load("xyzbc-head")
+    path = tp.Path.fit(toolpath, machine=machine.reserved(0.1))
+    trajectory = tp.plan(path, machine.reserved(0.1), bound=False)
+    follower = Follower(trajectory, machine, gain=1.0)
+    linear, q, seen = list(machine.linear), [trajectory.at(0.0).q], []
+    for k in range(3000):
+        off = (0.0, 2.5e-4 * (-1) ** (k // 500), 0.0) if k > 500 else (0.0, 0.0, 0.0)
+        q.append(follower.step(Measurement(k * 1e-3, deflection=off)).q)
+        seen.append(np.linalg.norm(q[-1][linear] - q[-2][linear]) / 1e-3)
+    assert max(seen) <= 5e-3 * (1.0 + follower.feed_excess) * (1.0 + 1e-6) < 6e-3
+    # it does move, as much as it may
+    assert max(abs(each[linear][1]) for each in q) == pytest.approx(2.5e-4, rel=0.1)

@@ -73,7 +73,7 @@ def test_a_force_counts_only_where_its_bending_is_known(planned):
 def test_an_axis_that_is_measured_seldom_is_not_taken_for_right_in_between(planned):
     """Rotary joints hold their correction while only the tip is measured, and let it fade after a while."""
     trajectory, machine = planned
-    off = np.array([2e-3, 0.0, 0.0])
+    off = np.array([0.0, 2e-3, 0.0])
 
     def turned(every: int, steps: int, begun: int = 10**9) -> tuple[float, Status]:
         follower = Follower(trajectory, machine, gain=0.5, max_turn=0.01, hold=0.05, fade=0.02)

@@ -14,6 +14,7 @@ from toolpace.cli import main
 from toolpace.errors import UsageError
 from toolpace.follow import Follower, Status
 from toolpace.hal import Component, Settings, component, hal_module, linuxcnc
+from toolpace.kernels.follow import layout
 from toolpace.units import DEGREE, MILLIMETRE
 
 PROGRAM = "G21 G90 G17 G94\nG0 X10 Y-5 Z12 A0 C0\nG1 Z11 F900\nX13 Y-3 A2 C3 F500\nM2\n"
@@ -183,3 +184,32 @@ def test_a_missing_linuxcnc_is_named_with_the_cure(law, monkeypatch, capsys, tmp
     assert "cannot read" in capsys.readouterr().err
     assert main(["follow", str(law), "--streamer", "9"]) == 2
     assert "--streamer 9: give 0 to 7" in capsys.readouterr().err
+
+
+def test_the_dead_time_of_a_sensor_is_a_part_of_what_is_late(law, tmp_path, monkeypatch):
+    """Each measurement is told when it comes: a law with both is played as one whose delay is their sum."""
+    given = []
+    for delay, dead_time in ((DELAY, 0.0), (DELAY - 2e-3, 2e-3)):
+        follower = Follower.load(law)
+        follower.piece[layout.DELAY], follower.piece[layout.DEAD_TIME] = delay, dead_time
+        follower.save(tmp_path / "sensor.law")
+        hal = FakeHal()
+        ends = ended_at(beyond=1)
+
+        def script(period, pins, ends=ends):
+            pins["deflection-x"] = 0.05 * np.sin(0.01 * period)
+            ends(period, pins)
+
+        hal.script = script
+        played(tmp_path / "sensor.law", hal, monkeypatch)
+        given.append(np.array(hal.played))
+    count = min(map(len, given))
+    assert count > 1000 and np.abs(given[0][:count] - given[1][:count]).max() <= 1e-12
+
+
+def test_a_law_of_limits_alone_is_not_played(tmp_path):
+    limits = tp.Limits([0.3] * 5, 2.0, 40.0)
+    path = tp.AxisPath.from_waypoints(np.vstack([np.zeros(5), 0.1 * np.ones(5)]))
+    Follower(tp.plan(path, limits, bound=False), limits, delay=DELAY).save(tmp_path / "limits.law")
+    with pytest.raises(UsageError, match="the law is of limits without a machine"):
+        Component(Follower.load(tmp_path / "limits.law"), FakeHal(), Settings(backlog=BACKLOG))

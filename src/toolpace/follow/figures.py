@@ -30,7 +30,13 @@ class Figures:
     period: float = 1e-3
     """Time between two set-points [s]."""
     delay: float = 0.0
-    """Time from a set-point to when a measurement shows it: lag of the drives and dead time of the sensor [s]."""
+    """Time from a set-point to when the machine is there: lag of the drives, and of what waits before them [s].
+
+    A measurement of the time t shows the set-point of t - `delay`. The dead time of the sensor is no part of it.
+    """
+    dead_time: float = 0.0
+    """Time from when something is measured to the step that it is given to, for measurements without a time of their
+    own [s]: they count as made `dead_time` before. Where it is given, a measurement with a time is refused."""
     gain: float = 0.08
     """Share by which the aim moves towards what a measurement asks for, each period; the default is half of what nine
     set-points late and not told allow."""
@@ -66,10 +72,12 @@ class Figures:
         for each in fields(self):
             if each.name not in ("cause", "compliance"):
                 self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
-        if self.delay > (LOOK_BACK - 10) * self.period:
+        late = self.delay + self.dead_time
+        if late > (LOOK_BACK - 10) * self.period:
+            what = "a delay" if self.dead_time == 0.0 else "delay and dead_time together"
             raise UsageError(
-                f"follower: a delay of {self.delay:g} s is more than the {LOOK_BACK - 10} set-points that are"
-                f" remembered; give a period of {self.delay / (LOOK_BACK - 10):.3g} s or more"
+                f"follower: {what} of {late:g} s is more than the {LOOK_BACK - 10} set-points that are"
+                f" remembered; give a period of {late / (LOOK_BACK - 10):.3g} s or more"
             )
         compliance = numbers(self.compliance)
         if compliance is None or compliance.shape != (3, 3) or not np.isfinite(compliance).all():
@@ -84,7 +92,7 @@ class Figures:
     def _check(self, name: str, least: float, most: float, words: str) -> None:
         given = getattr(self, name)
         value = number(given)
-        if value is None or isinstance(given, str | bool) or not least <= value <= most:
+        if value is None or not least <= value <= most:
             raise UsageError(f"follower: {name} is {given!r:.60}; give {words}")
         object.__setattr__(self, name, value)
 
@@ -93,6 +101,7 @@ RANGES = {
     "reserve": (1e-3, MOST_RESERVE, f"a share from 0.001 to {MOST_RESERVE:g}"),
     "period": (FINEST, COARSEST, f"a time from {FINEST:g} to {COARSEST:g} s"),
     "delay": (0.0, 0.2, "a time from 0 to 0.2 s"),
+    "dead_time": (0.0, 0.2, "a time from 0 to 0.2 s"),
     "gain": (1e-6, 2.0, "a share above 0, at most 2"),
     "rho": (0.0, 0.9, "a share from 0 to 0.9"),
     "max_correction": (1e-9, 0.1, "a length above 0, at most 0.1 m"),

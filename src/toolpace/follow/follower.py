@@ -11,6 +11,7 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.description import one_line
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.follow.driven import Driven, driven_by
 from toolpace.follow.figures import Figures
 from toolpace.follow.given import number
 from toolpace.follow.law import law_of
@@ -19,11 +20,10 @@ from toolpace.follow.measurement import Measurement
 from toolpace.follow.samples import samples_of
 from toolpace.follow.setpoint import SetPoint, Status
 from toolpace.kernels.follow import layout
-from toolpace.machine.machine import Machine, check_machine
+from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
 from toolpace.trajectory import Trajectory
 
-SAMPLES_A_PERIOD = 4
-"""Samples of the path a period."""
 ROUNDING = 2e-4
 """Share of a limit by which a plan may be said to pass it."""
 NOTHING = Measurement(math.nan)
@@ -37,11 +37,16 @@ class Follower:
 
     The path may use 1 - `reserve` of each limit: plan on `machine.reserved(reserve)`, or the plan is slowed down to
     it as a whole (`pace`). The correction has most of the reserve; what is left lets the pace change.
+
+    It starts at rest, at the pace that the first step asks for; held from then on, no joint moves.
     """
 
-    def __init__(self, trajectory: Trajectory, machine: Machine, **figures: Any) -> None:
-        """Keyword arguments are the fields of follow.figures.Figures. Raises UsageError."""
-        check_machine(machine, "follower")
+    def __init__(self, trajectory: Trajectory, machine: Machine | Limits, **figures: Any) -> None:
+        """Keyword arguments are the fields of follow.figures.Figures. Raises UsageError.
+
+        Of Limits in place of a machine only the pace follows: without kinematics nothing can be measured of a tool. All
+        of the reserve is then for changes of pace.
+        """
         known = Figures.__dataclass_fields__
         for name in figures:
             if name not in known:
@@ -50,19 +55,30 @@ class Follower:
             raise UsageError(
                 f"follower: {type(trajectory).__name__} in place of a trajectory; give what plan or replan returns"
             )
-        if machine.joints != trajectory.joints:
-            raise UsageError(
-                f"follower: the trajectory moves {', '.join(trajectory.joints)}, machine {machine.name} has"
-                f" {', '.join(machine.joints)}; give the machine that it was planned on"
-            )
-        checked = Figures(**figures)
-        pace = pace_within(trajectory, machine, 1.0 - checked.reserve)
-        samples = samples_of(trajectory, machine, checked.period / SAMPLES_A_PERIOD, pace)
-        self._take(law_of(samples, machine, checked, pace))
+        driven, checked = driven_by(machine, trajectory.joints), Figures(**figures)
+        pace = pace_within(trajectory, driven, 1.0 - checked.reserve)
+        samples = samples_of(trajectory, driven, checked.period, pace)
+        self._take(law_of(samples, driven, checked, pace))
         second, third = (float(np.abs(np.diff(samples.q, k, axis=0)).max(initial=0.0)) for k in (2, 3))
         # between samples a second derivative is larger by what it changes from one to the next
         self.off_the_plan = (second + third) / 6.0
         """Most that the path followed leaves the plan by [m or rad]."""
+
+    @classmethod
+    def from_folder(
+        cls, folder: str | os.PathLike[str], machine: Machine | Limits | None = None, **figures: Any
+    ) -> Follower:
+        """A follower of the plan in a folder that `toolpace plan --out` wrote, as Trajectory.load reads it.
+
+        The machine is that of the folder unless one is given: plan on a machine with reserved limits and give the one
+        that has all of them, or the plan is slowed down. Set-points of the plan are the samples of the path, which
+        leaves them by `off_the_plan`: by a micrometre or two at steps of 1 ms, sixteen times less at a quarter of it.
+        Raises UsageError.
+        """
+        trajectory = Trajectory.load(folder)
+        driven = machine if machine is not None else trajectory.axis_path.machine
+        assert driven is not None
+        return cls(trajectory, driven, **figures)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Follower:
@@ -83,6 +99,8 @@ class Follower:
         """Of the path without override [s]."""
         self.period = float(piece[layout.PERIOD])
         """Time between two set-points [s]."""
+        self._used = int(piece[layout.USED])
+        self._has_machine = bool(piece[layout.FRAME : layout.GROUP].any())
         self._given, self._out = np.full(layout.INPUTS, np.nan), np.empty(layout.OUTPUTS)
         self.reset()
 
@@ -103,15 +121,15 @@ class Follower:
         return (math.sqrt(3.0) + turning) * float(self.piece[layout.FEED_SHARE]) + LEAST
 
     def reset(self) -> None:
-        """Go back to the start of the path, without correction."""
+        """Go back to the start of the path, at rest, without correction."""
         self.state[:] = 0.0
-        self.state[layout.PACE] = self.state[layout.GOAL] = self.state[layout.FINAL] = 1.0
 
     def step(self, measurement: Measurement | None = None, feed: float = 1.0) -> SetPoint:
         """The next set-point; `feed` is the operator's override, 0 (hold) to 1.2.
 
-        Raises UsageError for a measurement or a feed that is not made of numbers, or of a wrong shape, and for nothing
-        else.
+        What is above or below is cut, and the status says so: Status.OVERRIDE_CUT. Raises UsageError for a measurement
+        or a feed that is not made of numbers, or of a wrong shape, or for a measurement with a time beside a
+        `dead_time`, and for nothing else.
         """
         from toolpace.kernels.follow.step import step
 
@@ -119,14 +137,18 @@ class Follower:
             measurement = NOTHING
         if not isinstance(measurement, Measurement):
             raise UsageError(f"step: {type(measurement).__name__} in place of a measurement; give Measurement(t, ...)")
+        if measurement is not NOTHING and not self._has_machine:
+            raise UsageError(
+                "step: a follower of limits alone knows no tool; give a Machine to correct what is measured"
+            )
         override = number(feed)
         if override is None:
             raise UsageError(f"step: feed is {feed!r:.60}; give a share from 0 to 1.2")
-        measurement.write(self._given)
+        measurement.write(self._given, float(self.state[layout.NOW]), float(self.piece[layout.DEAD_TIME]))
         self._given[layout.OVERRIDE] = override
         step(self.piece, self.state, self._given, self._out)
         out = self._out
-        q, qd, qdd, qddd = out[layout.Q : layout.OUT_CORRECTION].reshape(4, -1).copy()
+        q, qd, qdd, qddd = out[layout.Q : layout.OUT_CORRECTION].reshape(4, -1)[:, : self._used].copy()
         return SetPoint(
             float(out[layout.AT]),
             q,
@@ -136,7 +158,7 @@ class Follower:
             float(out[layout.PARAMETER]),
             float(out[layout.PATH_TIME]),
             float(out[layout.OUT_PACE]),
-            out[layout.OUT_CORRECTION :].reshape(4, -1).copy(),
+            out[layout.OUT_CORRECTION :].reshape(4, -1)[:, : self._used].copy(),
             Status(int(out[layout.STATUS])),
         )
 
@@ -149,18 +171,14 @@ class Follower:
         write_law(path, self.piece)
 
 
-def pace_within(trajectory: Trajectory, machine: Machine, share: float) -> float:
-    """The steady pace at which a trajectory uses no more than a share of each limit of a machine."""
-    used = trajectory.usage()
-    for name in ("acceleration", "jerk"):
-        for joint, limit in zip(machine.joints, getattr(machine.limits, name)):
-            if not math.isfinite(limit):
-                raise UsageError(f"follower: {joint} has no limit of {name}; give machine {machine.name} one")
+def pace_within(trajectory: Trajectory, driven: Driven, share: float) -> float:
+    """The steady pace at which a trajectory uses no more than a share of each limit."""
+    used, limits = trajectory.usage(), driven.limits[:, : driven.used]
     worst = []
     for kind, of_plan, own in (
-        (used.velocity, trajectory.limits.velocity, machine.limits.velocity),
-        (used.acceleration, trajectory.limits.acceleration, machine.limits.acceleration),
-        (used.jerk, trajectory.limits.jerk, machine.limits.jerk),
+        (used.velocity, trajectory.limits.velocity, limits[0]),
+        (used.acceleration, trajectory.limits.acceleration, limits[1]),
+        (used.jerk, trajectory.limits.jerk, limits[2]),
     ):
         with np.errstate(invalid="ignore"):
             ratio = np.array(list(kind.values())) * of_plan / (own * share)

@@ -8,12 +8,12 @@ from toolpace.arrays import Floats
 
 
 def numbers(given: object) -> Floats | None:
-    """What was given as an array of real numbers, or None where it is none."""
+    """What was given as an array of real numbers, or None where it is none: text, truth values and None are none."""
     try:
         found = np.asarray(given)
-        return None if np.iscomplexobj(found) else found.astype(float)
     except (TypeError, ValueError, OverflowError):
         return None
+    return found.astype(float) if found.dtype.kind in "iuf" else None
 
 
 def number(given: object) -> float | None:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.errors import UsageError
+from toolpace.follow.driven import Driven
 from toolpace.follow.figures import Figures
 from toolpace.follow.samples import Samples
 from toolpace.kernels.follow import layout
 from toolpace.machine.machine import Machine
+from toolpace.units import MILLIMETRE
 
 CELL_SAMPLES = 16
 """Samples in a cell, of which the peaks are known."""
@@ -18,17 +21,18 @@ LEAST_FEED = 1e-5
 """Feed below which a correction is not slowed any further [m/s]."""
 
 
-def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) -> Floats:
-    """The piece of a path; `pace` is that of the plan at which it was sampled."""
-    count, m = samples.q.shape
-    spline = np.column_stack([samples.q, samples.s])[[0, *range(count), -1, -1]]
-    share = TO_CORRECTION * figures.reserve
-    limits = np.stack([machine.limits.velocity, machine.limits.acceleration, machine.limits.jerk])
-    own = share * limits
-    own[0] = np.minimum(own[0], fastest(own[1], machine, figures))
-    brakes = braking_time(own[:, machine.linear])
-    cells = cells_of(samples, spline[:, :m], brakes, turning_workpiece(machine))
-    piece = np.zeros(layout.PATH + spline.size + cells.size)
+def law_of(samples: Samples, driven: Driven, figures: Figures, pace: float) -> Floats:
+    """The piece of a path; `pace` is that of the plan at which it was sampled. Raises UsageError."""
+    count, machine = len(samples.q), driven.machine
+    q = driven.padded(samples.q)
+    spline = control_points(np.column_stack([q, samples.s]))
+    share = TO_CORRECTION * figures.reserve if machine is not None else 0.0
+    own = correction_limits(share, driven, figures)
+    brakes = braking_time(own[:, machine.linear]) if machine is not None else 0.0
+    turning = turning_workpiece(machine) if machine is not None else []
+    cells = cells_of(samples, spline[:, : layout.JOINTS], brakes, turning)
+    refuse_force(samples, machine, figures)
+    piece = np.zeros(layout.PATH + spline.size + cells.size + samples.tools.size)
     head = {
         layout.IS_PIECE: layout.MAGIC,
         layout.HAS_VERSION: layout.VERSION,
@@ -47,7 +51,8 @@ def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) ->
         layout.HOLD: figures.hold,
         layout.FADE: figures.fade,
         layout.PATIENCE: figures.patience,
-        layout.BELIEVABLE: figures.believable,
+        # without kinematics nothing that is measured of a tool can be made use of
+        layout.BELIEVABLE: figures.believable if machine is not None else -1.0,
         layout.CAUSE: layout.DISPLACED if figures.cause == "displaced" else layout.BENDING,
         layout.FEED_SHARE: figures.reserve,
         layout.TIP_PER_LINEAR: samples.reach[0],
@@ -56,18 +61,50 @@ def law_of(samples: Samples, machine: Machine, figures: Figures, pace: float) ->
         layout.WAIT: figures.wait,
         layout.AXIS_TOLERANCE: figures.axis_tolerance,
         layout.RHO: figures.rho,
+        layout.TOOLS: len(samples.tools),
+        layout.DEAD_TIME: figures.dead_time,
+        layout.USED: driven.used,
     }
     for at, value in head.items():
         piece[at] = value
-    geometry = machine.geometry
-    piece[layout.FRAME : layout.GROUP] = geometry.frame.ravel()
-    piece[layout.GROUP : layout.COMPLIANCE].view(np.int64)[:] = np.concatenate([geometry.group, geometry.place])
+    piece[layout.FRAME : layout.GROUP] = driven.frame
+    piece[layout.GROUP : layout.COMPLIANCE].view(np.int64)[:] = np.concatenate([driven.group, driven.place])
     piece[layout.COMPLIANCE : layout.SHARE] = figures.compliance.ravel()
     piece[layout.SHARE : layout.ROOM] = own.ravel()
-    piece[layout.ROOM : layout.LOW] = ((1.0 - share) * limits).ravel()
-    piece[layout.LOW : layout.PATH] = corrections_within(samples.q, machine, figures).ravel()
-    piece[layout.PATH :] = np.concatenate([spline.ravel(), cells.ravel()])
+    piece[layout.ROOM : layout.LOW] = ((1.0 - share) * driven.limits).ravel()
+    piece[layout.LOW : layout.PATH] = corrections_within(q, driven, figures).ravel()
+    piece[layout.PATH :] = np.concatenate([spline.ravel(), cells.ravel(), samples.tools.ravel()])
     return piece
+
+
+def control_points(samples: Floats) -> Floats:
+    """(n + 3, c) control points of the spline near samples (n, c): it begins at the first, not near it, and rests at
+    the last."""
+    return np.vstack([2.0 * samples[0] - samples[1], samples, samples[-1], samples[-1]])
+
+
+def correction_limits(share: float, driven: Driven, figures: Figures) -> Floats:
+    """(3, 5) limits of the correction; any, where nothing is ever corrected."""
+    if driven.machine is None:
+        return np.ones((3, layout.JOINTS))
+    own = share * driven.limits
+    own[0] = np.minimum(own[0], fastest(own[1], driven.machine, figures))
+    return own
+
+
+def refuse_force(samples: Samples, machine: Machine | None, figures: Figures) -> None:
+    """Raise UsageError where a compliance is given that cannot be that of every tool."""
+    if not figures.compliance.any():
+        return
+    if machine is None:
+        raise UsageError("follower: a compliance is of a tool on a machine; give a Machine in place of limits")
+    lengths = sorted({machine.tool_length + float(longer) for longer in samples.tools[:, layout.LONGER]})
+    if len(lengths) > 1:
+        told = ", ".join(f"{length / MILLIMETRE:g}" for length in lengths)
+        raise UsageError(
+            f"follower: one compliance for tools of {told} mm; what a force bends differs from tool to tool: measure"
+            " tip or deflection, or plan the program of each tool by itself"
+        )
 
 
 def cells_of(samples: Samples, control: Floats, brakes: float, table: list[int]) -> Floats:
@@ -122,8 +159,8 @@ def braking_time(share: Floats) -> float:
     return float((velocity / acceleration + acceleration / jerk).max())
 
 
-def corrections_within(q: Floats, machine: Machine, figures: Figures) -> Floats:
+def corrections_within(q: Floats, driven: Driven, figures: Figures) -> Floats:
     """(2, m) least and most correction that leaves the joints (n, m) within travel."""
-    most = np.where(machine.is_rotary, figures.max_turn, figures.max_correction)
-    low, high = machine.travel.T
+    most = np.where(driven.is_rotary, figures.max_turn, figures.max_correction) * (driven.machine is not None)
+    low, high = driven.travel.T
     return np.stack([np.clip(low - q.min(axis=0), -most, 0.0), np.clip(high - q.max(axis=0), 0.0, most)])

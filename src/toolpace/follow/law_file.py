@@ -31,6 +31,8 @@ def checksum(piece: Floats) -> float:
 
 def read_law(path: str | os.PathLike[str]) -> Floats:
     """The piece in a file. Raises UsageError where it is none, of another version, cut short or changed."""
+    if Path(path).is_dir():
+        raise UsageError(f"{path}: a folder, not a law; Follower.from_folder takes the folder of a plan")
     try:
         content = Path(path).read_bytes()
     except (OSError, ValueError) as error:
@@ -43,7 +45,8 @@ def read_law(path: str | os.PathLike[str]) -> Floats:
             f"{path}: a law of version {piece[layout.HAS_VERSION]:g}, read is {layout.VERSION:g}; write it anew"
         )
     samples, cells = piece[layout.SAMPLES], piece[layout.CELLS]
-    wanted = layout.PATH + (samples + 3.0) * layout.COLUMNS + cells * layout.CELL_COLUMNS
+    tools = layout.TOOL_COLUMNS * piece[layout.TOOLS]
+    wanted = layout.PATH + (samples + 3.0) * layout.COLUMNS + cells * layout.CELL_COLUMNS + tools
     if 8.0 * wanted != len(content):
         raise UsageError(f"{path}: {len(content)} bytes where the law needs {8.0 * wanted:g}; write it anew")
     # Counts and indices lead the kernel through memory: no figure of a damaged file may get there.
@@ -64,6 +67,12 @@ def fault_of(piece: Floats) -> str | None:
             return f"its {name} is {piece[at]:g} s"
     if not (piece[layout.SAMPLES] >= 2.0 and piece[layout.CELLS] >= 1.0 and 0.0 <= piece[layout.DURATION] < np.inf):
         return "it has no path"
+    if not piece[layout.TOOLS] >= 1.0:
+        return "it has no tool"
+    if not np.isfinite(piece[-int(piece[layout.TOOLS]) * layout.TOOL_COLUMNS :]).all():
+        return "a tool of it has no length"
+    if not (piece[layout.USED] in range(1, layout.JOINTS + 1) and piece[layout.DEAD_TIME] >= 0.0):
+        return "its joints or its dead time make no sense"
     if not np.isfinite(piece[layout.PATH : layout.PATH + (int(piece[layout.SAMPLES]) + 3) * layout.COLUMNS]).all():
         return "its path leads to infinity"
     group = piece[layout.GROUP : layout.PLACE].view(np.int64)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,8 +23,9 @@ class Measurement:
     tip counts before a force; an axis counts along with it.
     """
 
-    t: float
-    """When it was measured, on the follower's clock [s]."""
+    t: float | None
+    """When it was measured, on the follower's clock, which `SetPoint.t` tells [s]; None where the sensor does not say,
+    and the follower's `dead_time` does."""
     tip: npt.ArrayLike | None = None
     """(3,) tool tip in the workpiece frame [m]."""
     axis: npt.ArrayLike | None = None
@@ -34,13 +36,12 @@ class Measurement:
     """(3,) how far the tip was from where it was commanded `delay` before, correction and all, in the workpiece frame
     [m]: what `tip` less that place would be, and taken in place of it."""
 
-    def write(self, into: Floats) -> None:
-        """Write to an array (13,) as kernels/follow/layout.py has it. Raises UsageError for what is no number, or of a
-        wrong shape."""
-        t = number(self.t)
-        if t is None:
-            raise UsageError(f"measurement: t is {self.t!r:.60}; give a time in seconds")
-        into[MEASURED_AT] = t
+    def write(self, into: Floats, now: float, dead_time: float) -> None:
+        """Write to an array (13,) as kernels/follow/layout.py has it, at a time `now` of the follower's clock [s].
+
+        Raises UsageError for what is no number, or of a wrong shape, and for a time beside a dead time [s].
+        """
+        into[MEASURED_AT] = self._time(now, dead_time)
         for at, name, value in (
             (TIP, "tip", self.tip),
             (AXIS, "axis", self.axis),
@@ -55,3 +56,17 @@ class Measurement:
                 what = f"is {value!r:.60}" if given is None else f"has shape {given.shape}"
                 raise UsageError(f"measurement: {name} {what}; give three figures (x, y, z)")
             into[at : at + 3] = given
+
+    def _time(self, now: float, dead_time: float) -> float:
+        """When it was measured [s]."""
+        if self.t is None:
+            return now - dead_time
+        t = number(self.t)
+        if t is None:
+            raise UsageError(f"measurement: t is {self.t!r:.60}; give a time in seconds")
+        if dead_time > 0.0 and not math.isnan(t):
+            raise UsageError(
+                f"measurement: t is {t:g} s, and the follower has a dead_time of {dead_time:g} s: the sensor would be"
+                " late twice; give t = None, or a follower without dead_time"
+            )
+        return t

@@ -15,7 +15,7 @@ class Status(IntFlag):
     ENDED = layout.ENDED
     """The path has been gone through."""
     HELD = layout.HELD
-    """The tool stands on its path: a feed of 0, or a stop."""
+    """The tool stands on its path: a feed of 0, or a stop; from the first step on where that is asked for then."""
     STALE = layout.STALE
     """Nothing that counts was measured of late (or no axis, where the rotary joints are corrected): the correction is
     held."""
@@ -35,6 +35,8 @@ class Status(IntFlag):
     """The joints were found displaced: the motion goes on from where they are."""
     SLOWED = layout.SLOWED
     """The pace is lowered, for a correction that adds to the feed or lags behind."""
+    OVERRIDE_CUT = layout.OVERRIDE_CUT
+    """The override is above 1.2 or below 0, and 1.2 or 0 is taken; or it is nan or infinite, and the tool holds."""
 
 
 class SetPoint(NamedTuple):

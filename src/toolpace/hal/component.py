@@ -73,8 +73,13 @@ class Component:
             raise UsageError(
                 f"the law counts on a delay of {format_time(float(piece[layout.DELAY]))}, and a backlog of"
                 f" {format_time(ahead * follower.period)} alone is more: make it with delay = backlog + lag of the"
-                " drives and the sensor, or take a shorter --backlog"
+                " drives (and dead_time = that of the sensor), or take a shorter --backlog"
             )
+        if not piece[layout.FRAME : layout.GROUP].any():
+            raise UsageError("the law is of limits without a machine: make it of a Follower with the machine")
+        # each measurement is told the time at which it comes: what the sensor took until then is a part of the delay
+        piece[layout.DELAY] += piece[layout.DEAD_TIME]
+        piece[layout.DEAD_TIME] = 0.0
         self._ready(hal, ahead)
 
     def _ready(self, hal: Any, ahead: int) -> None:
@@ -199,7 +204,8 @@ class Component:
 
 def start_of(piece: Floats) -> tuple[Floats, Floats]:
     """(m,) joints at rest before the path of a piece, and (m,) those at its time 0, where its spline has begun."""
-    rest, at = piece[layout.PATH : layout.PATH + JOINTS].copy(), np.empty(4)
+    begin = layout.PATH + layout.COLUMNS
+    rest, at = piece[begin : begin + JOINTS].copy(), np.empty(4)
     first = np.empty(JOINTS)
     for j in range(JOINTS):
         place_on_path(piece, 0.0, j, at)

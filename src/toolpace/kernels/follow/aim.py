@@ -42,6 +42,7 @@ from toolpace.kernels.follow.layout import (
     JOINTS,
     JUMPED,
     LAST_AXIS,
+    LAST_COUNTED,
     LAST_JUMP,
     LAST_MEASURED,
     LATE,
@@ -63,11 +64,12 @@ from toolpace.kernels.follow.layout import (
     SMOOTHED,
     STEPS,
     TIP,
+    WITH_TOOL,
 )
-from toolpace.kernels.follow.path import place_on_path
+from toolpace.kernels.follow.path import longer_at, place_on_path
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.chain import dot, forward, linear_columns, reciprocal, turn
-from toolpace.kernels.kinematics.geometry import A0, U1, U2, Chain
+from toolpace.kernels.kinematics.geometry import A0, C2, U1, U2, Chain
 
 MOST_TILT = 0.5
 """What an axis may be off by to be believed [rad]."""
@@ -92,12 +94,12 @@ def take(piece: Floats, state: Floats, given: Floats) -> int:
         return ABSURD
     since = given[MEASURED_AT] - state[LAST_MEASURED] if state[MEASURED] > 0.0 else piece[PERIOD]
     first = state[MEASURED] == 0.0
-    state[MEASURED], state[LAST_MEASURED] = 1.0, given[MEASURED_AT]
+    state[MEASURED], state[LAST_MEASURED], state[LAST_COUNTED] = 1.0, given[MEASURED_AT], state[NOW]
     if piece[CAUSE] == DISPLACED and by_tip:
         return displace(piece, state, wanted, off)
     by_axis = by_tip and counts_axis(piece, given)
     if by_axis:
-        state[LAST_AXIS] = given[MEASURED_AT]
+        state[LAST_AXIS] = state[NOW]
     relax(piece, state, wanted, since, first, by_axis)
     return 0
 
@@ -125,7 +127,8 @@ def known_deflection(given: Floats) -> bool:
 
 @jit()
 def remembered(piece: Floats, state: Floats, step: float) -> None:
-    """Write the joints (5,) of a set-point that was given, between two of them, with pose and columns, to scratch."""
+    """Write the joints (5,) of a set-point that was given, between two of them, to scratch, and the chain with the tool
+    that was in the spindle then."""
     before = min(int(step), max(int(state[STEPS]) - 1, 0))
     share = min(max(step - before, 0.0), 1.0)
     one = HISTORY + (before % LOOK_BACK) * MEMORY
@@ -137,13 +140,28 @@ def remembered(piece: Floats, state: Floats, step: float) -> None:
         off = state[one + 1 + j] + share * (state[other + 1 + j] - state[one + 1 + j])
         state[SCRATCH + j] = column[0] + off
         state[SHOWN + j] = off
+    longer = longer_at(piece, tau)
+    for k in range(27):
+        state[WITH_TOOL + k] = piece[FRAME + k]
+    for d in range(3):
+        state[WITH_TOOL + 3 * C2 + d] -= longer * piece[FRAME + 3 * A0 + d]
 
 
 @jit(inline=True)
 def chain_of(piece: Floats) -> Chain:
-    """The kinematic chain in a piece."""
+    """The kinematic chain in a piece, with the tool of the machine file."""
     return Chain(
         piece[FRAME : FRAME + 27].reshape((9, 3)),
+        piece[GROUP : GROUP + 3].view(np.int64),
+        piece[PLACE : PLACE + 5].view(np.int64),
+    )
+
+
+@jit(inline=True)
+def chain_with_tool(piece: Floats, state: Floats) -> Chain:
+    """The same with the tool of the set-point that `remembered` found."""
+    return Chain(
+        state[WITH_TOOL : WITH_TOOL + 27].reshape((9, 3)),
         piece[GROUP : GROUP + 3].view(np.int64),
         piece[PLACE : PLACE + 5].view(np.int64),
     )
@@ -152,7 +170,7 @@ def chain_of(piece: Floats) -> Chain:
 @jit()
 def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> float:
     """How far the joints (5,) must go to undo what tip and axis are off by; returns what the tip is off by [m]."""
-    chain = chain_of(piece)
+    chain = chain_with_tool(piece, state)
     tip, axis = state[SCRATCH + 5 : SCRATCH + 8], state[SCRATCH + 8 : SCRATCH + 11]
     q = state[SCRATCH : SCRATCH + 5]
     forward(chain, q.reshape((1, 5)), tip.reshape((1, 3)), axis.reshape((1, 3)))
@@ -187,7 +205,7 @@ def turns_for(piece: Floats, state: Floats, given: Floats, axis: Floats) -> tupl
     """Turns of both rotary joints that undo what the axis is off by, in least squares damped by the tolerance of the
     axis: near its pole, where a joint turns far for next to nothing, it stays (Wampler 1986). Nan where that is not to
     be believed."""
-    chain = chain_of(piece)
+    chain = chain_with_tool(piece, state)
     q = state[SCRATCH : SCRATCH + 5]
     s1, k1 = math.sin(q[chain.place[0]]), math.cos(q[chain.place[0]])
     s2, k2 = math.sin(q[chain.place[1]]), math.cos(q[chain.place[1]])
@@ -233,7 +251,7 @@ def by_linear(chain: Chain, state: Floats, off: Floats, wanted: Floats) -> None:
 @jit()
 def off_by_force(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> float:
     """The same for the bending that a force on the tool (3,) [N], in the frame of the workpiece, makes of it."""
-    chain = chain_of(piece)
+    chain = chain_with_tool(piece, state)
     q = state[SCRATCH : SCRATCH + 5]
     first, second = q[chain.place[0]], q[chain.place[1]]
     local, bent = state[SCRATCH + 5 : SCRATCH + 8], state[SCRATCH + 8 : SCRATCH + 11]

@@ -8,7 +8,7 @@ With the pace p = d tau / dt a joint has, of its path's derivatives by tau,
 
 so that a steady pace of at most 1 keeps what the path keeps. A change of pace is looked through over all of the path
 that it passes before it is begun, and it ends at a steady pace of at most 1: what is committed to can always be gone
-through with, whatever comes.
+through with, whatever comes. The path comes out of rest: until it has moved its pace is the one that is wanted.
 """
 
 from __future__ import annotations
@@ -135,6 +135,16 @@ def lay_out(state: Floats, goal: float, way: int, period: float) -> float:
         change_of_pace(goal, 0.0, 1.0, bend, state, CANDIDATE + 8)
     time: float = state[CANDIDATE] + state[CANDIDATE + 2] + state[CANDIDATE + 4]
     return time
+
+
+@jit(inline=True)
+def begin(state: Floats, wanted: float) -> None:
+    """At the start of the path, where it is at rest, any steady pace that the path itself allows may be begun with."""
+    if state[TAU] == 0.0:
+        state[PACE] = state[GOAL] = state[FINAL] = min(wanted, 1.0)
+        state[CHANGE] = state[BEND] = 0.0
+        for k in range(2 * SEGMENTS):
+            state[COMMITTED + k] = 0.0
 
 
 @jit()

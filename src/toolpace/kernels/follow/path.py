@@ -8,7 +8,19 @@ difference (Schoenberg 1946; de Boor, A Practical Guide to Splines, chapter IX).
 from __future__ import annotations
 
 from toolpace.kernels.arrays import Floats
-from toolpace.kernels.follow.layout import CELL, CELL_COLUMNS, CELLS, COLUMNS, PATH, SAMPLES, STEP
+from toolpace.kernels.follow.layout import (
+    CELL,
+    CELL_COLUMNS,
+    CELLS,
+    COLUMNS,
+    FROM,
+    LONGER,
+    PATH,
+    SAMPLES,
+    STEP,
+    TOOL_COLUMNS,
+    TOOLS,
+)
 from toolpace.kernels.jit import jit
 
 
@@ -41,3 +53,18 @@ def cell_at(piece: Floats, tau: float) -> int:
     count = int(piece[CELLS])
     k = min(max(int(tau / piece[CELL]), 0), count - 1)
     return PATH + (int(piece[SAMPLES]) + 3) * COLUMNS + k * CELL_COLUMNS
+
+
+@jit()
+def longer_at(piece: Floats, tau: float) -> float:
+    """By how much the tool in the spindle at a time of the path is longer than that of the machine file [m]."""
+    table = PATH + (int(piece[SAMPLES]) + 3) * COLUMNS + int(piece[CELLS]) * CELL_COLUMNS
+    low, high = 0, int(piece[TOOLS])
+    while high - low > 1:
+        middle = (low + high) // 2
+        if piece[table + middle * TOOL_COLUMNS + FROM] <= tau:
+            low = middle
+        else:
+            high = middle
+    longer: float = piece[table + low * TOOL_COLUMNS + LONGER]
+    return longer

@@ -3,6 +3,7 @@
 step: a piece, its state, a measurement
   the measurement is taken in, or why it is not is said
   the pace that is wanted: what the operator asks, less for what the correction adds to the feed or lags behind
+  before anything has moved, that is the pace
   a change of pace is committed to, if one fits
   path and pace go on for one period, and so does the correction
   joints: path and correction together
@@ -36,7 +37,7 @@ from toolpace.kernels.follow.layout import (
     HOLD,
     JOINTS,
     LAST_AXIS,
-    LAST_MEASURED,
+    LAST_COUNTED,
     LOOK_BACK,
     MEASURED,
     MEMORY,
@@ -46,6 +47,7 @@ from toolpace.kernels.follow.layout import (
     OUT_CORRECTION,
     OUT_PACE,
     OVERRIDE,
+    OVERRIDE_CUT,
     PACE,
     PARAMETER,
     PATH_TIME,
@@ -64,7 +66,7 @@ from toolpace.kernels.follow.layout import (
     WAIT,
     Q,
 )
-from toolpace.kernels.follow.pace import commit, keep_pace
+from toolpace.kernels.follow.pace import begin, commit, keep_pace
 from toolpace.kernels.follow.path import place_on_path
 from toolpace.kernels.jit import jit
 
@@ -85,8 +87,12 @@ def step(piece: Floats, state: Floats, given: Floats, out: Floats) -> None:
         status |= take(piece, state, given)
     status |= grow_old(piece, state)
     status |= supervise(piece, state)
-    wanted, slowed = wanted_pace(piece, state, given[OVERRIDE])
+    asked = allowed(given[OVERRIDE])
+    if asked != given[OVERRIDE]:
+        status |= OVERRIDE_CUT
+    wanted, slowed = wanted_pace(piece, state, asked)
     status |= slowed
+    begin(state, wanted)
     commit(piece, state, wanted)
     keep_pace(piece, state)
     correct(piece, state)
@@ -109,7 +115,7 @@ def measured_something(given: Floats) -> bool:
 def grow_old(piece: Floats, state: Floats) -> int:
     """Hold the aim for a while without measurements, then let it fade; returns what is to be said.
 
-    The rotary joints go by when an axis was measured, the linear ones by when anything was.
+    The rotary joints go by when an axis was given, the linear ones by when anything was, however old it was then.
     """
     if state[MEASURED] == 0.0:
         return 0
@@ -117,7 +123,7 @@ def grow_old(piece: Floats, state: Floats) -> int:
     said, kept = 0, math.exp(-piece[PERIOD] / piece[FADE])
     for k in range(JOINTS):
         aim = AIM + place[k]
-        late = state[NOW] - state[LAST_AXIS if k < 2 else LAST_MEASURED] - piece[DELAY] - 0.5 * piece[PERIOD]
+        late = state[NOW] - state[LAST_AXIS if k < 2 else LAST_COUNTED] - piece[DELAY] - 0.5 * piece[PERIOD]
         if late <= 0.0 or (k < 2 and state[aim] == 0.0):
             continue
         said |= STALE
@@ -139,10 +145,15 @@ def supervise(piece: Floats, state: Floats) -> int:
     return said | STOPPING if state[STOPPED] > 0.0 else said
 
 
+@jit(inline=True)
+def allowed(override: float) -> float:
+    """The override within its range; a hold for what is no finite number."""
+    return min(max(override, 0.0), MOST_OVERRIDE) if math.isfinite(override) else 0.0
+
+
 @jit()
-def wanted_pace(piece: Floats, state: Floats, override: float) -> tuple[float, int]:
+def wanted_pace(piece: Floats, state: Floats, asked: float) -> tuple[float, int]:
     """The pace that is wanted, and whether it is less than what was asked."""
-    asked = min(max(override, 0.0), MOST_OVERRIDE) if not math.isnan(override) else 0.0
     if state[STOPPED] > 0.0:
         return 0.0, 0
     needed = feed_of_correction(piece, state)
