@@ -22,6 +22,7 @@ class Law:
 
 RUN = SimpleNamespace(
     s0=0.0, s1=1.0, breaks=np.empty(0), hints=np.empty(0), smooth=True, ends_here=True, machine=None,
+    tool_length=np.nan,
     detour=SimpleNamespace(duration=2.0),
 )  # fmt: skip
 LIMITS = SimpleNamespace(joints=("X",))

@@ -19,6 +19,7 @@ from toolpace.deflect.projection.potential import descend
 from toolpace.deflect.projection.project import TOLERANCE
 from toolpace.errors import PathError, UsageError
 from toolpace.machine.machine import Machine
+from toolpace.path.exact import callable_run
 from toolpace.path.path import Path
 from toolpace.path.run import PathRun
 
@@ -141,13 +142,13 @@ def test_projection_error_falls_with_every_step() -> None:
 
 
 def test_projection_refuses_what_is_no_point_or_no_interval() -> None:
-    with pytest.raises(UsageError, match="is no point"):
+    with pytest.raises(UsageError, match=r"deflection\[1\] is nan; give finite"):
         deflect.project(ARC, (0.0, np.nan, 0.0))
     with pytest.raises(UsageError, match="no interval"):
         deflect.project(ARC, DEFLECTION, interval=(1.0, 2.0))
     with pytest.raises(UsageError, match=r"unknown method 'potentail'; .*potential"):
         deflect.project(ARC, DEFLECTION, method="potentail")
-    with pytest.raises(UsageError, match="tolerance of 0 m"):
+    with pytest.raises(UsageError, match="tolerance is 0; give a number, above 0"):
         deflect.project(ARC, DEFLECTION, tolerance=0.0)
     with pytest.raises(UsageError, match=r"2 runs of the path have an interval .* project on the one"):
         deflect.project(Path(2 * ARC.runs), DEFLECTION, interval=TWENTIETH)
@@ -373,7 +374,7 @@ def test_path_with_a_derivative_that_is_not_finite_is_refused() -> None:
 
 
 def test_noise_in_the_derivatives_of_a_function_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Derivatives by differences, as users may give them: no halving resolves their rounding."""
+    """No halving resolves the rounding of derivatives by differences; a caller's are refused before they get so far."""
     monkeypatch.setattr(chords, "MOST_UNRESOLVED", 1 << 11)
     random = np.random.default_rng(13)
 
@@ -382,5 +383,7 @@ def test_noise_in_the_derivatives_of_a_function_ends(monkeypatch: pytest.MonkeyP
         across = random.normal(0, 1e3**order, (2, len(s))) if order > 1 else np.zeros((2, len(s)))
         return np.stack([along, *across], axis=1), UPRIGHT * (order == 0)
 
-    found = deflect.project(Path.from_callable(noisy), [0.3, 0.2, 0.0])
+    with pytest.raises(PathError, match=r"f\(s, 2\) is not the derivative of f\(s, 1\)"):
+        Path.from_callable(noisy)
+    found = deflect.project(Path((callable_run(noisy, 0.0, 1.0, np.inf),)), [0.3, 0.2, 0.0])
     assert found.distance == pytest.approx(0.2, abs=1e-9) and not found.proven

@@ -57,6 +57,7 @@ class AimedOffRun(AxisRun):
         self.base, self.aim = base, aim
         self.s0, self.s1, self.breaks, self.hints = base.s0, base.s1, base.breaks, base.hints
         self.dwell, self.blocks, self.smooth_cap = base.dwell, base.blocks, base.smooth_cap
+        self.tool_length = base.tool_length
 
     def evaluate(self, s: Floats) -> Floats:
         return self._moved(self.base.evaluate(s))

@@ -1,4 +1,4 @@
-"""From a state in motion back onto a run: each joint a cubic spline of time.
+"""From a state in motion back onto a run: what every way tells; one of them makes each joint a cubic spline of time.
 
 Where the paper joins deflection and projection by a quintic with the same velocity and acceleration at both, here the
 joints start as they are moving and arrive with the motion that the commanded time law has at the point of rejoining: no
@@ -11,6 +11,7 @@ joint is asked for a jump of velocity or acceleration at either end.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,20 +20,15 @@ from toolpace.arrays import Floats
 from toolpace.deflect.commanded import CommandedMotion
 
 
-@dataclass(frozen=True, eq=False)
-class Detour:
-    """Joint motion from a state to that of the commanded motion at `rejoin`, with constant jerk in each step."""
+class Course(ABC):
+    """Joint motion from a state to that of the commanded motion at `rejoin`."""
 
     commanded: CommandedMotion
     left: float
     """When the path was left, and when it is rejoined, both on the clock of the commanded law [s]."""
     rejoin: float
     times: Floats
-    """(n + 1,) of the steps' ends since the start; the last is the duration [s]."""
-    knots: Floats
-    """(3, n + 1, m) positions, velocities, accelerations there."""
-    jerks: Floats
-    """(n, m) in the steps."""
+    """(n + 1,) ends of steps since the start, between which the motion is smooth; the last is the duration [s]."""
 
     @property
     def duration(self) -> float:
@@ -44,16 +40,38 @@ class Detour:
         """By how much the rest of the motion comes later than without the detour [s]."""
         return self.duration - (self.rejoin - self.left)
 
-    def abreast(self, t: Floats) -> Floats:
-        """(n,) parameters of the run that the tool is abreast of at times since the start.
+    @abstractmethod
+    def clock(self, t: Floats) -> Floats:
+        """(n,) times on the clock of the commanded law that the tool is abreast of, at times since the start [s]."""
 
-        The commanded law's at the time that has passed in the same share, from the leaving to the rejoining.
-        """
-        clock = self.left + (self.rejoin - self.left) * np.clip(t / self.duration, 0.0, 1.0)
-        return self.commanded.place(clock)
+    @abstractmethod
+    def motion(self, t: Floats) -> Floats:
+        """(4, n, m) joints and three time derivatives at sorted times (n,) since the start."""
+
+    def abreast(self, t: Floats) -> Floats:
+        """(n,) parameters of the run that the tool is abreast of at times since the start."""
+        return self.commanded.place(self.clock(t))
+
+
+@dataclass(frozen=True, eq=False)
+class Detour(Course):
+    """Joint motion with constant jerk in each step."""
+
+    commanded: CommandedMotion
+    left: float
+    rejoin: float
+    times: Floats
+    knots: Floats
+    """(3, n + 1, m) positions, velocities, accelerations at the ends of the steps."""
+    jerks: Floats
+    """(n, m) in the steps."""
+
+    def clock(self, t: Floats) -> Floats:
+        """The time that has passed in the same share, from the leaving to the rejoining."""
+        on: Floats = self.left + (self.rejoin - self.left) * np.clip(t / self.duration, 0.0, 1.0)
+        return on
 
     def motion(self, t: Floats) -> Floats:
-        """(4, n, m) joints and three time derivatives at times (n,) since the start."""
         k = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.jerks) - 1)
         x = (t - self.times[k])[:, None]
         q, v, a = self.knots[:, k]

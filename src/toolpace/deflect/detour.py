@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.axispath.run import AxisRun
-from toolpace.deflect.course import Detour
+from toolpace.deflect.course import Course
 from toolpace.deflect.feed import above_feed, feed_at, tip_velocity
 from toolpace.machine.machine import Machine
 
@@ -31,11 +31,12 @@ class DetourRun(AxisRun):
     nothing or changes by much over the detour, p is time on the detour, and the path goes on in another slope.
     """
 
-    def __init__(self, detour: Detour, machine: Machine | None, lag: float = 0.0) -> None:
+    def __init__(self, detour: Course, machine: Machine | None, lag: float = 0.0) -> None:
         """`lag` is what earlier detours on the same run have lost [s]."""
         commanded = detour.commanded
         self.detour, self.machine, self.rest_of, self.lag = detour, machine, commanded.run, lag
         place, self.v, self.a, _ = map(float, commanded.law.at(np.array([detour.rejoin]))[:, 0])
+        self.joints = detour.motion(np.zeros(1)).shape[2]
         length, span = commanded.run.s1 - commanded.run.s0, detour.duration
         self.ends_here = bool(commanded.still(np.array([self.v]))[0])
         self.smooth = (
@@ -57,6 +58,7 @@ class DetourRun(AxisRun):
         after = np.empty(0) if self.ends_here else hints[hints > self.join]
         self.hints = np.concatenate([own, after]) if len(hints) else own
         self.blocks = commanded.run.blocks
+        self.tool_length = commanded.run.tool_length
 
     @property
     def leads_to_start(self) -> bool:
@@ -107,7 +109,7 @@ class DetourRun(AxisRun):
     def evaluate(self, s: Floats) -> Floats:
         s = np.asarray(s, dtype=float)
         on = self.on_detour(s)
-        out = np.empty((4, len(s), self.detour.jerks.shape[1]))
+        out = np.empty((4, len(s), self.joints))
         if not on.all():
             out[:, ~on] = self.rest_of.evaluate(s[~on])
         if on.any():

@@ -8,7 +8,7 @@ from toolpace.arrays import Floats
 from toolpace.axispath.follow import FollowRun
 from toolpace.axispath.run import AxisRun
 from toolpace.deflect.aim import AimedOffRun
-from toolpace.deflect.course import Detour
+from toolpace.deflect.course import Course
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.planning.guarantee import DETOUR
@@ -77,14 +77,14 @@ def looks_at(times: Floats) -> Floats:
     return np.append((times[:-1, None] + np.diff(times)[:, None] * inside).ravel(), times[-1])
 
 
-def tip_speed(detour: Detour, machine: Machine) -> tuple[Floats, Floats, Floats]:
+def tip_speed(detour: Course, machine: Machine) -> tuple[Floats, Floats, Floats]:
     """Times along a detour, speed of the tip and the feed of where it is, each (n,)."""
     t = looks_at(detour.times)
     q, qd = detour.motion(t)[:2]
     return t, np.linalg.norm(tip_velocity(machine, q, qd), axis=1), feed_at(detour.commanded.run, detour.abreast(t))
 
 
-def above_feed(detour: Detour, machine: Machine | None) -> tuple[float, float]:
+def above_feed(detour: Course, machine: Machine | None) -> tuple[float, float]:
     """Largest share of the feed by which the tip is above it on a detour, and the last time when it is [s]."""
     if machine is None:
         return 0.0, 0.0

@@ -19,6 +19,7 @@ class Onward(AxisRun):
         self.s0, self.s1 = float(np.clip(law.at(np.array([begin]))[0, 0], base.s0, base.s1)), base.s1
         self.breaks, self.hints = base.breaks[base.breaks > self.s0], base.hints[base.hints > self.s0]
         self.dwell, self.blocks, self.smooth_cap = base.dwell, base.blocks, base.smooth_cap
+        self.tool_length = base.tool_length
 
     def rest(self) -> TimeLaw:
         """The law of it."""
@@ -40,6 +41,7 @@ class Stretch(AxisRun):
     def __init__(self, base: AxisRun, end: float) -> None:
         self.base, self.s0, self.s1 = base, base.s0, end
         self.breaks, self.hints = base.breaks[base.breaks < end], base.hints[base.hints < end]
+        self.tool_length = base.tool_length
 
     def evaluate(self, s: Floats) -> Floats:
         return self.base.evaluate(s)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number, numbers
 from toolpace.deflect.standing import Standing
 from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.machine.machine import Machine
@@ -31,14 +31,13 @@ def deflected_pose(
     of the axis turns the first of them far, that one stays. Raises InfeasibleError where the pose is out of reach or
     travel.
     """
-    machine = machine or trajectory.axis_path.machine
     standing = Standing.of(trajectory, time)
+    machine = standing.machine_with_tool(machine or trajectory.axis_path.machine)
     q = standing.state()[:1]
     point = measured(deflection, len(trajectory.joints) if machine is None else 3, machine)
     if machine is None:
         return point
-    if not (np.isfinite(axis_tolerance) and axis_tolerance >= 0.0):
-        raise UsageError(f"deflection: axis_tolerance is {axis_tolerance!r}; give an angle in rad, 0 or more")
+    axis_tolerance = number(axis_tolerance, "deflection: axis_tolerance", least=0.0, unit="rad")
     rotary = (
         q[:, machine.rotary] if axis is None else rotary_near(machine, q[:, machine.rotary], axis, time, axis_tolerance)
     )
@@ -53,24 +52,15 @@ def deflected_pose(
 
 def measured(deflection: npt.ArrayLike, size: int, machine: Machine | None) -> Floats:
     """What was measured, as (size,) finite numbers. Raises UsageError."""
-    try:
-        point = np.asarray(deflection, dtype=float)
-    except (TypeError, ValueError):
-        point = np.empty(0)
-    if point.shape != (size,) or not np.isfinite(point).all():
-        what = "joints" if machine is None else "coordinates of the tip in metres"
-        raise UsageError(f"deflection: {deflection!r}; give {size} finite {what}")
-    return point
+    what = "m or rad, of the joints" if machine is None else "m, of the tip"
+    return numbers(deflection, "deflection", (size,), unit=what)
 
 
 def rotary_near(machine: Machine, rotary: Floats, axis: npt.ArrayLike, time: float, tolerance: float) -> Floats:
     """(1, 2) rotary joints that give the tool axis to a tolerance, nearest to those given (1, 2) [rad]."""
-    try:
-        direction = np.asarray(axis, dtype=float)
-    except (TypeError, ValueError):
-        direction = np.empty(0)
-    length = float(np.linalg.norm(direction)) if direction.shape == (3,) else 0.0
-    if not (np.isfinite(length) and length > 0.0):
+    direction = numbers(axis, "deflection: tool axis", (3,))
+    length = float(np.linalg.norm(direction))
+    if not length > 0.0:
         raise UsageError(f"deflection: tool axis {axis!r}; give three numbers, not all zero")
     jets = np.zeros((4, 1, 3))
     jets[0, 0] = direction / length

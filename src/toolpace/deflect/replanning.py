@@ -30,8 +30,9 @@ from toolpace.deflect.onward import Onward
 from toolpace.deflect.pose import SAME_AXIS, deflected_pose, measured, offset_in_words
 from toolpace.deflect.rejoin import rejoin_time
 from toolpace.deflect.standing import Standing, on_path
-from toolpace.deflect.way_back.search import shortest_detour
+from toolpace.deflect.way_back.search import way_back_of
 from toolpace.deflect.way_back.splines import Problem
+from toolpace.deflect.way_back.sure import NOT_BEGUN, Standby
 from toolpace.errors import InfeasibleError, UsageError, did_you_mean
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
@@ -46,9 +47,6 @@ if TYPE_CHECKING:
 CAUSES = ("displaced", "bending")
 IN_PLACE = 1e-11
 """How far the joints or the tip may be off and count as in place: rounding of the kinematics [m or rad]."""
-
-NOT_BEGUN = 1e-6
-"""Time of a run up to which it has not been begun [s]."""
 
 
 def replan(
@@ -95,9 +93,8 @@ def replan(
     began = clock.perf_counter()
     timing = timing_of(planner, options)
     check_replannable(trajectory, time, cause, axis)
-    machine = machine or trajectory.axis_path.machine
-
     standing = Standing.of(trajectory, time)
+    machine = standing.machine_with_tool(machine or trajectory.axis_path.machine)
     start, aim = standing.state(), standing.aim
     if cause == "bending":
         aim = bent(trajectory, standing, start[0], deflection, machine)
@@ -112,10 +109,14 @@ def replan(
         return _joined(trajectory, standing, rest, rest.rest(), aim, timing.name, began)
 
     problem = Problem(wanted, left, start, trajectory.limits, machine)
-    detour = shortest_detour(problem, target, standing.lag)
+    standby = Standby(
+        standing.current, standing.local, start[0] - standing.state()[0],
+        lambda wait: standing.clock_after(wait) * (aim.pace if aim else 1.0),
+    )  # fmt: skip
+    detour = way_back_of(problem, standby, target, standing.lag)
     if detour is None and target is None and left <= NOT_BEGUN:
         # nothing of the run has been missed: straight to its start, however slow the feed there
-        detour = shortest_detour(problem, 0.0, standing.lag)
+        detour = way_back_of(problem, standby, 0.0, standing.lag)
     if detour is None:
         raise InfeasibleError(
             f"deflection at {time:.6g} s: no way back to the path within limits and travel; the joints are off by"

@@ -18,6 +18,7 @@ from toolpace.deflect.onward import Onward
 from toolpace.laws.chain import ChainLaw
 from toolpace.laws.law import TimeLaw
 from toolpace.laws.slowed import SlowedLaw
+from toolpace.machine.machine import Machine
 from toolpace.trajectory import Trajectory
 
 
@@ -57,6 +58,18 @@ class Standing:
         original = on_path(followed)
         return cls(behind, current, local, original, clock / (aim.pace if aim else 1.0), aim, lag)
 
+    def machine_with_tool(self, machine: Machine | None) -> Machine | None:
+        """The machine with the tool that is in the spindle at the instant."""
+        return None if machine is None else machine.with_tool(self.original.run.tool_length)
+
+    def clock_after(self, wait: float) -> float:
+        """The time that the original motion will have come to when the motion has gone on for a while [s]."""
+        run, law = self.current.run, self.current.law
+        pace = self.aim.pace if self.aim else 1.0
+        if isinstance(run, DetourRun):
+            return rejoined_clock(run, law, min(self.local + wait, law.duration)) / pace
+        return self.clock + wait / pace
+
     def state(self) -> Floats:
         """(3, m) positions, velocities and accelerations commanded."""
         motion: Floats = self.current.motion(np.array([self.local]))[:3, 0]
@@ -77,7 +90,7 @@ def rejoined_clock(run: DetourRun, law: TimeLaw, local: float) -> float:
     p = law.at(np.array([local]))[0]
     if run.on_detour(p)[0]:
         passed = float(run.time_at(p)[0])
-        return run.detour.left + (run.detour.rejoin - run.detour.left) * passed / run.detour.duration
+        return float(run.detour.clock(np.array([passed]))[0])
     if isinstance(law, ChainLaw) and local >= law.times[-2]:
         return law.pieces[-1].begin + (local - float(law.times[-2]))
     return run.detour.commanded.law.passing_time(float(p[0]))

@@ -21,6 +21,10 @@ WORTH = 0.05
 limits allow, and the law beyond it is the fastest already [s]."""
 
 
+LONGEST = 25.0
+"""Time of a detour from which it is not timed anew either: its mesh takes over a second, and won 1 ms of 31 s [s]."""
+
+
 class Timing(NamedTuple):
     """A way of timing detours."""
 
@@ -28,6 +32,11 @@ class Timing(NamedTuple):
     """As trajectories tell it."""
     law: Callable[[DetourRun, Limits, TimeLaw], TimeLaw]
     """Takes a detour, the limits and the law under which the detour runs as made; returns the law it shall have."""
+
+
+def worth_timing(run: DetourRun) -> bool:
+    """Whether the optimal planner may save what its own time is worth: never where the joints rest at the end."""
+    return run.detour.lost > WORTH and not run.ends_here and run.detour.duration <= LONGEST
 
 
 def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
@@ -55,7 +64,7 @@ def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
     other = replace(chosen, bound=False) if isinstance(chosen, Optimal) else chosen
 
     def anew(run: DetourRun, limits: Limits, direct: TimeLaw) -> TimeLaw:
-        if isinstance(other, Optimal) and run.detour.lost <= WORTH:
+        if isinstance(other, Optimal) and not worth_timing(run):
             return direct
         return planned_law(run, limits, direct, other)
 

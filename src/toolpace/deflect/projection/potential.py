@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number, numbers
 from toolpace.deflect.projection.point import Projection
 from toolpace.deflect.projection.stretch import Stretch
 from toolpace.errors import UsageError
@@ -46,20 +46,30 @@ def potential(
 
     `target` and `deflection` (3,) [m], `velocity` those of both [m/s].
     """
-    value: float = alpha * float(np.linalg.norm(np.subtract(target, deflection))) ** m
+    alpha, m, n = number(alpha, "potential: alpha"), number(m, "potential: m"), number(n, "potential: n")
+    value: float = alpha * float(np.linalg.norm(_apart(target, deflection, "potential"))) ** m
     if velocity is not None:
-        value += alpha_velocity * float(np.linalg.norm(np.subtract(*velocity))) ** n
+        if len(velocity) != 2:
+            raise UsageError(f"potential: velocity has {len(velocity)} parts; give that of the target and the other")
+        alpha_velocity = number(alpha_velocity, "potential: alpha_velocity")
+        value += alpha_velocity * float(np.linalg.norm(_apart(*velocity, "potential: velocity of"))) ** n
     return value
 
 
 def force(target: npt.ArrayLike, deflection: npt.ArrayLike, *, alpha: float = 1.0, m: float = 2.0) -> Floats:
     """(3,) the negative gradient of the potential by the position of the target, Eq. (9)."""
-    apart = np.subtract(target, deflection, dtype=float)
+    alpha, m = number(alpha, "force: alpha"), number(m, "force: m")
+    apart = _apart(target, deflection, "force")
     distance = float(np.linalg.norm(apart))
     if distance == 0.0:
         return np.zeros(3)
     pull: Floats = -alpha * m * distance ** (m - 2.0) * apart
     return pull
+
+
+def _apart(target: npt.ArrayLike, deflection: npt.ArrayLike, asks: str) -> Floats:
+    """(3,) the way from a deflection to a target."""
+    return numbers(target, f"{asks}: target", (3,)) - numbers(deflection, f"{asks}: deflection", (3,))
 
 
 def descend(

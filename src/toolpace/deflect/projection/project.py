@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 import numpy.typing as npt
 
+from toolpace.arrays import number, numbers
 from toolpace.deflect.projection.nearest import nearest
 from toolpace.deflect.projection.point import Projection
 from toolpace.deflect.projection.potential import nearest_by_field
@@ -39,12 +39,9 @@ def project(
     Raises UsageError for a deflection that is not finite, an interval that lies on no run or on several, and a
     potential field that does not come to rest, and PathError for a path whose derivatives are not finite.
     """
-    point = np.asarray(deflection, dtype=float)
-    if point.shape != (3,) or not np.isfinite(point).all():
-        raise UsageError(f"deflection: {deflection!r} is no point; give three finite coordinates in metres")
+    point = numbers(deflection, "deflection", (3,), unit="m, of the tip")
     if method not in METHODS:
         raise UsageError(f"deflection: unknown method '{method}'; {did_you_mean(method, METHODS)}")
-    if not 0.0 < tolerance < np.inf:
-        raise UsageError(f"deflection: a tolerance of {tolerance:g} m; give a positive one")
+    tolerance = number(tolerance, "deflection: tolerance", least=0.0, above=True, unit="m")
     parts = stretches(path, interval)
     return nearest_by_field(parts, point) if method == "potential" else nearest(parts, point, tolerance)

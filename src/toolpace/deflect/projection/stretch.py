@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, numbers
 from toolpace.errors import UsageError
 from toolpace.path.path import Path
 from toolpace.path.run import PathRun
@@ -36,7 +36,7 @@ def stretches(path: Path, interval: tuple[float, float] | None) -> list[Stretch]
     """
     if interval is None:
         return [Stretch(index, run, run.s0, run.s1) for index, run in enumerate(path.runs)]
-    low, high = map(float, interval)
+    low, high = numbers(interval, "deflection: interval", (2,)).tolist()
     found = [
         Stretch(index, run, max(low, run.s0), min(high, run.s1))
         for index, run in enumerate(path.runs)

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.deflect.course import Detour
+from toolpace.deflect.course import Course, Detour
 from toolpace.deflect.feed import feed_at, tip_speed, tip_velocity
 from toolpace.deflect.way_back.mesh import FINER
 from toolpace.deflect.way_back.splines import (
@@ -28,11 +28,16 @@ from toolpace.deflect.way_back.splines import (
     solved,
     with_feed,
 )  # fmt: skip
+from toolpace.deflect.way_back.sure import Standby, sure_way
 from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
 LONG = 3.0
 """Time of a detour over the first guess from which finer steps are tried too."""
+FED = 0.8
+"""Time that the feed asks for, over that of the joints alone, from which no spline is tried: it would hug the feed."""
+COARSE_TRIES, FINE_TRIES = 6, 3
+"""Splines that are tried, of few and of many steps: each costs some 20 to 300 ms of computing."""
 SHORTEST, LONGEST = 1e-5, 60.0
 """Times of a detour that are looked at [s]."""
 TRIES, CLOSE = 20, 1.09
@@ -90,20 +95,40 @@ def joints_alone(problem: Problem, period: float, rejoin: float | None, wish: fl
     return solved(rows, Spline.begun(problem, period, lead, y), with_tip=False, gap=0.02)
 
 
-def shortest_detour(problem: Problem, rejoin: float | None = None, lag: float = 0.0) -> Detour | None:
+def way_back_of(problem: Problem, standby: Standby, rejoin: float | None = None, lag: float = 0.0) -> Course | None:
     """The way back to a given time of the commanded law, or wherever it is best; None where none passes.
 
-    `lag` is the time lost before [s], which is made up for where the deflection itself leads onwards.
+    `lag` is the time lost before [s], which is made up for where the deflection itself leads onwards. Where the feed
+    binds, and not the joints, the way beside the path is as fast as any.
     """
-    best = with_pieces(problem, rejoin, lag)
-    if best is None or best.duration > LONG * problem.guess:
-        other = with_pieces(replace(problem, pieces=FINER), rejoin, lag)
-        best = min((each for each in (best, other) if each), key=lambda each: each.duration, default=None)
-    return best
+    found: list[Course | None] = []
+    by_joints = fed_time(problem) <= FED * problem.guess
+    if by_joints:
+        found.append(with_pieces(problem, rejoin, lag, COARSE_TRIES))
+        if found[0] is not None and found[0].duration <= LONG * problem.guess:
+            return found[0]
+    found.append(sure_way(problem, standby, rejoin, min(map(price, found), default=np.inf)))
+    if by_joints and min(map(price, found)) > LONG * problem.guess:
+        found.append(with_pieces(replace(problem, pieces=FINER), rejoin, lag, FINE_TRIES))
+    return min(found, key=price)
 
 
-def with_pieces(problem: Problem, rejoin: float | None, lag: float) -> Detour | None:
-    """The same, of so many steps of constant jerk."""
+def price(course: Course | None) -> float:
+    """Time of a way back and what it loses [s]."""
+    return np.inf if course is None else course.duration + course.lost
+
+
+def fed_time(problem: Problem) -> float:
+    """The least time in which the feed lets the tip go aside [s]; 0 where none holds."""
+    if problem.machine is None:
+        return 0.0
+    feed = feed_at(problem.commanded.run, problem.commanded.place(np.array([problem.left])))[0]
+    tips = problem.machine.forward(np.stack([problem.start[0], problem.end(0.0, 0.0)[0]]))[0]
+    return float(np.linalg.norm(tips[0] - tips[1]) / feed) if np.isfinite(feed) else 0.0
+
+
+def with_pieces(problem: Problem, rejoin: float | None, lag: float, tries: int) -> Detour | None:
+    """By a spline of so many steps of constant jerk, in so many tries."""
     ahead = lead_of(problem)
     wish = -min(lag, max(ahead, 0.0))
     soonest = least_period(problem, rejoin, wish, max(-ahead, 0.0))
@@ -113,7 +138,8 @@ def with_pieces(problem: Problem, rejoin: float | None, lag: float) -> Detour | 
     reached = dict.fromkeys(BRAKING, (FIRST_STRETCH * soonest.period, 0))
     for most in (SOON * soonest.period, np.inf):
         for share, (period, tried) in reached.items():
-            while tried < STRETCHES and period <= most:
+            while tried < STRETCHES and period <= most and tries:
+                tries -= 1
                 found, used = way_back(problem, soonest, period, rejoin, wish, share, alone=not (fed and tried))
                 if found is not None:
                     return found

@@ -1,0 +1,170 @@
+"""The way back beside the path: the motion along the path goes on slower, and what is off dies away meanwhile.
+
+    q(t) = Q(c(t)) + e(t)          Q: the motion that is rejoined, c: its clock, e: by how much the joints are off
+
+    dc/dt  1 --.              .-- 1        e  --.
+               `--- pace ---'                   `--.
+                                                   `-- 0
+           |ramp|   even    |ramp|         the same ramps and the same even part
+
+One and the same ramp slows the clock and moves the joints aside, so that the speed of the tip is highest at the ends of
+a ramp. With the pace 0 the tool comes to rest, goes straight to the path, and starts again. Before that the motion may
+go on as it is for a while (`Before`), where its limits leave no room at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.course import Course
+
+MARKS = 8
+"""Steps of each ramp, and of the even part, in which the motion is looked at."""
+
+
+def ramp(u: Floats) -> Floats:
+    """(4, n) integral, value and two derivatives of the smooth step from 0 to 1 at u (n,) in [0, 1]."""
+    return np.stack([u**3 - u**4 / 2.0, u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u), 6.0 - 12.0 * u])
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A ramp up, an even part and a ramp down."""
+
+    ramp: float
+    """Of each ramp, and of the even part [s]."""
+    even: float
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return 2.0 * self.ramp + self.even
+
+    def up_and_down(self, t: Floats) -> tuple[Floats, Floats]:
+        """(4, n) each at times (n,): integral, value and two derivatives of both ramps, the first and the last."""
+        out = []
+        for begin, whole in ((0.0, self.even + self.ramp), (self.ramp + self.even, 0.0)):
+            u = (t - begin) / self.ramp
+            values = ramp(np.clip(u, 0.0, 1.0)) * [[self.ramp], [1.0], [1.0 / self.ramp], [1.0 / self.ramp**2]]
+            values[2:, (u < 0.0) | (u > 1.0)] = 0.0
+            values[0] += np.clip(t - begin - self.ramp, 0.0, whole)
+            out.append(values)
+        return out[0], out[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Before:
+    """What the joints do before: the motion that they were in, with what was found off."""
+
+    current: CommandedMotion
+    local: float
+    """The time on the clock of its law [s]."""
+    offset: Floats
+    """(m,)"""
+    duration: float
+    """[s]"""
+    clocks: tuple[float, float]
+    """Of the motion that is rejoined, at the start and at the end [s]."""
+
+    def motion(self, t: Floats) -> Floats:
+        """(4, n, m) at sorted times (n,)."""
+        out = self.current.motion(self.local + t)
+        out[0] += self.offset
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Aside(Course):
+    """A motion from a state, beside the one that is rejoined and into it."""
+
+    commanded: CommandedMotion
+    left: float
+    start: Floats
+    """(3, m) positions, velocities and accelerations where the way aside begins."""
+    begin: float
+    """The clock of the commanded law there [s]."""
+    paces: tuple[float, float, float]
+    """Of that clock at the start, in the even part, and at the end."""
+    shape: Shape
+    before: Before | None = None
+
+    def __post_init__(self) -> None:
+        own = np.concatenate(
+            [np.linspace(a, b, MARKS + 1)[:-1] for a, b in zip(self._joints_of_time[:-1], self._joints_of_time[1:])]
+        )
+        own = np.append(own, self.shape.duration)
+        wait = 0.0 if self.before is None else self.before.duration
+        times = own if not wait else np.concatenate([np.linspace(0.0, wait, 4 * MARKS + 1)[:-1], wait + own])
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "wait", wait)
+        end = float(self._clock(np.array([self.shape.duration]))[0, 0])
+        object.__setattr__(self, "rejoin", min(end, self.commanded.law.duration))
+        q, v, a = self._base(self._clock(np.zeros(1)))[:3, 0]
+        off, rate, bend = self.start - [q, v, a]
+        # the rates die away in the first ramp, and lead on by this
+        far = self.shape.ramp * (rate / 2.0 + bend * self.shape.ramp / 12.0)
+        object.__setattr__(self, "_off", (off, rate, bend, off + far))
+
+    @property
+    def _joints_of_time(self) -> Floats:
+        shape = self.shape
+        marks = np.array([0.0, shape.ramp, shape.ramp + shape.even, shape.duration])
+        return marks if shape.even > 0.0 else marks[[0, 1, 3]]
+
+    def _clock(self, t: Floats) -> Floats:
+        """(4, n) clock of the commanded motion and its rates at times since the way aside began."""
+        up, down = self.shape.up_and_down(t)
+        first, even, last = self.paces
+        out = (even - first) * up + (last - even) * down
+        out[0] += self.begin + first * t
+        out[1] += first
+        return out
+
+    def _base(self, c: Floats) -> Floats:
+        """(4, n, m) of the commanded motion on a clock (4, n); at rest before its start and behind its end."""
+        q, v, a, j = self.commanded.motion(c[0])
+        rest = (c[0] >= self.commanded.law.duration) | (c[0] < 0.0)
+        v[rest], a[rest], j[rest] = 0.0, 0.0, 0.0
+        r, r1, r2 = c[1:, :, None]
+        return np.stack([q, r * v, r * r * a + r1 * v, r**3 * j + 3.0 * r * r1 * a + r2 * v])
+
+    def _beside(self, t: Floats) -> Floats:
+        """(4, n, m) by how much the joints are off."""
+        off, rate, bend, whole = self._off  # type: ignore[attr-defined]
+        up, down = self.shape.up_and_down(t)
+        share = (up - down)[:, :, None] / (self.shape.ramp + self.shape.even)
+        out = np.stack([whole - whole * share[0], *(-whole * each for each in share[1:])])
+        h = self.shape.ramp
+        u = np.clip(t / h, 0.0, 1.0)[:, None]
+        on = (t < h)[:, None]
+        turned = bend * h * u * u * (0.5 - 2.0 / 3.0 * u + u * u / 4.0)
+        out[0] += off - whole + h * (rate * (u - u**3 + u**4 / 2.0) + turned)
+        out[1] += on * (rate * (1.0 - 3.0 * u * u + 2.0 * u**3) + bend * h * (u - 2.0 * u * u + u**3))
+        out[2] += on * (rate * (6.0 * u * u - 6.0 * u) / h + bend * (1.0 - 4.0 * u + 3.0 * u * u))
+        out[3] += on * (rate * (12.0 * u - 6.0) / h**2 + bend * (6.0 * u - 4.0) / h)
+        return out
+
+    def clock(self, t: Floats) -> Floats:
+        wait = self.wait  # type: ignore[attr-defined]
+        out = self._clock(np.clip(t - wait, 0.0, self.shape.duration))[0]
+        if self.before is not None:
+            first, last = self.before.clocks
+            out = np.where(t < wait, first + (last - first) * np.clip(t / wait, 0.0, 1.0), out)
+        on: Floats = np.clip(out, 0.0, self.rejoin)
+        return on
+
+    def motion(self, t: Floats) -> Floats:
+        wait = self.wait  # type: ignore[attr-defined]
+        order = np.argsort(t, kind="stable")
+        on = np.clip(t[order], 0.0, self.duration)
+        m = self.start.shape[1]
+        out, cut = np.empty((4, len(t), m)), int(np.searchsorted(on, wait))
+        if cut and self.before is not None:
+            out[:, order[:cut]] = self.before.motion(on[:cut])
+        own = on[cut:] - wait
+        out[:, order[cut:]] = self._base(self._clock(own)) + self._beside(own)
+        return out

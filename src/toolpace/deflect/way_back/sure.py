@@ -1,0 +1,284 @@
+"""The way back that is always there: beside the path at a lower pace, at worst from rest, after a while if need be.
+
+sure: an instant of a motion, the motion that shall be rejoined, the limits
+  now, and else from the next instants at which the limits leave room, the last of which is the rest at the end:
+      for paces from nearly the commanded one to none:
+          ramps and an even part as long as feed and joints need by closed forms; longer while a look finds them passed
+      the way that takes least time, and loses least of the program's
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.course import Course
+from toolpace.deflect.feed import feed_at, tip_velocity
+from toolpace.deflect.way_back.aside import Aside, Before, Shape
+from toolpace.deflect.way_back.splines import Problem
+from toolpace.machine.limits import KINDS
+from toolpace.planning.guarantee import DETOUR
+
+PACES = (0.5, 0.8, 0.2, 0.95, 0.0, 1.0)
+"""Of the commanded motion while the joints move aside: the first is that of least time in all where the feed binds."""
+TRIES = 14
+"""Lengths of one pace's ramps that are looked at."""
+LEAST = 2e-3
+"""Shortest ramp [s]."""
+SHARE = 0.7
+"""Of acceleration and jerk that the first guess gives to the way aside, and to the change of pace."""
+GROWTH = (1.06, 2.5)
+"""Least and most by which a ramp or the even part is stretched after a look."""
+LOOKS, FINAL = 6, 64
+"""Looks in each step of a way: while one is searched, and before it is taken."""
+CLOSER, BETWEEN = 3, 9
+"""Closer looks at what lies beside a jump of the jerk, and the instants of each between two."""
+JUMP, NEAR = 0.01, 0.95
+"""Change of the jerk between two instants, over its limit, that may hide more where it is so near the limit."""
+WAITS = 14
+"""Instants from which the way aside is begun, where it cannot begin at once."""
+NOT_BEGUN = 1e-6
+"""Time of a run up to which it has not been begun [s]."""
+ROUNDING = 1e-9
+"""Of positions against travel [m or rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Standby:
+    """The motion that the joints are in, which may go on for a while."""
+
+    current: CommandedMotion
+    local: float
+    """The time on the clock of its law [s]."""
+    offset: Floats
+    """(m,) by which the joints were found off it."""
+    clock: Callable[[float], float]
+    """That of the motion that is rejoined, after a time that it goes on [s]."""
+
+    def state(self, wait: float) -> Floats:
+        """(3, m) after a time [s]."""
+        state: Floats = self.current.motion(np.array([self.local + wait]))[:3, 0]
+        if self.local + wait >= self.current.law.duration:
+            state[1:] = 0.0
+        state[0] += self.offset
+        return state
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What a way uses of its limits."""
+
+    joints: float
+    feed: float
+    inside: bool
+    """Whether it keeps to travel."""
+    above: float
+    """Until when the tip is above the feed at the start [s]."""
+
+    @property
+    def passes(self) -> bool:
+        """Whether it holds all."""
+        return self.inside and self.joints <= DETOUR and self.feed <= DETOUR
+
+
+def look(problem: Problem, course: Course, looks: int) -> Look:
+    """At a way, so many times in each step."""
+    inner = np.arange(looks) / looks
+    t = np.append((course.times[:-1, None] + np.diff(course.times)[:, None] * inner).ravel(), course.duration)
+    q, *rates = course.motion(t)
+    low, high = problem.travel.T
+    inside = bool((q >= low - ROUNDING).all() and (q <= high + ROUNDING).all())
+    limits = [getattr(problem.limits, kind) for kind in KINDS]
+    joints = max(float((np.abs(rate) / limit).max()) for rate, limit in zip(rates, limits))
+    if looks == FINAL:
+        joints = max(joints, at_jumps(course, t, rates[2] / limits[2], limits[2]))
+    feed, above = 0.0, 0.0
+    if problem.machine is not None:
+        allowed = feed_at(problem.commanded.run, course.abreast(t))
+        if np.isfinite(allowed).any():
+            ratio = np.linalg.norm(tip_velocity(problem.machine, q, rates[0]), axis=1) / allowed
+            # what the start is above the feed by cannot be changed at once: it may not rise, but for its acceleration
+            over = np.logical_and.accumulate(ratio > DETOUR)
+            most = ratio[0] * 1.05 if over[0] else 1.0
+            if over[0]:
+                above = float(t[min(int(np.count_nonzero(over)), len(t) - 1)])
+            feed = float(np.where(over & (ratio <= most), 0.0, ratio).max())
+    return Look(joints, feed, inside, above)
+
+
+def at_jumps(course: Course, t: Floats, share: Floats, jerk: Floats) -> float:
+    """Most that jerks come to beside their jumps: `share` (n, m) of the limits at times (n,), looked at closer."""
+    worst = 0.0
+    for _ in range(CLOSER):
+        steep = (np.abs(np.diff(share, axis=0)) > JUMP) & (np.maximum(np.abs(share[1:]), np.abs(share[:-1])) > NEAR)
+        k = np.flatnonzero(steep.any(axis=1))
+        if len(k) == 0:
+            break
+        ends = np.stack([t[k], t[k + 1]])
+        t = np.unique(ends[0] + (ends[1] - ends[0]) * np.linspace(0.0, 1.0, BETWEEN)[:, None])
+        share = course.motion(t)[3] / jerk
+        worst = max(worst, float(np.abs(share).max()))
+    return worst
+
+
+def sure_way(problem: Problem, standby: Standby, target: float | None, most: float = np.inf) -> Aside | None:
+    """The way back of least time and least time lost; None where none is found in less than `most` of both [s]."""
+    for wait in waits(problem, standby):
+        if wait >= most:
+            break
+        found = best_aside(problem, standby, wait, target, most)
+        if found is not None:
+            return found
+    return None
+
+
+def waits(problem: Problem, standby: Standby) -> Iterator[float]:
+    """Times [s] after which a way aside is tried: at once, then where the limits leave room, at last at rest."""
+    yield 0.0
+    rest = standby.current.law.duration - standby.local
+    if rest <= 0.0:
+        return
+    t = np.unique(np.concatenate([np.geomspace(min(1e-3, rest), rest, 200), np.linspace(0.0, rest, 200)]))
+    rates = standby.current.motion(standby.local + t)[1:]
+    limits = [getattr(problem.limits, kind) for kind in KINDS]
+    used = np.max([(np.abs(rate) / limit).max(axis=1) for rate, limit in zip(rates, limits)], axis=0)
+    for room in (0.5, 0.9):
+        # the first instants of some stretches that leave room
+        free = np.flatnonzero((used < room) & np.append(True, used[:-1] >= room))
+        yield from t[free[np.unique(np.geomspace(1, len(free), WAITS // 2).astype(int) - 1)]] if len(free) else ()
+    yield rest
+
+
+def best_aside(problem: Problem, standby: Standby, wait: float, target: float | None, most: float) -> Aside | None:
+    """The best way aside after a wait."""
+    best, price = None, most
+    state = standby.state(wait)
+    left = standby.clock(wait) if wait > 0.0 else problem.left
+    before = None
+    if wait > 0.0:
+        before = Before(standby.current, standby.local, standby.offset, wait, (problem.left, left))
+    for pace in PACES:
+        found, cost = with_pace(problem, state, left, pace, target, before, price)
+        if found is not None and cost < price:
+            best, price = found, cost
+    return best
+
+
+def first_pace(problem: Problem, state: Floats, clock: float) -> float:
+    """The pace of the commanded motion that comes nearest to a state (3, m)."""
+    rate = problem.end(clock - problem.left, 0.0)[1] / problem.limits.velocity
+    square = float(rate @ rate)
+    if not square > 0.0:
+        return 1.0
+    return float(np.clip((state[1] / problem.limits.velocity) @ rate / square, 0.0, 1.5))
+
+
+def with_pace(
+    problem: Problem, state: Floats, clock: float, pace: float, target: float | None, before: Before | None, most: float
+) -> tuple[Aside | None, float]:
+    """The way aside at a pace, as short as is found, and its time with what it loses; None where none passes."""
+    begin, paces = clock, (first_pace(problem, state, clock), pace, 1.0)
+    shape = guessed(problem, state, begin, paces[0], pace)
+    for _ in range(TRIES):
+        if shape is None:
+            break
+        if target is not None:
+            there = to_place(shape, clock, paces, target)
+            if there is None:
+                break
+            shape, begin, paces = there
+        way = Aside(problem.commanded, problem.left, state, begin, paces, shape, before)
+        cost = way.duration + way.lost
+        if cost >= most:
+            break
+        seen = look(problem, way, LOOKS)
+        if seen.passes:
+            seen = look(problem, way, FINAL)
+        if seen.passes:
+            return way, cost + seen.above
+        shape = stretched(shape, seen)
+    return None, np.inf
+
+
+def to_place(
+    shape: Shape, clock: float, paces: tuple[float, float, float], target: float
+) -> tuple[Shape, float, tuple[float, float, float]] | None:
+    """The shape, the clock at its start and the paces with which it ends at a time of the commanded law.
+
+    None where it never comes there. With a lower pace where the time to there is too short or too long for the shape,
+    and from rest where it has passed.
+    """
+    if target <= NOT_BEGUN:
+        return shape, target, (0.0, 0.0, 0.0)
+    left, ramps = target - clock, shape.ramp * (paces[0] + paces[2]) / 2.0
+    pace = (left - ramps) / (shape.ramp + shape.even)
+    if pace < 0.0:
+        return shape, target - shape.ramp / 2.0, (0.0, 0.0, 1.0)
+    if pace <= paces[1]:
+        return shape, clock, (paces[0], pace, paces[2])
+    return (Shape(shape.ramp, (left - ramps) / paces[1] - shape.ramp), clock, paces) if paces[1] > 0.0 else None
+
+
+def stretched(shape: Shape, seen: Look) -> Shape:
+    """A longer one, by what is passed."""
+    low, high = GROWTH
+    ramps, even = shape.ramp, shape.ramp + shape.even
+    if seen.joints > DETOUR or not seen.inside:
+        ramps *= float(np.clip(sqrt(seen.joints), low, high))
+    if seen.feed > DETOUR:
+        even *= float(np.clip(seen.feed, low, high))
+        if seen.feed < 1.05:
+            ramps *= low
+    return Shape(ramps, max(even - ramps, 0.0))
+
+
+def guessed(problem: Problem, state: Floats, clock: float, first: float, pace: float) -> Shape | None:
+    """Ramps and even part by closed forms; None where the feed leaves nothing for a way aside at the pace."""
+    q, v, _, _ = problem.end(clock - problem.left, 0.0)
+    velocity, acceleration, jerk = (getattr(problem.limits, kind) for kind in KINDS)
+    off = np.abs(state[0] - q)
+    slower = np.abs((first - pace) * v) + (1.0 - pace) * np.abs(v)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ramps = max(
+            LEAST, float((1.5 * slower / (SHARE * acceleration)).max()), sqrt((6.0 * slower / (SHARE * jerk)).max())
+        )
+        room = np.maximum(velocity - pace * np.abs(v), 0.05 * velocity)
+        even = float((off / room).max())
+    if problem.machine is not None:
+        fed = even_by_feed(problem, state[0], q, v, clock, pace)
+        if fed is None:
+            return None
+        even = max(even, fed)
+    alone = float(np.cbrt(6.0 * off / (SHARE * jerk)).max())
+    if alone >= even:
+        even = ramps = max(ramps, alone)
+    else:
+        ramps = max(ramps, sqrt((6.0 * off / (SHARE * jerk * even)).max()))
+        ramps = max(ramps, float((1.5 * off / (SHARE * acceleration * even)).max()))
+    return Shape(ramps, max(even - ramps, 0.0))
+
+
+def even_by_feed(problem: Problem, found: Floats, q: Floats, v: Floats, clock: float, pace: float) -> float | None:
+    """The least time [s] in which the tip gets aside beside a pace; None where the feed leaves none.
+
+    |pace u - off w| = feed, u the velocity of the tip on the path, w one over the time.
+    """
+    assert problem.machine is not None
+    run = problem.commanded.run
+    feed = float(feed_at(run, problem.commanded.place(np.array([clock])))[0])
+    tips = problem.machine.forward(np.stack([found, q]))[0]
+    off = tips[0] - tips[1]
+    far = float(off @ off)
+    if not np.isfinite(feed) or far == 0.0:
+        return 0.0
+    going = pace * tip_velocity(problem.machine, q[None], v[None])[0]
+    along, left = float(going @ off), feed * feed - float(going @ going)
+    if left < 0.0:
+        left = 0.0
+    most = (along + sqrt(along * along + far * left)) / far
+    return 1.0 / most if most * 1e4 > 1.0 else None
