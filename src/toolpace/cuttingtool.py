@@ -7,13 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, frozen, number, numbers
 from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError, did_you_mean
 
 Milling = Literal["up", "down", "slot"]
 MILLINGS: tuple[Milling, ...] = get_args(Milling)
+OTHER_WORDS: dict[str, Milling] = {
+    "climb": "down", "down-cut": "down", "conventional": "up", "up-cut": "up", "slotting": "slot", "full": "slot",
+}  # fmt: skip
+"""What else people call them."""
 Force = Literal["mean", "peak"]
 FORCES: tuple[Force, ...] = get_args(Force)
 STEEPEST = math.radians(80.0)
@@ -81,7 +85,10 @@ class Cut:
     def __post_init__(self) -> None:
         cutter, milling = self.cutter, self.engagement.milling
         if milling not in MILLINGS:
-            raise UsageError(f"milling '{milling}' is not known; {did_you_mean(milling, MILLINGS)}")
+            word = str(milling)
+            other = OTHER_WORDS.get(word.strip().lower().split(" ")[0])
+            hint = f"did you mean '{other}'?" if other else did_you_mean(word, MILLINGS)
+            raise UsageError(f"milling '{word[:40]}' is not known; {hint}")
         for name, value in (
             ("diameter", cutter.diameter),
             ("teeth", cutter.teeth),
@@ -89,8 +96,7 @@ class Cut:
             ("axial_depth", self.engagement.axial_depth),
             ("radial_depth", self.width),
         ):
-            if not (math.isfinite(value) and value > 0.0):
-                raise UsageError(f"cut: {name} is {value:g}; give a number above zero")
+            number(value, f"cut: {name}", least=0.0, above=True)
         if self.width > cutter.diameter:
             raise UsageError(
                 f"cut: radial_depth of {self.width * 1e3:g} mm is more than the diameter of "
@@ -130,10 +136,12 @@ class CuttingTool(ByValue):
     """What the file held when it was read: a copy of it is kept with a plan."""
 
     def __post_init__(self) -> None:
+        object.__setattr__(
+            self, "compliance", frozen(numbers(self.compliance, f"{self.source}: compliance", (3, 3), unit="m/N"))
+        )
         if self.force not in FORCES:
             raise UsageError(f"{self.source}: force '{self.force}' is not known; {did_you_mean(self.force, FORCES)}")
-        if not (math.isfinite(self.blend) and self.blend > 0.0):
-            raise UsageError(f"{self.source}: blend is {self.blend:g} m; give a length above zero, like the diameter")
+        number(self.blend, f"{self.source}: blend, a length like the diameter,", least=0.0, above=True, unit="m")
 
     def __repr__(self) -> str:
         cutter = self.cut.cutter

@@ -90,11 +90,47 @@ def test_it_converges_to_a_micrometre_and_says_so(aimed):
 
 
 def test_the_path_has_the_blocks_of_the_program(aimed, toolpath):
+    """Ways whose bent tip would exceed the feed have several blocks, with feeds up to 5 % lower (corners)."""
     entries = np.concatenate([run.entry for run in aimed.path.runs])
-    assert (np.diff(entries) > 0).all() and entries[-1] == len(toolpath) - 1
+    assert (np.diff(entries) >= 0).all() and entries[-1] == len(toolpath) - 1
+    np.testing.assert_array_equal(np.unique(entries), np.arange(1, len(toolpath)))
     for run in aimed.path.runs:
         np.testing.assert_array_equal(run.block, toolpath.block[run.entry])
+        fed = np.isfinite(toolpath.feed[run.entry])
+        share = run.feed[fed] / toolpath.feed[run.entry][fed]
+        assert (share <= 1.0).all() and (share > 0.95).all() and (share == 1.0).any()
+        assert not np.isfinite(run.feed[~fed]).any()
+
+
+@pytest.mark.parametrize(("x", "y"), [(slice(None), 0.0), (0.04, slice(None))])
+def test_the_bent_tip_keeps_the_feed(aimed, x, y):
+    """By differences of set-points on the first and the second line, bent by what holds there: 25 mm/s, and 0.02 %."""
+    along = 0 if y == 0.0 else 1
+    places, points = aimed.toolpath, aimed.trajectory.sample(1e-3)
+    on = (np.abs(places.tip[:, 2]) < 1e-12) & (np.abs(places.tip[:, 1 - along] - (y, x)[along]) < 1e-12)
+    line = np.flatnonzero(on)[np.argsort(places.tip[on, along], kind="stable")]
+    assert len(line) > 100
+    cut = points.block == places.block[line[len(line) // 2]]
+    tip = points.tip[cut]
+    bent = tip
+    for _ in range(4):
+        bent = tip + np.stack(
+            [np.interp(bent[:, along], places.tip[line, along], aimed.bending[line, k]) for k in range(3)], axis=1
+        )
+    speed = np.linalg.norm(np.diff(bent, axis=0), axis=1) / 1e-3
+    assert 0.025 * 0.9999 < speed.max() <= 0.025 * 1.0002
+
+
+def test_the_blocks_of_a_path_that_nothing_bends_are_those_of_the_program(toolpath):
+    """Where the tool is as good as stiff, there is one block for each way, with the feed of the program."""
+    stiff = tp.aim_off(toolpath, MACHINE, replace(TOOL, compliance=1e-6 * TOOL.compliance))
+    for run in stiff.path.runs:
+        assert (np.diff(run.entry) > 0).all()
         np.testing.assert_array_equal(run.feed, toolpath.feed[run.entry])
+        np.testing.assert_array_equal(run.block, toolpath.block[run.entry])
+
+
+def test_the_dwell_of_the_program_is_kept(aimed):
     assert aimed.trajectory.axis_path.runs[-2].dwell == 0.1
 
 

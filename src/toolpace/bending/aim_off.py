@@ -16,6 +16,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.axispath.axispath import AxisPath
+from toolpace.bending.bent_speed import GRACE, excess_of_feed, keeping_feed
 from toolpace.bending.cuts import cut_of_way
 from toolpace.bending.places import Places, places_of
 from toolpace.bending.prediction import predicted_bending
@@ -24,6 +25,7 @@ from toolpace.description import one_line
 from toolpace.errors import PathError, UsageError
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.path.path import Path
+from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import Planner, plan
 from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
@@ -40,6 +42,8 @@ ROUNDS = 20
 """Most rounds."""
 SETTLED = 2
 """Rounds after which the points that a path is fitted to stay the same."""
+FED = PROMISED - 1.0 + GRACE
+"""Share of the feed by which the bent tip may exceed it: what plans promise, and what the bending may still change."""
 COARSE = 8
 """Set-points over the length of a blend, at least."""
 STEEPEST = 0.05
@@ -107,12 +111,12 @@ def aim_off(
             kept = places.needed(bending, STRAIGHT * least)
         shifted = places.shifted(-bending, kept)
         fitted = Path.fit(shifted, (1.0 - RESERVE) * tip_tolerance, axis_tolerance, machine, _share(told, 0))
-        path = places.of_program(fitted, kept)
+        path = keeping_feed(fitted, places, kept, bending)
         trajectory = plan(AxisPath.follow(path, machine), machine, planner=planner, progress=_share(told, 1))
         found = predicted_bending(places, kept, cut, tool, machine, fitted, trajectory)
         check_small(found, places, tool)
         changes.append(float(np.linalg.norm(found - bending, axis=1).max()))
-        if changes[-1] <= enough:
+        if changes[-1] <= enough and excess_of_feed(fitted, places, kept, found, trajectory) <= FED:
             return AimedOff(tool, path, trajectory, places.toolpath, bending, round_, changes[-1])
         # a curve that can be fitted in two ways may change for ever from one to the other: go half of the way
         slow = round_ > SETTLED and changes[-1] > 0.5 * changes[-2]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number, numbers
 from toolpace.bending.frames import to_workpiece
 from toolpace.description import one_line
 from toolpace.equality import ByValue
@@ -33,9 +33,7 @@ class Bending(ByValue):
     """(3, 3) symmetric, positive semidefinite [m/N]."""
 
     def __post_init__(self) -> None:
-        matrix = np.array(self.compliance, dtype=float)
-        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
-            raise UsageError(f"compliance of shape {matrix.shape}: give 3 x 3 finite numbers [m/N]")
+        matrix = numbers(self.compliance, "compliance", (3, 3), unit="m/N")
         largest = float(np.abs(matrix).max())
         if largest > SOFTEST:
             raise UsageError(f"compliance of {largest:g} m/N is more than {SOFTEST:g} m/N: check its unit")
@@ -57,8 +55,7 @@ class Bending(ByValue):
         Determination of the equivalent diameter of an end mill based on its compliance, CIRP Annals 39, 1990).
         """
         for name, value in (("diameter", diameter), ("length", length), ("youngs_modulus", youngs_modulus)):
-            if not (math.isfinite(value) and value > 0.0):
-                raise UsageError(f"cantilever: {name} is {value:g}; give a number above zero")
+            number(value, f"cantilever: {name}", least=0.0, above=True)
         across = 3.0 * youngs_modulus * (math.pi * diameter**4 / 64.0) / length**3
         along = youngs_modulus * (math.pi * diameter**2 / 4.0) / length
         return cls.of_stiffness(across, across, along)
@@ -67,8 +64,7 @@ class Bending(ByValue):
     def of_stiffness(cls, x: float, y: float, z: float) -> Bending:
         """Three springs along the axes of the tool frame [N/m]; inf where nothing gives."""
         for name, value in (("x", x), ("y", y), ("z", z)):
-            if not value > 0.0:
-                raise UsageError(f"stiffness along {name} is {value:g} N/m; give a number above zero")
+            number(value, f"stiffness along {name}", least=0.0, above=True, endless=True, unit="N/m")
         return cls(np.diag([1.0 / x, 1.0 / y, 1.0 / z]))
 
     def __repr__(self) -> str:
@@ -82,15 +78,10 @@ class Bending(ByValue):
         (bending/frames.py). q: joint positions (m,) for all, or (n, m). Raises UsageError where shapes do not fit.
         """
         check_machine(machine, "deflection")
-        forces, joints = np.asarray(force, dtype=float), np.atleast_2d(np.asarray(q, dtype=float))
-        rows = np.atleast_2d(forces)
-        if rows.ndim != 2 or rows.shape[1] != 3:
-            raise UsageError(f"deflection: force of shape {forces.shape}; give (3,) or (n, 3)")
-        if joints.shape[1] != len(machine.joints) or len(joints) not in (1, len(rows)):
-            raise UsageError(
-                f"deflection: joint positions of shape {joints.shape} for {len(rows)} forces and machine "
-                f"'{machine.name}'; give ({len(machine.joints)},) or ({len(rows)}, {len(machine.joints)})"
-            )
+        forces = numbers(force, "deflection: force", ("n", 3), (3,), unit="N")
+        rows, m = np.atleast_2d(forces), len(machine.joints)
+        cure = f"the joint positions of machine {machine.name}, for all or for each of {len(rows)} forces"
+        joints = np.atleast_2d(numbers(q, "deflection: q", (m,), (len(rows), m), (1, m), unit="m, rad", cure=cure))
         from_tool = to_workpiece(machine, joints, "tool")
         to_tool = np.swapaxes(from_tool, 1, 2) @ to_workpiece(machine, joints, frame)
         bent: Floats = np.einsum("nab,nb->na", from_tool @ self.compliance @ to_tool, rows)

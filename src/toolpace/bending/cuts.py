@@ -51,5 +51,4 @@ def cut_of_way(tool: CuttingTool, toolpath: ToolPath) -> Ints:
 def at_feed(toolpath: ToolPath) -> Bools:
     """(n,) whether the way to each point is cut: neither a rapid, nor without feed and time, nor without length."""
     ruled = np.isfinite(toolpath.feed) | (toolpath.least_time > 0.0)
-    moves = np.concatenate([[False], np.linalg.norm(np.diff(toolpath.tip, axis=0), axis=1) > 0.0])
-    return np.asarray(ruled & ~toolpath.rapid & moves)
+    return np.asarray(ruled & ~toolpath.rapid & (toolpath.way_length > 0.0))

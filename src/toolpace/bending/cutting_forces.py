@@ -22,8 +22,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number, numbers
 from toolpace.cuttingtool import FORCES, Cut, Force
 from toolpace.description import one_line
 from toolpace.equality import ByValue
@@ -58,26 +59,29 @@ class CuttingForces(ByValue):
         wide = math.acos(1.0 - 2.0 * self.cut.width / self.cut.cutter.diameter)
         return (0.0, wide) if self.cut.engagement.milling == "up" else (math.pi - wide, math.pi)
 
-    def feed_per_tooth(self, speed: Floats) -> Floats:
-        """Chip load [m] at speeds across the tool axis [m/s]."""
-        return np.asarray(speed, dtype=float) / (self.cut.cutter.teeth * self.cut.spindle_speed)
-
-    def over_time(self, t: Floats, speed: float) -> Floats:
-        """Forces (n, 3) [N] at times t (n,) [s] at one feed [m/s]: the teeth pass, runout and all."""
-        return self.at(
-            2.0 * math.pi * self.cut.spindle_speed * np.asarray(t, dtype=float),
-            float(self.feed_per_tooth(np.array(speed))),
+    def feed_per_tooth(self, speed: npt.ArrayLike) -> Floats:
+        """Chip load [m] at a speed, or at speeds (n,), across the tool axis [m/s], in the shape of what is given."""
+        return numbers(speed, "cutting forces: speed", ("n",), (), unit="m/s") / (
+            self.cut.cutter.teeth * self.cut.spindle_speed
         )
 
-    def at(self, angle: Floats, chip: float) -> Floats:
+    def over_time(self, t: npt.ArrayLike, speed: float) -> Floats:
+        """Forces (n, 3) [N] at times t (n,) [s] at one feed [m/s]: the teeth pass, runout and all."""
+        return self.at(
+            2.0 * math.pi * self.cut.spindle_speed * numbers(t, "cutting forces: t", ("n",), unit="s"),
+            float(self.feed_per_tooth(number(speed, "cutting forces: speed", unit="m/s"))),
+        )
+
+    def at(self, angle: npt.ArrayLike, chip: float) -> Floats:
         """Forces (n, 3) [N] with the first tooth at angles (n,) [rad] at the tip, at one feed per tooth [m]."""
         k, dz = self.cut.coefficients, self.cut.engagement.axial_depth / len(self._lags)
+        angle, chip = numbers(angle, "cutting forces: angle", ("n",), unit="rad"), number(chip, "cutting forces: chip")
         forces = np.zeros((len(angle), 3))
         if not chip > 0.0:
             return forces
         for tooth in range(self.cut.cutter.teeth):
             pitch = 2.0 * math.pi * tooth / self.cut.cutter.teeth
-            phi, share = self._immersed(np.asarray(angle, dtype=float)[:, None] + pitch - self._lags)
+            phi, share = self._immersed(angle[:, None] + pitch - self._lags)
             sine, cosine = np.sin(phi), np.cos(phi)
             thick = self._thickness(tooth, chip, sine)
             share = np.where(thick > 0.0, share, 0.0)
@@ -90,13 +94,15 @@ class CuttingForces(ByValue):
         forces *= dz
         return forces if self.cut.clockwise else forces * np.array([1.0, -1.0, 1.0])
 
-    def feed_forward(self, chip: Floats, kind: Force = "mean") -> Floats:
+    def feed_forward(self, chip: npt.ArrayLike, kind: Force = "mean") -> Floats:
         """Forces (n, 3) [N] that bend the tool at feeds per tooth (n,) [m]; none where there is no feed.
 
         `mean` is that over a turn. `peak` points as the mean does, and is as large across the tool as the force of a
         turn is at most: the angle at which it is largest can jump with the feed, and a path cannot.
         """
-        chip = np.asarray(chip, dtype=float)
+        chip = numbers(chip, "cutting forces: chip", ("n",), unit="m")
+        if kind not in FORCES:
+            raise UsageError(f"force '{kind}' is not known; {did_you_mean(str(kind), FORCES)}")
         if kind == "mean" and self.cut.cutter.runout == 0.0:
             slope, edge = self._closed_form()
             return np.where(chip[:, None] > 0.0, chip[:, None] * slope + edge, 0.0)
@@ -134,8 +140,6 @@ class CuttingForces(ByValue):
 
     def _table(self, kind: str, largest: float) -> tuple[Floats, Floats]:
         """Feeds per tooth (k,) up to `largest`, evenly spaced, and the forces (k, 3) that bend the tool there."""
-        if kind not in FORCES:
-            raise UsageError(f"force '{kind}' is not known; {did_you_mean(kind, FORCES)}")
         if kind not in self.tables or self.tables[kind][0][-1] < largest:
             angle = np.asarray(np.arange(TURN) * (2.0 * math.pi / TURN), dtype=np.float64)
             chips = np.asarray(np.linspace(1e-6, 1.0, CHIPS) * (1.25 * max(largest, 1e-9)), dtype=np.float64)

@@ -10,9 +10,7 @@ from toolpace.arrays import Floats, Ints
 from toolpace.bending.thinning import needed
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import great_circle
-from toolpace.path.path import Path
-from toolpace.path.run import PathRun
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import ToolPath, no_normals
 
 PARTS = 48
 """Points over the length of a blend: straight lines between them miss the blend by 0.2 percent of the bending."""
@@ -52,22 +50,7 @@ class Places:
             operation=path.operation[kept],
             tip_tolerance=path.tip_tolerance[kept],
             axis_tolerance=path.axis_tolerance[kept],
-        )
-
-    def of_program(self, path: Path, kept: Ints) -> Path:
-        """A path that was fitted to the places `kept`, as one of the program's points: one block for each way of it."""
-        return replace(path, runs=tuple(self._of_program(run, kept) for run in path.runs))
-
-    def _of_program(self, run: PathRun, kept: Ints) -> PathRun:
-        entry = self.origin[kept[run.entry]]
-        first = np.flatnonzero(np.concatenate([[True], np.diff(entry) != 0]))
-        return replace(
-            run,
-            block_start=np.append(run.block_start[first], run.block_start[-1]),
-            block=run.block[first],
-            feed=run.feed[first],
-            least_time=np.add.reduceat(run.least_time, first),
-            entry=entry[first],
+            tool_length=path.tool_length[kept],
         )
 
 
@@ -76,7 +59,7 @@ def places_of(toolpath: ToolPath, machine: Machine, cut: Ints, blend: float) -> 
 
     Points are put in wherever bending can be, blended over a length [m]: that far about all that is cut.
     """
-    steps = np.linalg.norm(np.diff(toolpath.tip, axis=0), axis=1)
+    steps = toolpath.way_length[1:]
     way = np.concatenate([[0.0], np.cumsum(steps)])
     between = _between(way, cut, blend)
     cell = np.searchsorted(way, between, side="right") - 1
@@ -87,8 +70,7 @@ def places_of(toolpath: ToolPath, machine: Machine, cut: Ints, blend: float) -> 
     part = np.concatenate([share, np.ones(len(way) - 1)])[order]
     origin = np.concatenate([[0], leads])
     dense = _with_points(toolpath, machine, origin, np.concatenate([[1.0], part]))
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(dense.tip, axis=0), axis=1))])
-    return Places(dense, origin, length)
+    return Places(dense, origin, np.cumsum(dense.way_length))
 
 
 def _between(way: Floats, cut: Ints, blend: float) -> Floats:
@@ -113,7 +95,7 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
     """A tool path of points a share (k,) of the way to its points `origin` (k,)."""
     own = share == 1.0
     before, u = np.maximum(origin - 1, 0), share[:, None]
-    tip = toolpath.tip[before] + u * (toolpath.tip[origin] - toolpath.tip[before])
+    tip = toolpath.tip[origin] - (1.0 - u) * toolpath.way[origin]
     tip[own] = toolpath.tip[origin[own]]
     rotary, axis = None, toolpath.axis[origin].copy()
     if toolpath.rotary is not None:
@@ -134,10 +116,12 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         block=toolpath.block[origin],
         stop=toolpath.stop[origin] & own,
         dwell=np.where(own, toolpath.dwell[origin], 0.0),
+        normal=no_normals(),
         rapid=toolpath.rapid[origin],
         operation=toolpath.operation[origin],
         tip_tolerance=toolpath.tip_tolerance[origin],
         axis_tolerance=toolpath.axis_tolerance[origin],
+        tool_length=toolpath.tool_length[origin],
         rotary=rotary,
         rotary_joints=() if rotary is None else tuple(machine.geometry.rotary_joints),
     )

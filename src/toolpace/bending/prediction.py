@@ -43,7 +43,7 @@ def predicted_bending(
     `kept` (k,), whose parameter the trajectory follows.
     """
     duration, rotary = passages(places, kept, path, trajectory, machine)
-    step = np.diff(places.toolpath.tip, axis=0)
+    step = places.toolpath.way[1:]
     at = np.flatnonzero((cut[1:] >= 0) & (duration > 0.0))
     bent = np.zeros((len(step), 3))
     bent[at] = bending_of_ways(step[at] / duration[at, None], rotary[at], cut[1:][at], tool, machine)
