@@ -90,7 +90,7 @@ def test_slopes_are_those_of_what_is_used(normal, blade, machine):
     """Against differences, about a change of path and pace."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     stretch = Stretch(known, 40, 48, np.zeros(0))
     r = np.random.default_rng(2)
     x = 0.01 * r.standard_normal((slots_of(known.breaks), SLOT))
@@ -103,7 +103,7 @@ def test_the_newton_matrix_is_that_of_the_slopes(normal, blade, machine):
     """Unknown by unknown: weights times slopes squared, curvature of the time, and balls."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     stretch = Stretch(known, 40, 46, np.zeros(0))
     free = np.zeros(slots_of(known.breaks), dtype=bool)
     free[40:51] = True
@@ -134,7 +134,7 @@ def test_the_method_comes_to_its_end_within_few_steps(normal, blade, machine):
     """In the middle of a run, between ends that stay: what is at its limits there holds nothing up."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     free = np.zeros(slots_of(known.breaks), dtype=bool)
     middle = len(free) // 2
     free[middle - 60 : middle + 60] = True
@@ -160,7 +160,7 @@ def test_a_step_goes_until_the_first_value_is_zero():
 def test_without_a_change_a_stretch_uses_what_its_motion_does(normal, blade, machine):
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], machine, SCALE, 0.125, THOROUGH)
+    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     assert np.diff(known.times).max() <= 0.01 * (1.0 + 1e-9) and np.isin(run.breaks, known.breaks).all()
     stretch = Stretch(known, 10, 60, np.zeros(0))
     used = stretch.at(np.zeros((slots_of(known.breaks), SLOT))).used

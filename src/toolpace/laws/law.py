@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, gate_methods
 from toolpace.description import one_line
 
 PROBES = 20_000
@@ -46,6 +46,11 @@ class TimeLaw(ABC):
 
     def __repr__(self) -> str:
         return one_line(self, f"s {self.s0:.6g} to {self.s1:.6g} in {self.duration:.6g} s")
+
+    def __init_subclass__(cls) -> None:
+        """Have arrays of times and places that a caller gives go through the gate."""
+        gate_methods(cls, ("at",), "t")
+        gate_methods(cls, ("states_at", "times_at"), "s")
 
     @property
     def jumps(self) -> Floats:
@@ -95,6 +100,9 @@ class TimeLaw(ABC):
             else:
                 high = middle
         return 0.5 * (low + high)
+
+
+gate_methods(TimeLaw, ("states_at", "times_at"), "s")
 
 
 def probes_a_cell(nodes: int) -> int:

@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.errors import PathError
+from toolpace.arrays import Floats, Ints, number, numbers
+from toolpace.errors import PathError, UsageError
+from toolpace.path.derivatives import check_derivatives
 from toolpace.path.run import PathJet, PathRun, unit_jets
 from toolpace.workers import Lock
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
+UNIT = 1e-6
+"""By how much the length of a tool axis may differ from 1."""
 Curve = Callable[[Floats, int], tuple[Floats, Floats]]
 """(s (n,), order 0 to 3) to the derivative of tip (n, 3) [m] and of the unit tool axis (n, 3)."""
 
@@ -34,8 +37,12 @@ class CurveRun(PathRun):
         s = np.asarray(s, dtype=np.float64)
         with self.lock:
             parts = [self.curve(s, order) for order in range(4)]
-        tip = np.stack([np.broadcast_to(np.asarray(part[0], dtype=np.float64), (len(s), 3)) for part in parts])
-        axis = np.stack([np.broadcast_to(np.asarray(part[1], dtype=np.float64), (len(s), 3)) for part in parts])
+        if not all(isinstance(part, tuple | list) and len(part) == 2 for part in parts):
+            raise PathError(
+                "path: f(s, order) is not a pair; return the derivatives of tip (n, 3) and tool axis (n, 3)"
+            )
+        tip = np.stack([_rows(part[0], len(s), f"the tip of f(s, {k})") for k, part in enumerate(parts)])
+        axis = np.stack([_rows(part[1], len(s), f"the tool axis of f(s, {k})") for k, part in enumerate(parts)])
         return PathJet(tip, axis, None)
 
     def tip_slope(self, s: Floats) -> Floats:
@@ -77,7 +84,8 @@ class TwoCurveRun(PathRun):
 
 def callable_run(curve: Curve, s0: float, s1: float, feed: float, most_second: float | None = None) -> CurveRun:
     """One run of one block over [s0, s1]; `most_second` bounds |P''| of the tip [1/m]."""
-    if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
+    s0, s1 = number(s0, "path: s0"), number(s1, "path: s1")
+    if not s1 > s0:
         raise PathError(f"a path from s0 = {s0:g} to s1 = {s1:g} has no length; give s0 < s1")
     ends = np.array([s0, s1], dtype=np.float64)
     return CurveRun(breaks=ends, curve=curve, most_second=most_second, **one_block(ends, feed))
@@ -92,14 +100,44 @@ class BlockTable(TypedDict):
     least_time: Floats
 
 
+def checked_run(curve: Curve, s0: float, s1: float, feed: float) -> CurveRun:
+    """The run of a caller's function. Raises PathError where its derivatives are not those of its positions."""
+    run = callable_run(curve, s0, s1, feed)
+
+    def columns(s: Floats) -> Floats:
+        jet = run.evaluate(s)
+        assert jet.axis is not None
+        length = np.linalg.norm(jet.axis[0], axis=1)
+        if not (np.abs(length - 1.0) <= UNIT).all():
+            at = int(np.argmin(np.abs(length - 1.0) <= UNIT))
+            raise PathError(
+                f"path: the tool axis has the length {length[at]:.9g} at s = {s[at]:.9g}; divide it by its length, and "
+                "give the derivatives of that"
+            )
+        return np.concatenate([jet.tip, jet.axis], axis=2)
+
+    names = [f"{part} {coordinate}" for part in ("tip", "axis") for coordinate in "xyz"]
+    check_derivatives(columns, run.s0, run.s1, names)
+    return run
+
+
+def _rows(value: object, count: int, name: str) -> Floats:
+    """What a caller's function gave, as real numbers (count, 3). Raises PathError where it gave something else."""
+    found = np.asarray(value)
+    if found.dtype.kind not in "iuf" or found.shape not in ((count, 3), (1, 3), (3,), (count, 1), (1,), ()):
+        raise PathError(
+            f"path: {name} has shape {found.shape} of {found.dtype} for {count} values of s; give real numbers (n, 3)"
+        )
+    return np.broadcast_to(found.astype(np.float64, copy=False), (count, 3))
+
+
 def one_block(ends: Floats, feed: float) -> BlockTable:
     """The block table of a run of one block."""
-    if not feed > 0.0:
-        raise PathError(f"the feed is {feed:g} m/s; give a positive feed, or inf for none")
+    feed = number(feed, "path: feed", least=0.0, above=True, endless=True, unit="m/s")
     return {
         "block_start": ends.copy(),
         "block": np.ones(1, dtype=np.int64),
-        "feed": np.array([float(feed)]),
+        "feed": np.array([feed]),
         "least_time": np.zeros(1),
     }
 
@@ -112,14 +150,18 @@ def arc_run(centre: Floats, start: Floats, normal: Floats, sweep: float, lean: f
       | / ) lean
       |/____ e = (start - centre) / R,  f = n x e
     """
-    centre, start = np.asarray(centre, dtype=np.float64), np.asarray(start, dtype=np.float64)
+    centre, start = numbers(centre, "arc: centre", (3,), unit="m"), numbers(start, "arc: start", (3,), unit="m")
+    normal = numbers(normal, "arc: normal", (3,))
+    sweep, lean = number(sweep, "arc: sweep", unit="rad"), number(lean, "arc: lean", unit="rad")
+    if not normal.any():
+        raise PathError("arc: normal is zero; give the direction about which the arc turns")
     radius = float(np.linalg.norm(start - centre))
     if radius == 0.0 or sweep <= 0.0:
         raise PathError(
             f"an arc of radius {radius:g} m and sweep {sweep:g} rad has no length; turn the normal to go back"
         )
     e = (start - centre) / radius
-    n = np.asarray(normal, dtype=np.float64) / np.linalg.norm(normal)
+    n = normal / np.linalg.norm(normal)
     if abs(n @ e) > 1e-9:
         raise PathError("the normal of an arc must be at right angles to its radius")
     f = np.cross(n, e)
@@ -139,13 +181,18 @@ def bspline_run(knots: Floats, tip: Floats, axis_point: Floats, degree: int, fee
     """Tip and a second point of the tool axis as B-splines over one knot vector (n + degree + 1,)."""
     from scipy.interpolate import BSpline
 
-    knots = np.asarray(knots, dtype=np.float64)
-    tip, axis_point = np.asarray(tip, dtype=np.float64), np.asarray(axis_point, dtype=np.float64)
+    knots = numbers(knots, "B-spline: knots", ("k",))
+    tip = numbers(tip, "B-spline: tip", ("n", 3), unit="m")
+    axis_point = numbers(axis_point, "B-spline: axis_point", ("n", 3), unit="m")
+    if not isinstance(degree, int) or degree < 1:
+        raise UsageError(f"B-spline: degree is {degree!r:.40}; give a whole number of 1 or more, 3 for a cubic")
     if tip.shape != axis_point.shape or len(knots) != len(tip) + degree + 1:
         raise PathError(
             f"B-spline of degree {degree} with {len(knots)} knots, {len(tip)} and {len(axis_point)} control points;"
             " it takes as many of both, and degree + 1 knots more"
         )
+    if (np.diff(knots) < 0.0).any() or not knots[degree] < knots[len(knots) - 1 - degree]:
+        raise PathError("B-spline: knots must ascend from one end to the other; sort them")
     breaks = np.unique(knots[degree : len(knots) - degree])
     spline = BSpline(knots, np.concatenate([tip, axis_point], axis=1), degree)
     curves = [spline] + [spline.derivative(order) for order in range(1, 4)]

@@ -83,10 +83,14 @@ class Path:
         s1: float = 1.0,
         feed: float = math.inf,
     ) -> Path:
-        """A path whose derivatives f(s (n,), order 0 to 3) -> (tip (n, 3) [m], unit axis (n, 3)) knows."""
-        from toolpace.path.exact import callable_run
+        """A path whose derivatives f(s (n,), order 0 to 3) -> (tip (n, 3) [m], unit axis (n, 3)) knows.
 
-        return cls((callable_run(f, s0, s1, feed),))
+        They are held against differences at places along the path: PathError, with the place, where one is not the
+        derivative of the order below.
+        """
+        from toolpace.path.exact import checked_run
+
+        return cls((checked_run(f, s0, s1, feed),))
 
     @classmethod
     def arc(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints, frozen
+from toolpace.arrays import Floats, Ints, frozen, gate_methods
 from toolpace.description import counted, one_line
 from toolpace.path.control_points import second_derivative_bounds
 
@@ -16,6 +17,10 @@ from toolpace.path.control_points import second_derivative_bounds
 def no_entries() -> Ints:
     """None."""
     return np.zeros(0, dtype=np.int64)
+
+
+PLACED = ("evaluate", "tip_slope", "block_at", "block_index")
+"""Methods of a run that take parameters (n,)."""
 
 
 class PathJet(NamedTuple):
@@ -60,8 +65,14 @@ class PathRun(ABC):
     """(b,) least time of each block [s]."""
     dwell: float = 0.0
     """Time to wait at the end of the run [s]."""
+    tool_length: float = math.nan
+    """Of the tool in the spindle [m]; nan: as long as the machine's own."""
     entry: Ints = field(default_factory=no_entries)
     """(b,) point of the tool path that each block leads to; (0,) where the path is of no tool path."""
+
+    def __init_subclass__(cls) -> None:
+        """Have arrays of parameters that a caller gives go through the gate."""
+        gate_methods(cls, PLACED, "s")
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
@@ -114,6 +125,9 @@ class PathRun(ABC):
         """Breaks (k,), and between each two the largest distance of the tip [m] and angle of the tool axis [rad] from
         the program (k - 1,); None where none was fitted to."""
         return None
+
+
+gate_methods(PathRun, PLACED, "s")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -23,6 +23,7 @@ from toolpace.machine.machine import Machine, check_machine
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.planned_run import PlannedRun, total_bound
+from toolpace.planning.sense import ask_about_degrees, check_count, check_held
 from toolpace.toolpath import ToolPath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import Progress, Workers, side_by_side
@@ -89,11 +90,13 @@ def plan(
             raise UsageError(f"plan: {name} is {state!r}; give an EndState(speed, acceleration)")
     axis_path = joints_along(path, machine)
     limits = machine.limits if isinstance(machine, Machine) else machine
-    if len(limits) != len(axis_path.joints):
-        raise UsageError(f"plan: limits for {len(limits)} joints, path of {len(axis_path.joints)} joints")
+    check_count(limits, axis_path)
     runs, last = axis_path.runs, len(axis_path.runs) - 1
     if not runs:
-        raise UsageError("plan: the path has no motion")
+        raise UsageError("plan: the path has no motion; give one with a run at least")
+    check_held(limits, axis_path)
+    if isinstance(machine, Machine):
+        ask_about_degrees(axis_path, machine)
 
     ensure_warm()
 

@@ -20,6 +20,7 @@ from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import bound_run, relaxed
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.optimal.solve import solve
 from toolpace.workers import UNTOLD, Progress, Workers
 
 FAR = 1e9
@@ -190,6 +191,26 @@ def test_a_trajectory_with_its_proof():
     assert shares == sorted(shares) and shares[-1] == 1.0
     assert trajectory.open_places and all(0.0 <= place.start <= place.end <= 9.0 for place in trajectory.open_places)
     assert sum(place.seconds for place in proved.open_places) < sum(place.seconds for place in trajectory.open_places)
+
+
+@pytest.mark.parametrize("spent", [Allowance(until=time.monotonic() - FAR), Allowance(knots=0)])
+def test_nothing_is_solved_for_a_proof_once_its_allowance_is_spent(monkeypatch, spent):
+    """Not even what a place would be worth: that is a solve for each of them."""
+    case = flank()
+    law, _ = fastest_law(case.run, case.limits, cells=200, guard=False)
+    asked: list[tuple[object, ...]] = []
+    monkeypatch.setattr("toolpace.planning.bound.prove.solve", lambda *given: asked.append(given) or solve(*given))
+    found = prove_run(case.run, case.limits, law, 1e-4, spent)
+    assert not asked and found.gap > 0.01 and len(found.places)
+    prove_run(case.run, case.limits, law, 1e-4, Allowance(knots=1))
+    assert asked
+
+
+def test_nothing_is_solved_for_a_proof_of_what_is_proved_already(monkeypatch):
+    case = flank()
+    law, _ = fastest_law(case.run, case.limits, cells=200, guard=False)
+    monkeypatch.delattr("toolpace.planning.bound.prove.solve")
+    assert prove_run(case.run, case.limits, law, 0.5, Allowance(time.monotonic() + FAR)).gap < 0.5
 
 
 def test_no_time_no_proof():

@@ -77,12 +77,13 @@ def fit_runs(
     tolerances = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
     ensure_warm()
     lines = polylines(toolpath, tolerances, machine)
+    machines = [None] * len(lines) if machine is None else machine.with_tools(line.tool_length for line in lines)
 
     def one(k: int, workers: Workers, told: Progress) -> FittedRun:
         line = lines[k]
         try:
             haste = hastes[k] if hastes is not None else None
-            return fit_run(line, toolpath, tolerances, machine, workers, told, haste)
+            return fit_run(line, toolpath, tolerances, machines[k], workers, told, haste)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
@@ -102,7 +103,7 @@ def fit_run(
     progress: Progress,
     haste: Haste | None = None,
 ) -> FittedRun:
-    """One run. Raises PathError where no curve fits."""
+    """One run, on the machine with the tool that is in the spindle. Raises PathError where no curve fits."""
     tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
     weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
@@ -251,6 +252,7 @@ def piecewise(
         feed=toolpath.feed[entry],
         least_time=toolpath.least_time[entry],
         dwell=line.dwell,
+        tool_length=line.tool_length,
         entry=entry,
     )
 

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number, numbers
+from toolpace.errors import UsageError
 
 if TYPE_CHECKING:
     from toolpace.laws.law import TimeLaw
@@ -49,6 +50,17 @@ class Haste:
     power: float
     """Of ds/dt in the weight of the squared third derivative: 5 is the integral over time, 6 that over the way."""
 
+    def __post_init__(self) -> None:
+        s = numbers(self.s, "haste: s", ("n",), unit="m")
+        if len(s) < 2 or (np.diff(s) < 0.0).any():
+            raise UsageError("haste: s must ascend, and have two places at least")
+        object.__setattr__(self, "s", s)
+        object.__setattr__(self, "pace", numbers(self.pace, "haste: pace", (3, len(s))))
+        if not (self.pace[0] > 0.0).all():
+            raise UsageError("haste: pace[0] is ds/dt, and must lie above zero everywhere")
+        number(self.ramp, "haste: ramp", least=0.0, above=True, unit="s")
+        number(self.power, "haste: power")
+
     @classmethod
     def of_law(cls, law: TimeLaw, smoothed: float, ramp: float, power: float) -> Haste:
         """That of a motion along the run, as a mean over the time `smoothed` [s]."""
@@ -73,6 +85,10 @@ class Haste:
 
         Breaks (cells + 1,) are in units [m], from the start of the run.
         """
+        breaks = numbers(breaks, "haste: breaks", ("n",))
+        if len(breaks) < 2 or not (np.diff(breaks) > 0.0).all():
+            raise UsageError("haste: breaks must ascend, and be two at least")
+        unit = number(unit, "haste: unit", least=0.0, above=True, unit="m")
         h = np.diff(breaks)
         inside = 0.5 * h[:, None] * (1.0 + PLACES)
         at = unit * (breaks[:-1, None] + inside)

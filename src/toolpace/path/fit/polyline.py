@@ -75,6 +75,8 @@ class Polyline:
     """(k,) entry of the ToolPath that each cell leads to."""
     room: Floats
     """(k, 2) tolerance of tip and tool axis in each cell; 1 where they are the narrowest of the program."""
+    tool_length: float
+    """Of the tool in the spindle [m]; nan: as long as the machine's own."""
     dwell: float
     """Time to wait at the end [s]."""
     wait: float = 0.0
@@ -99,9 +101,9 @@ def polylines(toolpath: ToolPath, tolerances: PlaceTolerances, machine: Machine 
     if tolerances.outward is not None:
         toolpath = replace(toolpath, normal=tolerances.outward)
     dense, entry = refined(toolpath, axis_tolerance, machine)
-    tip = dense.tip / tip_tolerance
+    tip, begin = dense.tip / tip_tolerance, dense.way_start / tip_tolerance
     turn = (dense.axis if dense.rotary is None or machine is None else dense.rotary) / axis_tolerance
-    length = np.sqrt(np.sum(np.diff(tip, axis=0) ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2)
+    length = np.sqrt(np.sum((tip - begin)[1:] ** 2, axis=1) + turn_length(turn, axis_tolerance, machine) ** 2)
     stops = np.flatnonzero(dense.stop)
     stops = np.unique(np.concatenate([[0], stops, [len(dense) - 1]]))
     runs: list[Polyline] = []
@@ -119,15 +121,19 @@ def polylines(toolpath: ToolPath, tolerances: PlaceTolerances, machine: Machine 
         nodes = start + np.concatenate([[0], kept + 1])
         nodes[-1] = end
         s = np.concatenate([[0.0], np.cumsum(steps[kept])])
+        # the tool may have been changed at the stop, and its tip be elsewhere than that of the one before
+        followed = tip[nodes]
+        followed[0] = begin[start + 1]
         runs.append(
             Polyline(
                 s=s,
                 half=None if tolerances.outward is None else HalfBall(s, dense.normal[nodes]),
-                tip=tip[nodes],
+                tip=followed,
                 turn=turn[nodes],
                 axis=dense.axis[nodes],
                 entry=entry[start + 1 + kept],
                 room=tolerances.room[entry[start + 1 + kept]],
+                tool_length=float(dense.tool_length[end]),
                 dwell=dwell,
                 wait=0.0 if runs else wait,
             )
@@ -169,7 +175,7 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
     """
     entry = np.arange(len(toolpath))
     if machine is not None and toolpath.rotary is not None:
-        return replace(toolpath, rotary=machine.choose_rotary(toolpath)), entry
+        return with_rotary(toolpath, machine, machine.choose_rotary(toolpath)), entry
     chord = np.linalg.norm(np.diff(toolpath.axis, axis=0), axis=1)
     if np.any(chord > 1.999):
         i = int(np.argmax(chord)) + 1
@@ -193,7 +199,12 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
             break
         toolpath, entry = inserted(toolpath, entry, count)
         rotary = carried_on(machine, toolpath, np.concatenate([[0], np.cumsum(count)]), rotary)
-    return replace(toolpath, rotary=rotary), entry
+    return with_rotary(toolpath, machine, rotary), entry
+
+
+def with_rotary(toolpath: ToolPath, machine: Machine, rotary: Floats) -> ToolPath:
+    """The tool path with rotary joints (n, 2), in the order of the machine."""
+    return replace(toolpath, rotary=rotary, rotary_joints=tuple(machine.geometry.rotary_joints))
 
 
 def decided(machine: Machine, toolpath: ToolPath, axis_tolerance: float) -> Floats:
@@ -241,7 +252,7 @@ def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, In
     u = (part / count[cell])[:, None]
     last = part == count[cell]
     origin = np.concatenate([[0], cell + 1])
-    tip = toolpath.tip[cell] * (1.0 - u) + toolpath.tip[cell + 1] * u
+    tip = toolpath.way_start[cell + 1] * (1.0 - u) + toolpath.tip[cell + 1] * u
     axis = great_circle(toolpath.axis[cell], toolpath.axis[cell + 1], u)
     tip[last], axis[last] = toolpath.tip[1:], toolpath.axis[1:]
     ends = np.concatenate([[True], last])
@@ -257,6 +268,11 @@ def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, In
         block=toolpath.block[origin],
         stop=toolpath.stop[origin] & ends,
         dwell=np.where(ends, toolpath.dwell[origin], 0.0),
+        rapid=toolpath.rapid[origin],
+        operation=toolpath.operation[origin],
+        tip_tolerance=toolpath.tip_tolerance[origin],
+        axis_tolerance=toolpath.axis_tolerance[origin],
+        tool_length=toolpath.tool_length[origin],
     )
     return dense, entry[origin]
 

@@ -118,6 +118,14 @@ def ramp_time(limits: Limits) -> float:
     return float(usable.min()) if len(usable) else np.inf
 
 
+def quickest_ramp(limits: Limits) -> float:
+    """Time in which the acceleration of some joint builds up at best [s]: 0 where one has a limit and its jerk has
+    none."""
+    with np.errstate(invalid="ignore"):
+        ramps = np.where(np.isinf(limits.acceleration), np.inf, limits.acceleration / limits.jerk)
+    return float(ramps.min(initial=np.inf))
+
+
 def from_graded(x: Floats, ends: tuple[float, float]) -> Floats:
     """Place in [0, 1] of evenly spaced x in [0, 1]: next to an end at rest it goes like the cube of the distance."""
     if ends[0] == 0.0 and ends[1] == 0.0:

@@ -11,6 +11,8 @@ from toolpace.planning.mesh.guess import Guess, from_graded, guess, places, ramp
 
 STEPS_A_RAMP = 8.0
 """Nodes for the time in which the acceleration of the slowest joint builds up."""
+UNTOLD_RAMP = 0.1
+"""That time, in the finest steps of a first mesh, below which even these do not tell a ramp."""
 GRADING = 0.1
 """Largest step in time next to rest, as a share of the time since rest."""
 CELLS_A_HINT = 2.0
@@ -53,7 +55,9 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     step = rough.t[-1] / fewest
     if cells is None:
         most = max(MOST_CELLS, CELLS_A_PLACE * max(len(run.hints), many if many > fewest else 0))
-        step = min(step, max(ramp_time(limits) / STEPS_A_RAMP, rough.t[-1] / most))
+        ramp, least = ramp_time(limits), rough.t[-1] / most
+        # where even the finest steps could not tell a ramp, cells are cut where there is one
+        step = min(step, max(ramp / STEPS_A_RAMP, least)) if ramp > UNTOLD_RAMP * least else step
     count = even_in_time(rough.t, ends, step)
     count = finer_where_z_falls(count, rough, ends, step)
     if cells is None and len(run.hints):

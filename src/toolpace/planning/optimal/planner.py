@@ -3,6 +3,7 @@
 of a run between two states:
   nodes of s, close together where a first idea of the motion is quick to change
   z = (ds/dt)^2, a cubic spline over them:  the fastest within the limits at the nodes        (an interior point)
+  where jerk limits are infinite, or nearly so: finer cells where the acceleration switches         (switches)
   repeat while z passes a limit between nodes, or falls too far there                              (the guard)
       cut the cells that pass it by far, put rows where the others pass it most, and solve again around them
   what is left above the guarantee: slow down about it
@@ -13,6 +14,7 @@ without a bound, too, where the guard took much longer than the limits at the no
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +31,7 @@ from toolpace.planning.optimal.another_try import FAR, Plan, another_try
 from toolpace.planning.optimal.guard import MOST_ROUNDS, guarded
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
+from toolpace.planning.optimal.switches import may_switch, sharpened
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.options import Options, check_flag, check_mesh
 from toolpace.planning.planned_run import PlannedRun
@@ -128,13 +131,33 @@ def held_law(
         del rough  # of a long run it takes much memory
         c = solve_run(meshed, begin, 1.0, workers, progress.part(MESHED, SOLVED))
         law = SplineLaw(meshed.nodes, c, meshed.rest)
-        at_nodes = law.duration
-        if guard:
-            law = guarded(meshed, law, cells is not None, workers, progress.part(SOLVED, 1.0), most_rounds)
+        at_nodes, told = law.duration, progress.part(SOLVED, 1.0)
+        if cells is None and may_switch(limits, law):
+            law = law_with_switches(meshed, law, guard, workers, told, most_rounds)
+        elif guard:
+            law = guarded(meshed, law, cells is not None, workers, told, most_rounds)
     except Stalled as stall:
         raise no_motion(run, stall, cells) from None
     progress(1.0)
     return law, at_nodes
+
+
+def law_with_switches(
+    meshed: MeshedRun, law: SplineLaw, guard: bool, workers: Workers, progress: Progress, most_rounds: int
+) -> SplineLaw:
+    """The fastest law of a run on finer cells where its acceleration switches; with `guard`, held between the nodes.
+
+    Where the guard takes away more than the switches have won, the mesh before is tried too.
+    """
+    finer, sharp = sharpened(meshed, law, workers)
+    if not guard:
+        return sharp
+    held = guarded(finer, sharp, False, workers, progress, most_rounds)
+    if held.duration <= law.duration or finer is meshed:
+        return held
+    with contextlib.suppress(Stalled):
+        held = min(held, guarded(meshed, law, False, workers, UNTOLD, most_rounds), key=lambda one: one.duration)
+    return held
 
 
 def mesh_points(law: SplineLaw) -> int:

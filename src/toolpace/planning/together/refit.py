@@ -73,7 +73,7 @@ def refitted(
         unchanged = run, path.tip_deviation, path.axis_deviation
         if motion.laws[k].duration > MOST * care.longest * ramp:
             return unchanged
-        known = known_run(run, axis_run, motion.laws[k], lines[k], rapid, machine, scale, ramp, care)
+        known = known_run(run, axis_run, motion.laws[k], lines[k], rapid, scale, ramp, care)
         check = Comparison(lines[k], tolerances.axis, machine, in_joints)
         changed = changed_run(known, check, workers, told)
         return unchanged if changed is None else changed
@@ -84,8 +84,8 @@ def refitted(
 
 
 def known_run(
-    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, rapid: Bools, machine: Machine, scale: Floats,
-    ramp: float, care: Care,
+    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, rapid: Bools, scale: Floats, ramp: float,
+    care: Care,
 ) -> Known:  # fmt: skip
     """A run with knots that its motion passes soon enough after each other; `rapid`: which ways of the line are."""
     times = law.times_at(run.breaks)
@@ -97,7 +97,7 @@ def known_run(
     breaks = law.at(finer)[0]
     breaks[np.append(share == 0.0, True)] = run.breaks
     still = standing_still(line, rapid, (breaks - run.s0) / scale[0])
-    return Known(run, joints, law, line, machine, scale, breaks, finer, run.s0, still, care)
+    return Known(run, joints, law, line, joints.machine, scale, breaks, finer, run.s0, still, care)
 
 
 def changed_run(

@@ -24,6 +24,7 @@ from toolpace.arrays import Bools, Floats
 from toolpace.axispath.follow import FollowRun
 from toolpace.kernels.together import newton, places
 from toolpace.laws.law import TimeLaw
+from toolpace.machine import kinematics
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.samples import turn_metric
@@ -206,7 +207,7 @@ def moves(machine: Machine, tip: Floats, rotary: Floats) -> Floats:
         for nudge in (NUDGE, -NUDGE):
             moved = [tip.copy(), rotary.copy()]
             moved[coordinate // 3][0, :, coordinate % 3] += nudge
-            sides.append(machine.linear_jets(moved[0], moved[1]))
+            sides.append(kinematics.linear_jets(machine.geometry, moved[0], moved[1]))
         columns.append((sides[0] - sides[1]) / (2.0 * NUDGE))
     return np.stack(columns, axis=3)
 

@@ -1,0 +1,85 @@
+"""Whether the derivatives that a function tells are those of its positions.
+
+All limits are held on what a function says of its derivatives: where these are not those of its positions, a motion
+breaks limits that it is told to keep. Over a short cell of the parameter
+
+    f(b, k) - f(a, k) = integral of f(s, k + 1) from a to b
+
+the integral by the rule of Gauss with eight places. Where both differ the cell is cut again and again: at a jump of a
+derivative they differ in one part of the cell, at a narrow turn not in the shortest ones, and where the derivative is
+another function's in most of them, however short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from toolpace.arrays import Bools, Floats
+from toolpace.errors import PathError
+
+CELLS = 64
+"""Cells that are looked at along a path."""
+LENGTH = 1e-3
+"""Length of a cell, as a share of the path's."""
+PARTS, LEVELS = 16, 3
+"""Into how many parts a cell is cut where both sides differ, and how often."""
+OFF = 1e-3
+"""Share of a change by which its derivative's integral may differ from it."""
+ROUNDINGS = 256.0
+"""How many roundings of the values may be in a difference."""
+
+_X, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+PLACES = np.concatenate([[0.0], 0.5 * (1.0 + _X), [1.0]])
+"""Of a cell from 0 to 1: its ends, and those of the rule."""
+
+
+def check_derivatives(
+    evaluate: Callable[[Floats], Floats], s0: float, s1: float, columns: Sequence[str], name: str = "path"
+) -> None:
+    """Raise PathError where derivatives are not those of the order below, or not finite.
+
+    `evaluate` gives value and derivatives 1 to 3 (4, n, c) at places (n,); `columns` (c,) are called so in the message.
+    """
+    length = LENGTH * (s1 - s0)
+    golden = np.modf(np.arange(CELLS) * 0.5 * (np.sqrt(5.0) - 1.0))[0]
+    starts = s0 + (np.arange(CELLS) + golden) / CELLS * (s1 - s0 - length)
+    off, _, _ = _compared(evaluate, starts, length, name)
+    for order, column in np.argwhere(off.any(axis=1)):
+        cell = int(np.argmax(off[order, :, column]))
+        start, width = float(starts[cell]), length
+        for _ in range(LEVELS - 1):
+            width /= PARTS
+            parts = np.asarray(start + width * np.arange(PARTS), dtype=np.float64)
+            still, now_given, now_found = _compared(evaluate, parts, width, name)
+            bad = still[order, :, column]
+            if bad.sum() <= PARTS // 2:
+                break
+            start = float(parts[np.argmax(bad)])
+            at = int(np.argmax(bad))
+            given, found = now_given[order, at, column], now_found[order, at, column]
+        else:
+            raise PathError(
+                f"{name}: f(s, {order + 1}) is not the derivative of f(s, {order}): at s = {start:.9g} it is "
+                f"{given:.6g} for {columns[column]}, where f(s, {order}) changes by {found:.6g}; correct "
+                "the function, or give points to Path.fit or AxisPath.from_waypoints"
+            )
+
+
+def _compared(
+    evaluate: Callable[[Floats], Floats], starts: Floats, length: float, name: str
+) -> tuple[Bools, Floats, Floats]:
+    """Of cells (n,) of one length: which are off (3, n, c); the derivative told, and the one found (3, n, c)."""
+    s = starts[:, None] + length * PLACES
+    jets = evaluate(s.ravel()).reshape(4, *s.shape, -1)
+    if not np.isfinite(jets).all():
+        order, cell, place, _ = np.argwhere(~np.isfinite(jets))[0]
+        raise PathError(f"{name}: f(s, {order}) is not finite at s = {s[cell, place]:.9g}")
+    change = jets[:3, :, -1] - jets[:3, :, 0]
+    inside, weights = jets[1:, :, 1:-1], 0.5 * length * _WEIGHTS[None, None, :, None]
+    told, size = (weights * inside).sum(axis=2), (weights * np.abs(inside)).sum(axis=2)
+    eps = float(np.finfo(float).eps)
+    rounding = eps * (np.abs(jets[:3]).max(axis=2) + np.abs(s).max() * np.abs(jets[1:]).max(axis=2))
+    off = np.abs(change - told) > OFF * np.maximum(np.abs(change), size) + ROUNDINGS * rounding
+    return off, told / length, change / length
