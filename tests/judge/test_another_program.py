@@ -11,6 +11,7 @@ from tests.support import motions
 from tests.support.walks import AXIS, MACHINE, TIP, least_seconds, random_walk, set_points
 from toolpace.judge import program, verify
 from toolpace.judge.matching import alignment
+from toolpace.toolpath import no_rapids
 
 POINTS = motions.set_points()
 PROGRAM = motions.program()
@@ -22,6 +23,7 @@ def straight(poses, blocks):
     n = len(poses)
     return replace(
         program, tip=poses[:, :3].copy(), rotary=poses[:, 3:].copy(), axis=MACHINE.axis_at(poses[:, 3:].copy()),
+        rapid=no_rapids(),
         feed=np.concatenate(([np.inf], np.full(n - 1, 0.05))), block=blocks, stop=np.arange(n) % (n - 1) == 0,
         least_time=np.zeros(n), dwell=np.zeros(n),
     )  # fmt: skip

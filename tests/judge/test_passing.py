@@ -11,6 +11,7 @@ from tests.support import motions
 from tests.support.walks import AXIS, DT, MACHINE, TIP, least_seconds, random_walk, set_points
 from toolpace.judge import verify
 from toolpace.judge.program import program_checks
+from toolpace.toolpath import no_rapids
 
 POINTS = motions.set_points()
 PROGRAM = motions.program()
@@ -27,6 +28,7 @@ def along_x(x, dwell):
     feed = np.concatenate(([np.inf], np.full(n - 1, 0.05)))
     program = replace(
         program, tip=poses[:, :3].copy(), rotary=poses[:, 3:].copy(), axis=MACHINE.axis_at(poses[:, 3:].copy()),
+        rapid=no_rapids(),
         feed=feed, block=block, stop=(np.arange(n) % (n - 1) == 0) | (dwell > 0.0), least_time=np.zeros(n), dwell=dwell,
     )  # fmt: skip
     return program, replace(walk, poses=poses, seconds=2.0 * least_seconds(poses, feed), dwell=dwell, block=block)

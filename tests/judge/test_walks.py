@@ -11,6 +11,7 @@ import pytest
 from testbed.in_order_distance import distance_of_poses, within_in_order
 from tests.support.walks import AXIS, MACHINE, PEAK, TIP, least_seconds, random_walk, set_points, without
 from toolpace.judge import verify
+from toolpace.toolpath import no_rapids
 
 NEAR = ("tip, ", "axis, ")
 CLEAR = 0.02
@@ -159,6 +160,7 @@ def _with_a_stop_on_the_way(program, walk):
         tip=np.insert(program.tip, k, half[:3], axis=0),
         axis=MACHINE.axis_at(np.ascontiguousarray(poses[:, 3:])),
         feed=np.insert(program.feed, k, program.feed[k]),
+        rapid=no_rapids(),
         least_time=np.zeros(len(poses)),
         block=np.insert(program.block, k, program.block[k]),
         stop=np.insert(program.stop, k, True),
@@ -207,6 +209,7 @@ def test_a_loop_is_not_judged_by_the_feed_of_its_next_pass():
     rows = {name: np.zeros(4) for name in ("least_time", "dwell")}
     program = replace(
         program, tip=poses[:, :3].copy(), rotary=poses[:, 3:].copy(), axis=MACHINE.axis_at(poses[:, 3:].copy()),
+        rapid=no_rapids(),
         feed=feed, block=np.arange(1, 5), stop=np.array([True, False, False, True]), **rows,
     )  # fmt: skip
     walk = replace(walk, poses=poses, seconds=least_seconds(poses, feed), dwell=np.zeros(4), block=np.arange(1, 5))
@@ -227,6 +230,7 @@ def test_each_dwell_has_time_of_its_own():
     feed = np.concatenate(([np.inf], np.full(5, 0.05)))
     program = replace(
         program, tip=poses[:, :3].copy(), rotary=poses[:, 3:].copy(), axis=MACHINE.axis_at(poses[:, 3:].copy()),
+        rapid=no_rapids(),
         feed=feed, block=np.arange(1, 7), stop=dwell > -1.0, least_time=np.zeros(6), dwell=dwell,
     )  # fmt: skip
     walk = replace(walk, poses=poses, seconds=least_seconds(poses, feed), dwell=dwell, block=np.arange(1, 7))
@@ -247,6 +251,7 @@ def test_a_deviation_is_reported_at_its_place_and_as_large_as_it_is(kind):
     program, walk, _ = random_walk(0)
     program = replace(
         program, tip=poses[:, :3].copy(), rotary=poses[:, 3:].copy(), axis=MACHINE.axis_at(poses[:, 3:].copy()),
+        rapid=no_rapids(),
         feed=feed, block=np.arange(1, 13), stop=np.arange(12) % 11 == 0, least_time=np.zeros(12), dwell=np.zeros(12),
     )  # fmt: skip
     seconds = 1.1 * least_seconds(poses, feed)

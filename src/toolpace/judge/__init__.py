@@ -21,6 +21,7 @@ from toolpace.judge.figures import Figures
 from toolpace.judge.motion import motion_checks, rest_checks, step_check
 from toolpace.judge.program import ProgramJudgement, program_checks
 from toolpace.judge.tool import tool_checks
+from toolpace.judge.tool_lengths import length_checks, tool_table
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
@@ -45,6 +46,7 @@ def verify(
     axis_tolerance: float | Tolerances = 1e-3,
     dt: float = 1e-3,
     tool: CuttingTool | None = None,
+    sheet: str = "",
 ) -> Verification:
     """Judge set-points, or a trajectory sampled every `dt` [s], against the machine and, if given, the
     program.
@@ -57,13 +59,14 @@ def verify(
     [rad], in order; where these are `Tolerances`, each block by its own), the feed of each block, its least
     time, stops and dwells. With bare limits in place of a machine, what needs kinematics is left out. With a
     `tool` (a CuttingTool) the tip that is held against the program is the bent one: how far the force of this
-    motion bends it is worked out here anew.
+    motion bends it is worked out here anew. The tip is that of the tool in the spindle, as long as set-points and
+    program say; `sheet`, the text of the set-up sheet, tells whether they say the truth.
 
     Time is linear in set-points and program points. Raises UsageError where the set-points do not fit the
     machine.
     """
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
-    return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt, tool)[0]
+    return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt, tool, sheet)[0]
 
 
 def verify_plan(
@@ -74,13 +77,14 @@ def verify_plan(
     tip_tolerance: float | Tolerances,
     axis_tolerance: float | Tolerances,
     tool: CuttingTool | None = None,
+    sheet: str = "",
 ) -> Verification:
     """Judge set-points as `verify` does, and the figures of their plan.json by them.
 
     Each figure is recomputed, or held against the others where only the planner can know it (judge/figures.py says
     which). Raises UsageError as `verify` does.
     """
-    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan, tool)
+    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan, tool, sheet)
     if judged is None:
         return found
     checks = Figures(figures, points, machine, toolpath, found, judged.feed_use, judged.passages).checks()
@@ -95,6 +99,7 @@ def _judged(
     axis_tolerance: float | Tolerances,
     dt: float,
     tool: CuttingTool | None,
+    sheet: str,
 ) -> tuple[Verification, ProgramJudgement | None]:
     """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
     if not isinstance(machine, Limits):
@@ -122,9 +127,10 @@ def _judged(
     judged = ProgramJudgement([], math.nan, math.nan)
     if isinstance(machine, Machine):
         checks += _names(points, machine)
-        tip, axis = machine.forward(points.q)
+        tip, axis = machine.forward(points.q, points.tool_length)
         checks += tool_checks(points, machine, tip, axis)
         if toolpath is not None:
+            checks += length_checks(points, machine, toolpath, tool_table(sheet))
             judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step, tool)
             checks += judged.checks
     deviations = judged.tip_deviation, judged.axis_deviation
@@ -150,7 +156,7 @@ def _finite(points: SetPoints) -> Check | None:
     """A failed check if there is no set-point, or one that is no number."""
     if len(points) == 0:
         return Check("set-points", 0.0, 1.0, "", False, note="there is none")
-    for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis"):
+    for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "tool_length"):
         bad = ~np.isfinite(getattr(points, name))
         if bad.any():
             row, *column = np.argwhere(bad)[0]

@@ -54,12 +54,13 @@ class FeedUse:
 
 
 def feed_use(
-    points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints, tip: Floats
+    points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints, tip: Floats, ways: Floats
 ) -> FeedUse | None:
-    """How fast the tip goes for the feeds of the program; None where it has none."""
+    """How fast the tip at (n, 3), which goes by `ways` (n - 1, 3), goes for the feeds of the program; None where it has
+    none."""
     if not np.isfinite(toolpath.feed[1:]).any():
         return None
-    moved = np.sqrt(((tip[1:] - tip[:-1]) ** 2).sum(axis=1))
+    moved = np.sqrt((ways**2).sum(axis=1))
     steps = np.diff(points.t)
     speed = moved / steps
     noise = 8.0 * float(np.finfo(np.float64).eps) * max(float(np.abs(tip).max()), 1.0) / steps

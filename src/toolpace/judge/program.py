@@ -16,6 +16,7 @@ from toolpace.judge.operations import Passages
 from toolpace.judge.pace import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passing
 from toolpace.judge.rows import MotionRow, motion_row, program_line
+from toolpace.judge.tool_lengths import ways
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
@@ -83,7 +84,7 @@ def program_checks(
             side_check(points, motion, found.there, line, owner, outward, float(tip_unit), GRACE * float(tip_unit))
         )
     passing = Passing(points, toolpath, motion, found.back, np.flatnonzero(np.diff(owner, append=len(toolpath)) > 0))
-    use = feed_use(points, toolpath, motion, found.there, owner, tip)
+    use = feed_use(points, toolpath, motion, found.there, owner, tip, ways(points, tip, axis))
     checks += [use.check(points)] if use is not None else []
     checks += passing.least_times(dt) + passing.stops(machine, dt)
     checks += block_check(points, toolpath, motion, found.there, owner)

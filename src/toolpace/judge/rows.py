@@ -36,7 +36,7 @@ def program_line(
     Where the axis turns on the way, points are put in between (great circle, or rotary joints in proportion)
     until a chord is within CHORD of its arc.
     """
-    tip = toolpath.tip
+    tip, begin = toolpath.tip, way_begins(toolpath)
     start = np.hstack((tip[:1] / tip_tolerance, toolpath.axis[:1] / axis_tolerance))
     if len(tip) == 1:
         return np.ascontiguousarray(np.repeat(start, 2, axis=0)), np.zeros(2, dtype=np.int64)
@@ -50,12 +50,26 @@ def program_line(
     if len(turning):
         pieces[turning] = _pieces(toolpath, machine, turning, pieces[turning], axis_tolerance)
     owner, share = _shares(np.arange(1, len(tip)), pieces)
-    between_tip = tip[owner - 1] + share[:, None] * (tip[owner] - tip[owner - 1])
+    # where another tool takes its place, the tip is elsewhere before the way begins
+    changed = np.flatnonzero((begin[1:] != tip[:-1]).any(axis=1)) + 1
+    first = np.searchsorted(owner, changed)
+    owner, share = np.insert(owner, first, changed), np.insert(share, first, 0.0)
+    between_tip = begin[owner] + share[:, None] * (tip[owner] - begin[owner])
     between_axis = _axis_between(toolpath, machine, owner, share)
     exact = np.flatnonzero(share == 1.0)
     between_tip[exact] = tip[owner[exact]]
     line = np.vstack((start, np.hstack((between_tip / tip_tolerance, between_axis / axis_tolerance))))
     return np.ascontiguousarray(line), np.concatenate(([0], owner))
+
+
+def way_begins(toolpath: ToolPath) -> Floats:
+    """(n, 3) where the tip is before the way to each point: at the point before, nearer to the spindle by as much as
+    the tool is shorter."""
+    shorter = np.zeros(len(toolpath))
+    shorter[1:] = toolpath.tool_length[:-1] - toolpath.tool_length[1:]
+    before = np.maximum(np.arange(len(toolpath)) - 1, 0)
+    begin: Floats = toolpath.tip[before] + np.nan_to_num(shorter)[:, None] * toolpath.axis[before]
+    return begin
 
 
 def _angles(a: Floats, b: Floats) -> Floats:
@@ -155,6 +169,7 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
         size = _size(second)
         size = np.maximum(size[:-1], size[1:])
         inner[[0, -2, -1]] = False
+        inner &= ~_beside(points.tool_length, n)
         parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)
         fourth = _size(np.diff(poses, n=4, axis=0))
         # Of the step from k to k + 1: all differences that have both of them.
@@ -175,7 +190,11 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
     time = np.concatenate((points.t[:1], points.t[k] + share * (points.t[after] - points.t[k])))
     time[np.concatenate(([True], exact))] = points.t
     exact = np.concatenate(([True], exact))
-    return _standing_as_one(row, allowance, setpoint, time, exact)
+    found = _standing_as_one(row, allowance, setpoint, time, exact)
+    # when the tool is changed is known to a step
+    changed = np.flatnonzero(np.diff(points.tool_length))
+    found.late[found.row[changed]], found.early[found.row[changed + 1]] = points.t[changed + 1], points.t[changed]
+    return found
 
 
 def _standing_as_one(
@@ -197,6 +216,14 @@ def _standing_as_one(
         late=time[ends],
         row=row[exact],
     )
+
+
+def _beside(tool_length: Floats, n: int) -> npt.NDArray[np.bool_]:
+    """(n - 1,) whether differences about a step have tips of several tools in them."""
+    near = np.zeros(n - 1, dtype=bool)
+    for change in np.flatnonzero(np.diff(tool_length)):
+        near[max(change - 3, 0) : change + 4] = True
+    return near
 
 
 def _curved(q: Floats, limits: Limits, dt: float) -> npt.NDArray[np.bool_]:

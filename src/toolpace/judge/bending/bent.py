@@ -17,7 +17,8 @@ from toolpace.cuttingtool import Cut, CuttingTool
 from toolpace.judge.bending.forces import ForceTable
 from toolpace.judge.bending.turning import tool_in_workpiece
 from toolpace.judge.matching.alignment import Lost, align
-from toolpace.judge.rows import motion_row
+from toolpace.judge.rows import motion_row, way_begins
+from toolpace.judge.tool_lengths import ways
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
@@ -70,13 +71,13 @@ class BentTool:
             place = found.there.place[motion.row]
             middle = np.floor(0.5 * (place[:-1] + place[1:])).astype(np.int64)
             way = of_way[owner[np.minimum(middle + 1, len(owner) - 1)]]
-            bent = tip + self.deflection(points, bent, way, tables)
+            bent = tip + self.deflection(points, bent, axis, way, tables)
         return bent
 
     def cuts(self) -> tuple[list[Cut], Ints]:
         """The cuts that there are, and which of them acts on the way to each point (n,); -1 for none."""
         program, tool = self.toolpath, self.tool
-        moved = np.concatenate(([0.0], np.sqrt((np.diff(program.tip, axis=0) ** 2).sum(axis=1)))) > 0.0
+        moved = np.sqrt(((program.tip - way_begins(program)) ** 2).sum(axis=1)) > 0.0
         fed = moved & ~program.rapid & (np.isfinite(program.feed) | (program.least_time > 0.0))
         cuts: list[Cut] = []
         of_way = np.full(len(program), -1, dtype=np.int64)
@@ -91,15 +92,17 @@ class BentTool:
     def largest_chip(self, cut: Cut, ways: Floats) -> float:
         """The largest feed per tooth that the program asks for on some ways (n,) [m]."""
         program = self.toolpath
-        length = np.concatenate(([0.0], np.sqrt((np.diff(program.tip, axis=0) ** 2).sum(axis=1))))
+        length = np.sqrt(((program.tip - way_begins(program)) ** 2).sum(axis=1))
         with np.errstate(divide="ignore", invalid="ignore"):
             speed = np.minimum(program.feed, np.where(program.least_time > 0.0, length / program.least_time, np.inf))
         speed = speed[ways.astype(bool) & np.isfinite(speed)]
         return float(speed.max(initial=0.0)) / (cut.cutter.teeth * cut.spindle_speed)
 
-    def deflection(self, points: SetPoints, bent: Floats, way: Ints, tables: list[ForceTable]) -> Floats:
+    def deflection(
+        self, points: SetPoints, bent: Floats, axis: Floats, way: Ints, tables: list[ForceTable]
+    ) -> Floats:
         """(n, 3) [m] at each set-point, where the steps (n - 1,) are of the cuts `way`; blended."""
-        step = np.diff(bent, axis=0)
+        step = ways(points, bent, axis)
         turn = tool_in_workpiece(self.machine, 0.5 * (points.q[:-1] + points.q[1:]))
         spindle = turn[:, :, 2]
         across = step - (step * spindle).sum(axis=1, keepdims=True) * spindle

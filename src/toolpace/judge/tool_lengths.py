@@ -1,0 +1,74 @@
+"""Lengths of the tools: what set-points and program say of them, by the set-up sheet that the judge reads itself."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+
+import numpy as np
+
+from toolpace.arrays import Floats
+from toolpace.judge.verification import Check
+from toolpace.machine.machine import Machine
+from toolpace.setpoints import SetPoints
+from toolpace.toolpath import ToolPath
+
+SAME = 1e-9
+"""Lengths that differ by less are one [m]: sheets are written in millimetres and inches."""
+METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+
+
+def tool_table(sheet: str) -> dict[str, float]:
+    """Number or name of each tool on a set-up sheet (its text), and its length [m]."""
+    tables = tomllib.loads(sheet)
+    unit = METRES[tables.get("units", {}).get("length", "mm")]
+    return {_plain(name): float(tool["length"]) * unit for name, tool in tables.get("tools", {}).items()}
+
+
+def _plain(name: str) -> str:
+    """A tool's number without leading zeros, or its name."""
+    return name.lstrip("0") or "0" if name.strip().isdigit() else " ".join(name.split())
+
+
+def ways(points: SetPoints, tip: Floats, axis: Floats) -> Floats:
+    """(n - 1, 3) how the tip at (n, 3) goes in each step, with the tool in the spindle at its begin: where another one
+    takes its place the tip is elsewhere, and did not go there."""
+    step = np.diff(tip, axis=0)
+    if len(points.tool_length):
+        step += np.diff(points.tool_length)[:, None] * axis[1:]
+    return step
+
+
+def length_checks(points: SetPoints, machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
+    """The lengths that set-points name against the program's, and the program's against the sheet."""
+    own = machine.tool_length
+    asked = np.where(np.isnan(toolpath.tool_length), own, toolpath.tool_length)
+    named = points.tool_length if len(points.tool_length) else np.array([own])
+    known = np.unique(asked[1:])
+    off = np.abs(named[:, None] - known).min(axis=1)
+    worst = int(np.argmax(off))
+    checks = []
+    if len(points.tool_length) or (off > SAME).any():
+        ok, note = bool(off[worst] <= SAME), "against those of the program's tools"
+        place = float(points.t[worst]), int(points.block[worst])
+        checks.append(Check("tool length of set-points", float(off[worst]), SAME, "m", ok, *place, note=note))
+    return [*checks, *_sheet_check(own, toolpath, asked, table)]
+
+
+def _sheet_check(own: float, toolpath: ToolPath, asked: Floats, table: Mapping[str, float]) -> list[Check]:
+    """Whether each way of the program is that of a tool as long as the sheet says, or as the program's own words do."""
+    if not table:
+        return []
+    worst, at = 0.0, 1
+    for k, operation in enumerate(toolpath.operations):
+        rows = 1 + np.flatnonzero(toolpath.operation[1:] == k)
+        if not len(rows):
+            continue
+        name = _plain(operation.tool)
+        alone = next(iter(table.values())) if len(table) == 1 and not name else own
+        right = np.array([table.get(name, alone), *operation.told_lengths])
+        off = np.abs(asked[rows, None] - right).min(axis=1)
+        if off.max() > worst:
+            worst, at = float(off.max()), int(rows[np.argmax(off)])
+    note = f"of tool {toolpath.operations[toolpath.operation[at]].tool or 'without a name'}, against the set-up sheet"
+    return [Check("tool length", worst, SAME, "m", worst <= SAME, block=int(toolpath.block[at]), note=note)]
