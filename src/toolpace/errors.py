@@ -66,6 +66,10 @@ class VerificationError(ToolpaceError):
     exit_code = 1
 
 
+class UnitWarning(UserWarning):
+    """A question: a figure that can hardly be meant as it stands, and the unit that it is likely in."""
+
+
 def in_short(error: Exception) -> str:
     """What an error says, as far as fits on a few lines: names in a file may be as long as one likes."""
     return text if len(text := str(error)) <= LONGEST_FAULT else f"{text[:LONGEST_FAULT]}..."

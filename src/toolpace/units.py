@@ -38,6 +38,34 @@ EDGE_FORCES = {"N/mm": 1e3, "N/m": 1.0, "kN/m": 1e3}
 STIFFNESSES = {"N/um": 1e6, "N/µm": 1e6, "N/μm": 1e6, "N/mm": 1e3, "N/m": 1.0, "kN/mm": 1e6}
 SPINDLE_SPEEDS = {"rpm": 1.0 / MINUTE, "1/min": 1.0 / MINUTE, "rev/min": 1.0 / MINUTE, "1/s": 1.0}
 
+
+
+def _per_power(lengths: dict[str, float], power: int) -> dict[str, float]:
+    """Units over seconds to a power, in the ways in which people write them: mm/s2, mm/s^2, mm/s²."""
+    raised = {2: ("2", "^2", "²"), 3: ("3", "^3", "³")}[power]
+    return {f"{name}/s{each}": factor for name, factor in lengths.items() for each in raised}
+
+
+_LONG = {"m": 1.0, "mm": MILLIMETRE, "in": INCH}
+_TURN = {"deg": DEGREE, "rad": 1.0, "rev": 2.0 * math.pi}
+_OF_LINEAR = {
+    "velocity": FEEDS,
+    "acceleration": _per_power(_LONG, 2) | {"g": 9.80665},
+    "jerk": _per_power(_LONG, 3) | {"g/s": 9.80665},
+}
+_OF_ROTARY = {
+    "velocity": {"rpm": _TURN["rev"] / MINUTE, "rev/min": _TURN["rev"] / MINUTE, "1/min": _TURN["rev"] / MINUTE}
+    | {"deg/s": DEGREE, "°/s": DEGREE, "rad/s": 1.0, "rev/s": _TURN["rev"], "deg/min": DEGREE / MINUTE},
+    "acceleration": _per_power(_TURN, 2),
+    "jerk": _per_power(_TURN, 3),
+}
+JOINT_LIMITS = {"linear": _OF_LINEAR, "rotary": _OF_ROTARY}
+"""Units of the limits of a joint, by its kind."""
+_EXAMPLES = {
+    "linear": {"velocity": "42 m/min", "acceleration": "6 m/s2", "jerk": "60 m/s3"},
+    "rotary": {"velocity": "90 deg/s", "acceleration": "600 deg/s2", "jerk": "6000 deg/s3"},
+}
+
 _QUANTITY = re.compile(r"\s*+([-+]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?)\s*+(\S*+)\s*+")
 _SHOWN = 40
 """Most characters of a text that a message shows."""
@@ -61,6 +89,14 @@ def parse_time(text: str) -> float:
 def parse_feed(text: str) -> float:
     """Feed [m/s] of text such as `3000mm/min`, `50mm/s`; UsageError where it is none, zero or negative."""
     return _parse(text, FEEDS, "feed", "3000mm/min", positive=True)
+
+
+def parse_joint_limit(text: str, kind: str, limit: str) -> float:
+    """Velocity, acceleration or jerk of a joint of a kind [m or rad, s] of text such as `42 m/min`, `10 rpm`, `6 m/s2`.
+
+    UsageError where it is none, zero or negative.
+    """
+    return _parse(text, JOINT_LIMITS[kind][limit], f"{limit} of a {kind} joint", _EXAMPLES[kind][limit], positive=True)
 
 
 def parse_percent(text: str) -> float:
@@ -103,7 +139,8 @@ def _parse(text: str, units: dict[str, float], quantity: str, example: str, *, p
     value = number * factors[unit]
     if not math.isfinite(value) or value < 0 or (positive and value == 0):
         bound = "above zero" if positive else "zero or more"
-        raise UsageError(f"{quantity} '{text}' must be {bound} and finite, like {example}")
+        why = "is negative" if value < 0 else "is zero" if value == 0 else "is not finite"
+        raise UsageError(f"{quantity} '{text}' {why}, and must be {bound} and finite, like {example}")
     return value
 
 

@@ -153,13 +153,13 @@ NAN[4, 1] = np.nan
         (POINTS[0], None, "one row a waypoint"),
         (POINTS[:, :0], None, "one row a waypoint"),
         ([[0.0, 1.0], [2.0]], None, "different lengths"),
-        ([["a"], ["b"]], None, "no real numbers"),
-        (POINTS * 1j, None, "no real numbers"),
+        ([["a"], ["b"]], None, "of <U1; give real numbers"),
+        (POINTS * 1j, None, "of complex128; give real numbers"),
         (POINTS, S[::-1], r"s\[1\] = 4.625 does not lie above s\[0\] = 5"),
         (POINTS, np.zeros(9), r"s\[1\] = 0 does not lie above"),
-        (POINTS, S[:5], "for 9 waypoints"),
+        (POINTS, S[:5], "each of 9 waypoints"),
         (POINTS, np.where(S > 4.9, np.inf, S), r"s\[8\] is inf"),
-        (POINTS, ["a"] * 9, "no real numbers"),
+        (POINTS, ["a"] * 9, "of <U1; give real numbers"),
     ],
 )
 def test_what_makes_no_path_is_refused_in_one_line(q: Any, s: Any, message: str) -> None:

@@ -102,7 +102,7 @@ def test_jets_are_found_in_compiled_loops() -> None:
     """The interpreter does as much for ten points as for twenty thousand."""
     machine = Machine.load("xyzac-trunnion")
     rng = np.random.default_rng(8)
-    tip, rotary = rng.normal(size=(4, 20_000, 3)), rng.normal(size=(4, 20_000, 2))
+    tip, rotary = rng.normal(size=(4, 20_001, 3)), rng.normal(size=(4, 20_001, 2))
     machine.linear_jets(tip[:, :2], rotary[:, :2])
     few, many = (python_calls(lambda n=n: machine.linear_jets(tip[:, :n], rotary[:, :n])) for n in (10, 20_000))
     assert few == many

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number, numbers
 from toolpace.axispath.callable import CallableRun
 from toolpace.axispath.follow import FollowRun, branches_of
 from toolpace.axispath.run import AxisRun
 from toolpace.description import counted, named, one_line
 from toolpace.errors import UsageError
+from toolpace.path.derivatives import check_derivatives
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
@@ -32,6 +34,15 @@ class AxisPath:
     machine: Machine | None = None
     first_dwell: float = 0.0
     """Time to wait before anything moves [s]."""
+
+    @cached_property
+    def tool_lengths(self) -> Floats:
+        """(runs,) of the tool in the spindle in each run [m]; nan: as long as the machine's own."""
+        return np.array([run.tool_length for run in self.runs])
+
+    def machine_of(self, run: int) -> Machine | None:
+        """The machine with the tool that is in the spindle in a run; None where joints are given without one."""
+        return None if self.machine is None else self.machine.with_tool(float(self.tool_lengths[run]))
 
     def __repr__(self) -> str:
         machine = f"machine {self.machine.name}" if self.machine is not None else ""
@@ -53,13 +64,17 @@ class AxisPath:
 
         `speed_cap` limits ds/dt; `breaks` names the values of s where the third derivative or the cap jumps; `hints`
         (optional) values of s between which the path is simple, such as the knots of a spline: the mesh takes no
-        fewer cells. f and `speed_cap` are never called from two threads at once.
+        fewer cells. f and `speed_cap` are never called from two threads at once. PathError, with the place, where one
+        derivative is not that of the order below, by differences at places along the path.
         """
-        if not (np.isfinite(s0) and np.isfinite(s1) and s1 > s0):
+        s0, s1 = number(s0, "path: s0"), number(s1, "path: s1")
+        if not s1 > s0:
             raise UsageError(f"path: s runs from {s0:g} to {s1:g}; it must increase")
-        run = CallableRun(f, float(s0), float(s1), speed_cap, np.unique(np.asarray(breaks, dtype=float)), hints)
-        count = run.evaluate(np.array([s0, s1])).shape[2]
-        return cls((run,), joint_names(joints, count))
+        at = np.unique(numbers(breaks, "path: breaks", ("k",)))
+        run = CallableRun(f, s0, s1, speed_cap, at, numbers(hints, "path: hints", ("k",)))
+        names = joint_names(joints, run.evaluate(np.array([s0, s1])).shape[2])
+        check_derivatives(run.evaluate, s0, s1, names)
+        return cls((run,), names)
 
     @classmethod
     def from_waypoints(
@@ -110,7 +125,8 @@ class AxisPath:
 
         check_machine(machine, "path")
         branches = branches_of(path, machine)
-        runs = tuple(FollowRun(run, machine, branch) for run, branch in zip(path.runs, branches))
+        machines = machine.with_tools(run.tool_length for run in path.runs)
+        runs = tuple(FollowRun(run, each, branch) for run, each, branch in zip(path.runs, machines, branches))
         return cls(runs, machine.joints, machine, path.first_dwell)
 
 

@@ -25,7 +25,7 @@ class CallableRun(AxisRun):
         s1: float,
         speed_cap: float | Callable[[Floats], npt.ArrayLike],
         breaks: Floats,
-        hints: npt.ArrayLike = (),
+        hints: Floats | None = None,
     ) -> None:
         # a caller's function may remember what it was asked last
         self.f, self.lock = f, Lock()
@@ -33,14 +33,15 @@ class CallableRun(AxisRun):
         self.smooth_cap = not callable(speed_cap)
         self.s0, self.s1, self.sides = s0, s1, Sides(breaks, s0, s1)
         self.breaks = self.sides.breaks
-        places = np.asarray(hints, dtype=float).ravel()
+        places = np.zeros(0) if hints is None else hints
         places = places[(places > s0) & (places < s1)]
         self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
 
     def evaluate(self, s: Floats) -> Floats:
         s = self.sides.aside(s)
         with self.lock:
-            values = [np.asarray(self.f(s, order), dtype=float) for order in range(4)]
+            given = [self.f(s, order) for order in range(4)]
+        values = [_real(value, f"f(s, {order})") for order, value in enumerate(given)]
         for order, value in enumerate(values):
             if value.ndim != 2 or value.shape != (len(s), values[0].shape[-1]):
                 raise PathError(
@@ -53,3 +54,11 @@ class CallableRun(AxisRun):
 
     def speed_cap(self, s: Floats) -> Floats:
         return self.cap.at(self.sides.aside(s))
+
+
+def _real(value: npt.ArrayLike, name: str) -> Floats:
+    """What a caller's function gave, as real numbers of any shape. Raises PathError where it gave others."""
+    found = np.asarray(value)
+    if found.dtype.kind not in "iuf":
+        raise PathError(f"path: {name} gives {found.dtype}; give real numbers (n, joints)")
+    return found.astype(np.float64, copy=False)

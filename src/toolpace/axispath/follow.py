@@ -10,6 +10,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import PathError
+from toolpace.machine import kinematics
 from toolpace.machine.continuation import nearest_solution
 from toolpace.toolpath import ToolPath
 
@@ -116,6 +117,7 @@ def _points(path: Path, grids: list[Floats]) -> ToolPath:
         np.concatenate([run.block_at(s) for run, s in zip(path.runs, grids)]),
         np.isin(np.arange(count), [0, count - 1]),
         nothing,
+        tool_length=np.repeat([run.tool_length for run in path.runs], list(map(len, grids))),
     )
 
 
@@ -131,13 +133,14 @@ def _jump(path: Path, machine: Machine, run: int, s: float, turn: Floats) -> Pat
 
 
 class FollowRun(AxisRun):
-    """The joints of a machine along one run of a path."""
+    """The joints of a machine, with the tool that is in the spindle, along one run of a path."""
 
     smooth_cap = True
 
     def __init__(self, run: PathRun, machine: Machine, branch: Branch | None) -> None:
         self.run, self.machine, self.branch = run, machine, branch
         self.s0, self.s1, self.hints, self.dwell = run.s0, run.s1, run.breaks, run.dwell
+        self.tool_length = run.tool_length
         self.blocks = len(run.block)
         length = np.diff(run.block_start)
         self.pace = np.divide(length, run.least_time, where=run.least_time > 0.0, out=np.full(len(length), np.inf))
@@ -170,8 +173,8 @@ class FollowRun(AxisRun):
         rotary = jet.rotary
         if rotary is None:
             assert jet.axis is not None and self.branch is not None
-            rotary = self.machine.rotary_jets(jet.axis, self.branch.near(s))
-        return self.machine.linear_jets(jet.tip, rotary)
+            rotary = kinematics.rotary_jets(self.machine.geometry, jet.axis, self.branch.near(s))
+        return kinematics.linear_jets(self.machine.geometry, jet.tip, rotary)
 
     def _cap(self, slope: Floats, s: Floats) -> Floats:
         """(n,) the cap at s (n,), from the first derivative (n, 3) of the tip there."""

@@ -98,6 +98,7 @@ def quintic_through(path: Path, machine: Machine, intervals: int = 31) -> Path:
                 feed=run.feed.copy(),
                 least_time=run.least_time.copy(),
                 dwell=run.dwell,
+                tool_length=run.tool_length,
             )
         )
     return Path(tuple(runs))

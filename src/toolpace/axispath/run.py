@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Floats, Ints, gate_methods
 from toolpace.description import counted, one_line
+
+PLACED = ("evaluate", "speed_cap", "with_cap", "block_at")
+"""Methods of a run that take parameters (n,)."""
 
 
 class AxisRun(ABC):
@@ -21,10 +25,16 @@ class AxisRun(ABC):
     """(h,) parameter values between which the run is smooth on the scale of a mesh cell; may be empty."""
     dwell: float = 0.0
     """Time to wait at the end [s]."""
+    tool_length: float = math.nan
+    """Of the tool in the spindle [m]; nan: as long as the machine's own."""
     smooth_cap: bool = False
     """Whether the speed cap is as smooth as the path between breaks."""
     blocks: int = 0
     """Number of blocks of a program that it follows; 0 where there is no program."""
+
+    def __init_subclass__(cls) -> None:
+        """Have arrays of parameters that a caller gives go through the gate."""
+        gate_methods(cls, PLACED, "s")
 
     def entries(self) -> tuple[Floats, Ints]:
         """Parameters (b + 1,) between which the ways of a tool path lie, and the points (b,) that they lead to; none
@@ -60,3 +70,6 @@ class AxisRun(ABC):
     def block_at(self, s: Floats) -> Ints:
         """(n,) line number of the block at s; 0 where there is no program."""
         return np.zeros(len(s), dtype=np.int64)
+
+
+gate_methods(AxisRun, PLACED, "s")

@@ -9,18 +9,20 @@ Source: I. J. Schoenberg, Spline interpolation and best quadrature formulae (196
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, numbers
 from toolpace.axispath.cap import SpeedCap
 from toolpace.axispath.spline import SplineAxisRun, line_run, spline_run
-from toolpace.errors import PathError, UsageError
+from toolpace.errors import PathError, UnitWarning, UsageError
 
 DEGREE = 5
+ROWS = "one row a waypoint, q[:, None] for one joint"
 SPOILED = 1e-6
 """Distance from a waypoint at first, as a share of the joint's range and size, from which rounding spoils a spline.
 
@@ -29,6 +31,10 @@ of 1e-6 it is 1e-4, and the third derivative 4500 times too large.
 """
 MISSED = 1e-10
 """The same in the end."""
+FAR = 4.0 * np.pi
+"""Position that no slide has [m], and next to no waypoint of a turning joint: two turns [rad]."""
+ROUND = 1e-9
+"""Share of a position up to which it counts as one of a decimal."""
 
 
 def waypoint_runs(
@@ -85,17 +91,12 @@ def chord_lengths(points: Floats) -> Floats:
 
 
 def _checked(q: npt.ArrayLike) -> Floats:
-    points = _numbers(q, "waypoints", "(n, joints)")
-    if points.ndim != 2 or points.shape[1] == 0:
-        raise UsageError(
-            f"waypoints: q has shape {points.shape}, not (n, joints); give one row a waypoint, q[:, None] for one joint"
-        )
+    points = numbers(q, "waypoints: q", ("n", "joints"), unit="m or rad", cure=ROWS).copy()
+    if points.shape[1] == 0:
+        raise UsageError(f"waypoints: q has no joints; {ROWS}")
     if len(points) < 2:
         raise UsageError(f"waypoints: {len(points)} of them make no path; give at least two")
-    bad = np.argwhere(~np.isfinite(points))
-    if len(bad):
-        i, j = bad[0]
-        raise UsageError(f"waypoints: q[{i}, {j}] is {points[i, j]:g}; give finite numbers")
+    _ask_about_unit(points)
     same = np.flatnonzero((points[1:] == points[:-1]).all(axis=1))
     if len(same):
         k = int(same[0])
@@ -105,13 +106,21 @@ def _checked(q: npt.ArrayLike) -> Floats:
     return points
 
 
+def _ask_about_unit(points: Floats) -> None:
+    """Warn of positions far beyond those of joints in m and rad that are round as those in mm and degrees are."""
+    far = np.abs(points) > FAR
+    if far.any() and not (np.abs(10.0 * points - np.rint(10.0 * points)) > ROUND * np.abs(points)).any():
+        i, j = (int(each) for each in np.argwhere(far)[0])
+        warnings.warn(
+            f"waypoints: q[{i}, {j}] is {points[i, j]:g}, and all are round; positions are in m or rad: are these mm "
+            "or degrees? Then give 1e-3 * q, or np.radians(q)",
+            UnitWarning,
+            stacklevel=5,
+        )
+
+
 def _parameter(s: npt.ArrayLike, count: int) -> Floats:
-    parameter = _numbers(s, "s", "(n,)")
-    if parameter.shape != (count,):
-        raise UsageError(f"waypoints: s has shape {parameter.shape} for {count} waypoints; give one value a waypoint")
-    if not np.isfinite(parameter).all():
-        k = int(np.argmin(np.isfinite(parameter)))
-        raise UsageError(f"waypoints: s[{k}] is {parameter[k]:g}; give finite numbers")
+    parameter = numbers(s, "waypoints: s", (count,), cure=f"one for each of {count} waypoints").copy()
     falls = np.flatnonzero(np.diff(parameter) <= 0.0)
     if len(falls):
         k = int(falls[0])
@@ -119,13 +128,3 @@ def _parameter(s: npt.ArrayLike, count: int) -> Floats:
             f"waypoints: s[{k + 1}] = {parameter[k + 1]:g} does not lie above s[{k}] = {parameter[k]:g}; s must grow"
         )
     return parameter
-
-
-def _numbers(value: npt.ArrayLike, what: str, shape: str) -> Floats:
-    try:
-        given = np.asarray(value)
-    except ValueError:
-        raise UsageError(f"waypoints: {what} are lists of different lengths; give {shape}") from None
-    if given.dtype.kind not in "iuf":
-        raise UsageError(f"waypoints: {what} of {given.dtype} are no real numbers; give {shape}")
-    return np.array(given, dtype=float)

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, numbers
 from toolpace.clamping.side import with_side
-from toolpace.machine.machine import Machine
+from toolpace.machine.machine import Machine, check_machine
 from toolpace.units import format_length
 
 STILL = 1e-9
@@ -37,16 +38,18 @@ class Clamping:
     side: int = 0
     """1 or -1: one of both solutions of the inverse kinematics alone (see `with_side`); 0: whichever turns least."""
 
-    def on(self, machine: Machine, centre: Floats) -> Machine:
+    def on(self, machine: Machine, centre: npt.ArrayLike) -> Machine:
         """The machine with the part clamped so; `centre` (3,) is that of the program, in the part's frame [m].
 
         Raises ToolpaceError where the machine cannot be as it is asked for.
         """
+        check_machine(machine, "clamping")
+        middle = numbers(centre, "clamping: centre", (3,), unit="m")
         chain = machine.file.chain
         if not self.leaves_part:
             given = orientation(chain.workpiece_x, chain.workpiece_z)
             turned = self.rotation @ given
-            origin = np.array(chain.workpiece_origin) + given @ centre + np.array(self.shift) - turned @ centre
+            origin = np.array(chain.workpiece_origin) + given @ middle + np.array(self.shift) - turned @ middle
             machine = machine.mounted(_vector(origin), _vector(turned[:, 0]), _vector(turned[:, 2]))
         if self.tool_length is not None and self.tool_length != chain.tool_length:
             machine = machine.with_tool(self.tool_length)

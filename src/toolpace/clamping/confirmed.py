@@ -38,6 +38,8 @@ class PlannedSetUp:
     """Share of the duration in which each limit binds, largest first."""
     used: Floats
     """(m, 2) lowest and highest position of each joint [m or rad]."""
+    tool_lengths: tuple[float, ...]
+    """Of its tools, from the spindle nose to the tip, as they follow each other in the program [m]."""
 
     @property
     def gap(self) -> float:
@@ -70,8 +72,10 @@ def planned(task: Task, toolpath: ToolPath, clamping: Clamping) -> PlannedSetUp:
     check_travel(axis_path, toolpath.source)
     trajectory = plan(axis_path, machine)
     used = positions_used(trajectory, machine, task, toolpath.source)
+    lengths = np.where(np.isnan(toolpath.tool_length), machine.tool_length, toolpath.tool_length)
     return PlannedSetUp(
-        clamping, machine, trajectory.duration, trajectory.lower_bound, trajectory.limited_by(), used
+        clamping, machine, trajectory.duration, trajectory.lower_bound, trajectory.limited_by(), used,
+        tuple(dict.fromkeys(lengths.tolist())),
     )  # fmt: skip
 
 

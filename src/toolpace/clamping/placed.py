@@ -58,6 +58,7 @@ class Placed:
 def placed(clamping: Clamping, machine: Machine, toolpath: ToolPath, centre: Floats, box: Floats) -> Placed:
     """The clamping at the nearest place in the box (3, 2) [m] within all travels; `machine` as it is without it."""
     on = clamping.on(machine, centre)
+    toolpath = toolpath.with_tool(on.tool_length)
     free = without_linear_travel(on.geometry)
     try:
         rotary = choose_rotary(free, toolpath)

@@ -86,6 +86,7 @@ def search_setup(
     check_machine(machine, "search_setup")
     check_arguments(toolpath, trials, mapped, shown)
     choices = choices or Choices()
+    refuse_two_lengths(toolpath, choices)
     began = time.perf_counter()
     free = as_tips_and_axes(toolpath)
     task = Task(
@@ -124,6 +125,15 @@ def check_arguments(toolpath: ToolPath, trials: int, mapped: int, shown: int = S
         raise UsageError(f"search_setup: {shown} set-ups to show; give 1 to 1000")
     if mapped < 0 or mapped == 1 or mapped > 100:
         raise UsageError(f"search_setup: a map of {mapped} places along x; give 2 to 100, or 0 for none")
+
+
+def refuse_two_lengths(toolpath: ToolPath, choices: Choices) -> None:
+    """Raise UsageError where the length of the tool is to be chosen, and the set-up sheet tells it."""
+    if choices.tool_length is not None and not np.isnan(toolpath.tool_length).all():
+        raise UsageError(
+            "tool_length is to be chosen, and the set-up sheet tells the lengths of the program's tools; leave one of "
+            "both out"
+        )
 
 
 class Search:

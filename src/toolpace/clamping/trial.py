@@ -79,7 +79,8 @@ def tried_there(task: Task, clamping: Clamping) -> Trial:
     try:
         machine = clamping.on(task.machine, task.centre)
         rotary = machine.choose_rotary(task.toolpath)
-        entered = zones_entered(machine, task.forbidden, machine.joints_at(task.toolpath.tip, rotary))
+        joints = machine.joints_at(task.toolpath.tip, rotary, task.toolpath.tool_length)
+        entered = zones_entered(machine, task.forbidden, joints)
         if entered > 0.0:
             return Trial(clamping, beyond(FORBIDDEN * entered))
         path = Path.fit(task.toolpath, WIDER * task.tip_tolerance, WIDER * task.axis_tolerance, machine)

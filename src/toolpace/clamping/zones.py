@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from toolpace.arrays import Bools, Floats
+from toolpace.arrays import Bools, numbers
+from toolpace.errors import UsageError, did_you_mean
 
 
 @dataclass(frozen=True)
@@ -19,8 +21,14 @@ class Zone:
     bounds: Mapping[str, tuple[float, float]]
     """Lowest and highest position by joint [m or rad], inf where there is no end."""
 
-    def entered(self, joints: tuple[str, ...], q: Floats) -> Bools:
+    def entered(self, joints: tuple[str, ...], q: npt.ArrayLike) -> Bools:
         """(n - 1,) which of the straight ways between joint positions q (n, joints) enter it: by slabs."""
+        for joint in self.bounds:
+            if joint not in joints:
+                raise UsageError(f"zone {self.name}: there is no joint {joint[:40]}; {did_you_mean(joint, joints)}")
+        q = numbers(q, f"zone {self.name}: q", ("n", len(joints)), unit="m, rad")
+        if not len(q):
+            return np.zeros(0, dtype=np.bool_)
         first, last = np.zeros(len(q) - 1), np.ones(len(q) - 1)
         for joint, (low, high) in self.bounds.items():
             at, way = q[:-1, joints.index(joint)], np.diff(q[:, joints.index(joint)])

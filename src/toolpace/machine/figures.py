@@ -1,19 +1,59 @@
-"""What names and figures of a machine may be: within these bounds no sum overflows, and all can be printed."""
+"""What names and figures of a machine may be: within these bounds no sum overflows, and all can be printed.
+
+Limits of joints outside those of machine tools are asked about: a figure in another unit than the file's is planned
+with, and verified, as any other. The ranges are wide: the slowest is a simulated desktop machine, the fastest a linear
+motor or a torque motor.
+"""
 
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
-from toolpace.errors import MachineError, printable
+from toolpace.errors import MachineError, UnitWarning, printable
+from toolpace.units import JOINT_LIMITS
 
 FARTHEST = 1e3
 """Most of a coordinate of a machine [m]: a kilometre is a slip of units."""
 LARGEST = 1e6
 """Most of a travel that is not endless [m or rad], and of an entry of a direction."""
-SLOWEST, FASTEST = 1e-9, 1e12
-"""Between which the limits of a joint lie [m or rad per s, s^2, s^3]; or they are infinite."""
+SLOWEST = 1e-9
+"""Least that a limit of a joint is [m or rad per s, s^2, s^3]."""
+
+
+@dataclass(frozen=True)
+class Usual:
+    """What limits of a kind the joints of machine tools have, in m or rad and s."""
+
+    low: float
+    typical: float
+    high: float
+    """Outside of `low` and `high` a figure is asked about."""
+    most: float
+    """Above which no joint can be."""
+
+
+USUAL = {
+    "linear": {
+        "velocity": Usual(1e-3, 0.5, 5.0, 100.0),
+        "acceleration": Usual(0.05, 4.0, 50.0, 1e4),
+        "jerk": Usual(0.25, 40.0, 2e4, 1e8),
+    },
+    "rotary": {
+        "velocity": Usual(0.01, 2.5, 35.0, 1e4),
+        "acceleration": Usual(0.2, 10.0, 200.0, 1e6),
+        "jerk": Usual(1.0, 100.0, 2e4, 1e10),
+    },
+}
+"""By kind of joint."""
+WITHIN = 1.0 - 1e-9
+"""Rounding of units at the ends of a range."""
+TYPED = ("mm/min", "m/min", "mm/s", "m/s", "in/s", "mm/s2", "m/s2", "in/s2", "mm/s3", "m/s3", "in/s3",
+         "deg/s", "rad/s", "rpm", "deg/s2", "rad/s2", "deg/s3", "rad/s3")  # fmt: skip
+"""Units in which figures stand in data sheets and programs: one of these was meant."""
 LONGEST_NAME, LONGEST_NOTE = 64, 1000
 """Most characters."""
 
@@ -26,7 +66,7 @@ class Chain(Protocol):
 
 
 class Joint(Protocol):
-    """What is looked at of a joint."""
+    """What is looked at of a joint; its limits, velocity, acceleration and jerk, too."""
 
     @property
     def kind(self) -> str: ...
@@ -86,10 +126,12 @@ def check_joint(joint: Joint, place: str, unit: str, scale: float) -> None:
         figure = getattr(joint, key)
         if not figure > 0.0:
             raise MachineError(f"{place}: {key} = {figure:g} {unit}{suffix}; give a number above zero")
-        if not (SLOWEST <= figure * scale <= FASTEST or math.isinf(figure)):
+        most = USUAL[joint.kind][key].most
+        if not (SLOWEST <= figure * scale <= most or math.isinf(figure)):
+            asked = meant(joint.kind, key, figure, scale)
             raise MachineError(
-                f"{place}: {key} = {figure:g} {unit}{suffix}; give a number between {SLOWEST / scale:.3g} and "
-                f"{FASTEST / scale:.3g}, or inf"
+                f"{place}: {key} = {figure:g} {unit}{suffix} is beyond any joint{asked}; "
+                f"give a number between {SLOWEST / scale:.3g} and {most / scale:.3g}, or inf"
             )
     check_direction(joint.direction, "direction", place)
     if joint.wrap and joint.kind == "linear":
@@ -106,3 +148,44 @@ def check_joint(joint: Joint, place: str, unit: str, scale: float) -> None:
             raise MachineError(
                 f"{place}: travel = {list(joint.travel)} {unit}; give ends within {LARGEST / scale:.3g} {unit}"
             )
+
+
+def is_usual(kind: str, key: str, figure: float) -> bool:
+    """Whether a limit of a joint [m or rad, s] is one of a machine tool's, or infinite."""
+    usual = USUAL[kind][key]
+    return usual.low * WITHIN <= figure <= usual.high / WITHIN or math.isinf(figure)
+
+
+def ask_about(joint: Joint, place: str, unit: str, scale: float) -> None:
+    """Warn of limits of a joint that those of machine tools do not have, with the unit that was likely meant."""
+    for key, suffix in (("velocity", "/s"), ("acceleration", "/s^2"), ("jerk", "/s^3")):
+        figure, usual = getattr(joint, key), USUAL[joint.kind][key]
+        if is_usual(joint.kind, key, figure * scale):
+            continue
+        side = "less" if figure * scale < usual.low else "more"
+        warnings.warn(
+            f"{place}: {key} = {figure:g} {unit}{suffix} is {side} than {joint.kind} joints of machine tools have "
+            f"({_short(usual.low / scale)} to {_short(usual.high / scale)} {unit}{suffix})"
+            f"{meant(joint.kind, key, figure, scale) or '; is it right?'}",
+            UnitWarning,
+            stacklevel=2,
+        )
+
+
+def meant(kind: str, key: str, figure: float, scale: float) -> str:
+    """The unit in which a figure would be an ordinary limit, in a question that goes on a message; empty for none."""
+    usual, units = USUAL[kind][key], JOINT_LIMITS[kind][key]
+    likely = [
+        (abs(math.log(figure * units[name] / usual.typical)), name)
+        for name in TYPED
+        if name in units and usual.low <= figure * units[name] <= usual.high and units[name] != scale
+    ]
+    if not likely:
+        return ""
+    name = min(likely)[1]
+    return f'; is it {figure:g} {name}? Then write {key} = "{figure:g} {name}"'
+
+
+def _short(figure: float) -> str:
+    """Three digits of a figure, without an exponent where it is ordinary."""
+    return f"{float(f'{figure:.3g}'):.12g}"

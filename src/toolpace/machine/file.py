@@ -6,13 +6,23 @@ Every figure is checked where it is read, so that an error can name file, joint 
 from __future__ import annotations
 
 import math
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import msgspec
 
-from toolpace.errors import MachineError, did_you_mean
+from toolpace.errors import MachineError, UsageError, did_you_mean
 from toolpace.files.tables import TableFile
-from toolpace.machine.figures import LONGEST_NOTE, check_chain, check_joint, check_name, check_place, check_text
+from toolpace.machine.figures import (
+    LONGEST_NOTE,
+    ask_about,
+    check_chain,
+    check_joint,
+    check_name,
+    check_place,
+    check_text,
+)
+from toolpace.machine.limits import KINDS
+from toolpace.units import JOINT_LIMITS, parse_joint_limit
 
 Vector = tuple[float, float, float]
 Table = TypeVar("Table", bound=msgspec.Struct)
@@ -81,13 +91,17 @@ def read_machine(text: str, source: str) -> MachineFile:
         raise MachineError(f"{source}: joints must be tables such as [joints.X]")
     for name in raw["joints"]:
         check_name(name, "the name of a joint", source)
-    joints = {name: _convert(value, JointFile, f"[joints.{name}]", source) for name, value in raw["joints"].items()}
+    length, angle = LENGTHS[units.length], ANGLES[units.angle]
+    written = {name: _with_units(value, f"{source}: joint {name}") for name, value in raw["joints"].items()}
+    joints = {
+        name: _convert(_in_file_units(value, written[name], length, angle), JointFile, f"[joints.{name}]", source)
+        for name, value in raw["joints"].items()
+    }
     for key in ("name", "note"):
         if not isinstance(raw.get(key, ""), str):
             raise MachineError(f"{source}: {key} must be text in quotes")
     check_name(raw["name"], "name", source)
     check_text(raw.get("note", ""), "note", source, LONGEST_NOTE)
-    length, angle = LENGTHS[units.length], ANGLES[units.angle]
     chain = msgspec.structs.replace(
         chain,
         spindle_nose=_scaled(chain.spindle_nose, length),
@@ -98,7 +112,9 @@ def read_machine(text: str, source: str) -> MachineFile:
     for name, joint in joints.items():
         scale = length if joint.kind == "linear" else angle
         place = f"{source}: joint {name}"
-        check_joint(joint, place, units.length if joint.kind == "linear" else units.angle, scale)
+        unit = units.length if joint.kind == "linear" else units.angle
+        check_joint(joint, place, unit, scale)
+        ask_about(joint, place, unit, scale)
         check_place(_scaled(joint.point, length), "point", place)
         if joint.kind == "rotary" and "point" not in raw["joints"][name]:
             raise MachineError(
@@ -108,14 +124,34 @@ def read_machine(text: str, source: str) -> MachineFile:
         joints[name] = msgspec.structs.replace(
             joint,
             point=_scaled(joint.point, length),
-            velocity=joint.velocity * scale,
-            acceleration=joint.acceleration * scale,
-            jerk=joint.jerk * scale,
+            **{key: written[name].get(key, getattr(joint, key) * scale) for key in KINDS},
             travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
         )
     in_order = _in_columns(raw.get("columns"), joints, source)
     setup = _setup(raw.get("setup", {}), units, source)
     return MachineFile(raw["name"], chain, in_order, raw.get("note", ""), setup)
+
+
+def _with_units(raw: object, place: str) -> dict[str, float]:
+    """The limits of a joint that are written with their unit, "42 m/min" [m or rad, s]."""
+    if not isinstance(raw, dict) or raw.get("kind") not in JOINT_LIMITS:
+        return {}
+    found = {}
+    for key in KINDS:
+        if isinstance(raw.get(key), str):
+            try:
+                found[key] = parse_joint_limit(raw[key], raw["kind"], key)
+            except UsageError as error:
+                raise MachineError(f"{place}: {key}: {error}") from None
+    return found
+
+
+def _in_file_units(raw: object, written: dict[str, float], length: float, angle: float) -> object:
+    """A joint's table with all limits as numbers in the units of the file."""
+    if not written or not isinstance(raw, dict):
+        return raw
+    scale = length if raw["kind"] == "linear" else angle
+    return raw | {key: value / scale for key, value in written.items()}
 
 
 def _setup(table: object, units: Units, source: str) -> dict[str, Any]:
@@ -173,9 +209,23 @@ def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
     except OverflowError:
         raise MachineError(f"{source}: {place} has a number that no machine has; check its digits") from None
     except msgspec.ValidationError as error:
+        if "Invalid enum value" in str(error):
+            raise MachineError(f"{source}: {place} {_not_among(raw, kind)}") from None
         message = str(error).replace(" - at `$.", ": key `").replace(" - at `$`", "")
         raise MachineError(f"{source}: {place} {message}") from None
 
 
 def _scaled(vector: Vector, factor: float) -> Vector:
     return (vector[0] * factor, vector[1] * factor, vector[2] * factor)
+
+
+def _not_among(raw: dict[str, object], kind: type[msgspec.Struct]) -> str:
+    """Which value is none of those that there are, and what these are."""
+    for field in msgspec.structs.fields(kind):
+        values, value = get_args(field.type), raw.get(field.name)
+        if get_origin(field.type) is Literal and field.name in raw and value not in values:
+            hint = ""
+            if field.name == "angle" and str(value).lower() in ("rpm", "rev", "turn", "turns"):
+                hint = '; a velocity may have a unit of its own: velocity = "10 rpm"'
+            return f"{field.name} = '{str(value)[:40]}' is not known; {did_you_mean(str(value), values)}{hint}"
+    return "has a value that is not known"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, numbers
 from toolpace.description import named, one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError
@@ -39,7 +39,10 @@ class Limits(ByValue):
         jerk: npt.ArrayLike,
         joints: Sequence[str] | None = None,
     ) -> None:
-        given = [np.atleast_1d(np.array(value, dtype=float)) for value in (velocity, acceleration, jerk)]
+        given = [
+            np.atleast_1d(numbers(value, f"limits: {kind}", ("m",), (), finite=False)).copy()
+            for kind, value in zip(KINDS, (velocity, acceleration, jerk))
+        ]
         count = len(joints) if joints else max(len(value) for value in given)
         names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
         for kind, value in zip(KINDS, given):

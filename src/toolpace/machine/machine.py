@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from toolpace.arrays import Bools, Floats, Ints
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.arrays import Bools, Floats, Ints, integers, number, numbers
 from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import MachineError, UsageError, did_you_mean
 from toolpace.files.toml import toml_text
-from toolpace.machine import kinematics
 from toolpace.machine.continuation import rotary_between, turn_between
+from toolpace.machine.figures import ask_about, check_chain, is_usual
 from toolpace.machine.file import FILE, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
-from toolpace.machine.limits import Limits
+from toolpace.machine.kinematics import Posed
+from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.refusals import check_travel
 from toolpace.machine.table import rows, title
 from toolpace.machine.text import machine_text
@@ -29,7 +34,7 @@ FOLDER = Path(__file__).parent / "builtin"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Machine(ByValue):
+class Machine(ByValue, Posed):
     """Three linear and two rotary joints in any order, closed-form kinematics, limits and travel.
 
     Built-in machines come from `Machine.load(name)`, own ones from a TOML file. Arrays are in SI units;
@@ -115,7 +120,10 @@ class Machine(ByValue):
 
     @classmethod
     def from_toml(cls, text: str, source: str = "machine file") -> Machine:
-        """A machine from the text of a file; `source` names it in messages. Raises MachineError."""
+        """A machine from the text of a file; `source` names it in messages. Raises MachineError.
+
+        UnitWarning where a limit is not one of a machine tool, with the unit that was likely meant: see the tutorial.
+        """
         return cls(read_machine(text, source), source)
 
     @property
@@ -139,14 +147,28 @@ class Machine(ByValue):
         z: Sequence[float] | None = None,
     ) -> Machine:
         """The machine with the part mounted elsewhere: origin [m] and directions, bed frame, joints zero."""
-        return self._with_chain(workpiece_origin=origin, workpiece_x=x, workpiece_z=z)
+        given = {"origin": origin, "x": x, "z": z}
+        vectors = {
+            f"workpiece_{name}": tuple(numbers(value, f"machine {self.name}: mounted: {name}", (3,)).tolist())
+            for name, value in given.items()
+            if value is not None
+        }
+        return self._with_chain(**vectors)
 
     def with_tool(self, length: float) -> Machine:
-        """The machine with a tool of another length [m]."""
-        return self._with_chain(tool_length=length)
+        """The machine with a tool of another length [m]; itself where the length is nan, or that of its own."""
+        length = float(numbers(length, f"machine {self.name}: tool length", (), finite=False, unit="m"))
+        return self if math.isnan(length) or length == self.tool_length else self._with_chain(tool_length=length)
+
+    def with_tools(self, lengths: Iterable[float]) -> list[Machine]:
+        """The machine with a tool of each of these lengths [m], as `with_tool`; equal ones are one object."""
+        known: dict[float, Machine] = {}
+        return [known.setdefault(each, known.get(each) or self.with_tool(each)) for each in map(float, lengths)]
 
     def with_limits(self, limits: Limits) -> Machine:
         """The machine with other limits; `limits` has its joints in the same order."""
+        if not isinstance(limits, Limits):
+            raise UsageError(f"machine {self.name}: {type(limits).__name__} in place of limits; give tp.Limits(...)")
         if len(limits) != len(self.joints):
             raise UsageError(f"limits of {len(limits)} joints given, machine {self.name} has {len(self.joints)}")
         import msgspec
@@ -156,84 +178,65 @@ class Machine(ByValue):
             name: msgspec.structs.replace(joint, velocity=float(v), acceleration=float(a), jerk=float(j))
             for (name, joint), v, a, j in values
         }
+        for name, joint in joints.items():
+            before = self.file.joints[name]
+            if all(is_usual(joint.kind, kind, getattr(before, kind)) for kind in KINDS):
+                unit = "rad" if joint.kind == "rotary" else "m"
+                ask_about(joint, f"machine {self.name}: with_limits: joint {name}", unit, 1.0)
         return replace(self, file=msgspec.structs.replace(self.file, joints=joints))
 
     def reserved(self, share: float) -> Machine:
         """The machine with a share of each limit kept back, for what is added to the motion later: see Follower."""
-        if not 0.0 <= share < 1.0:
+        if not 0.0 <= number(share, f"machine {self.name}: reserve") < 1.0:
             raise UsageError(f"machine {self.name}: a reserve of {share:g}; give a share from 0 to below 1")
         return self.with_limits(self.limits.scaled(*(1.0 - share for _ in range(3))))
 
     def _with_chain(self, **changes: object) -> Machine:
         import msgspec
 
-        given = {key: value for key, value in changes.items() if value is not None}
-        chain = msgspec.structs.replace(self.file.chain, **given)
+        chain = msgspec.structs.replace(self.file.chain, **changes)
+        check_chain(chain, f"machine {self.name}")
         return replace(self, file=msgspec.structs.replace(self.file, chain=chain))
-
-    def forward(self, q: Floats) -> tuple[Floats, Floats]:
-        """Joint positions (n, m) to tips (n, 3) [m] and unit tool axes (n, 3)."""
-        return kinematics.forward(self.geometry, q)
-
-    def axis_at(self, rotary: Floats) -> Floats:
-        """Rotary positions (n, 2) [rad] to unit tool axes (n, 3)."""
-        return kinematics.axis_at(self.geometry, rotary)
-
-    def rotary_solutions(self, axis: Floats, pole_tolerance: float = kinematics.POLE) -> tuple[Floats, Bools]:
-        """Tool axes (n, 3) to both rotary solutions (n, 2, 2) [point, solution, joint] and pole (n,).
-
-        Angles lie in [-pi, pi]; nan where no angles, whatever the travel, give the axis. At the pole the
-        first rotary joint is free; it is returned as zero there.
-        """
-        return kinematics.rotary_solutions(self.geometry, axis, pole_tolerance)
-
-    def joints_at(self, tip: Floats, rotary: Floats) -> Floats:
-        """Tips (n, 3) and rotary positions (n, 2) to joint positions (n, m), whatever their travel."""
-        return kinematics.joints_at(self.geometry, tip, rotary)
-
-    def linear_jets(self, tip: Floats, rotary: Floats) -> Floats:
-        """Derivatives 0..3 of tip (4, n, 3) and rotary joints (4, n, 2) to those of all joints (4, n, m)."""
-        return kinematics.linear_jets(self.geometry, tip, rotary)
-
-    def rotary_jets(self, axis: Floats, rotary: Floats) -> Floats:
-        """Derivatives 0..3 of the tool axis (4, n, 3) to those of the rotary joints (4, n, 2) near `rotary`.
-
-        At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be
-        reached, and in the derivatives where it lies on the edge of reach.
-        """
-        return kinematics.rotary_jets(self.geometry, axis, rotary)
-
-    def axis_jets(self, rotary: Floats) -> Floats:
-        """Derivatives 0..3 of the rotary joints (4, n, 2) to those of the tool axis (4, n, 3)."""
-        return kinematics.axis_jets(self.geometry, rotary)
-
-    def tip_lever(self, tip: Floats, rotary: Floats) -> Floats:
-        """(n, 2) most motion of a linear joint per unit of each rotary joint while the tip stands [m/rad]."""
-        return kinematics.tip_lever(self.geometry, tip, rotary)
 
     def choose_rotary(self, toolpath: ToolPath, pole_tolerance: float = POLE_TOLERANCE) -> Floats:
         """Rotary positions (n, 2) [rad] along a tool path, unwound; see machine/inverse.py. Raises ReachError."""
-        return choose_rotary(self.geometry, toolpath, pole_tolerance)
+        return choose_rotary(self.geometry, toolpath.with_tool(self.tool_length), pole_tolerance)
 
-    def turn_between(self, axis: Floats, pole_tolerance: float = POLE_TOLERANCE) -> Floats:
+    def turn_between(self, axis: npt.ArrayLike, pole_tolerance: float = POLE_TOLERANCE) -> Floats:
         """(n - 1,) most turn of a rotary joint from one tool axis (n, 3) to the next on either solution [rad]."""
-        return turn_between(self.geometry, axis, pole_tolerance)
+        return turn_between(self.geometry, self._axes(axis), pole_tolerance)
 
     def rotary_between(
-        self, toolpath: ToolPath, known: Ints, rotary: Floats, pole_tolerance: float = POLE_TOLERANCE
+        self,
+        toolpath: ToolPath,
+        known: npt.ArrayLike,
+        rotary: npt.ArrayLike,
+        pole_tolerance: float = POLE_TOLERANCE,
     ) -> Floats:
         """Rotary positions (n, 2) [rad] along a tool path with points put in, on the branch chosen without them.
 
         Those at its points `known` (k,) are `rotary` (k, 2); see machine/continuation.py. Raises ReachError.
         """
-        return rotary_between(self.geometry, toolpath, known, rotary, pole_tolerance)
+        at = integers(known, f"machine {self.name}: known", ("k",))
+        last = len(toolpath) - 1
+        if not len(at) or at[0] != 0 or at[-1] != last or (np.diff(at) <= 0).any():
+            raise UsageError(
+                f"machine {self.name}: known must ascend from 0, the first point, to {last}, the last of the tool path"
+            )
+        chosen = numbers(rotary, f"machine {self.name}: rotary", (len(at), 2), unit="rad")
+        return rotary_between(self.geometry, toolpath.with_tool(self.tool_length), at, chosen, pole_tolerance)
 
-    def check_travel(self, q: Floats, block: Ints, source: str = "") -> None:
-        """Raise ReachError where joint positions (n, m) leave the travel.
+    def check_travel(self, q: npt.ArrayLike, block: npt.ArrayLike, source: str = "") -> None:
+        """Raise ReachError where joint positions (n, m) leave the travel, or are not finite.
 
         `block` (n,) are line numbers, and `source` the program that they are of, for the message.
         """
-        check_travel(self.geometry, q, block, source)
+        poses = numbers(q, f"machine {self.name}: q", ("n", len(self.joints)), (len(self.joints),), finite=False)
+        poses = poses if poses.ndim == 2 else poses[None]
+        lines = np.atleast_1d(
+            integers(block, f"machine {self.name}: block", (len(poses),), *([()] if len(poses) == 1 else []))
+        )
+        check_travel(self.geometry, poses, lines, source)
 
     def summary(self) -> list[dict[str, str]]:
         """One row a joint, in mm and deg: machine, class, joint, kind, carries, travel, limits."""
