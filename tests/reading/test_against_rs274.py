@@ -45,6 +45,21 @@ def test_five_thousand_random_programs():
     assert not different(range(440, 5440))
 
 
+@linuxcnc
+@pytest.mark.parametrize("word", ["R3", "Q3", "G81 R3", "F50", "X3 R3", "G98"])
+def test_words_of_a_cycle_in_a_block_of_their_own(word):
+    """What drills again, what is kept for the next hole, and what both refuse."""
+    assert not difference(Job(HEAD + f"G0 X0 Y0 Z10\nG99 G81 X1 Y0 Z-3 R2\n{word}\nX2\nG80\nM2\n"))
+
+
+@linuxcnc
+@pytest.mark.parametrize("offset", ["G54", "G55", "G59", "G59.1", "G59.3"])
+@pytest.mark.parametrize("number", [0, 1, 2, 7, 9])
+def test_g10_l20_in_and_out_of_the_offset_in_force(offset, number):
+    last = "G54 G1 X1 Y1\nG55 X1 Y1\nG59.1 X1 Y1\nG59.3 X1 Y1\nM2\n"
+    assert not difference(Job(HEAD + f"G0 X1 Y2 Z3\n{offset}\nG0 X2 Y2\nG10 L20 P{number} X7 Y8\nG1 X4 Y5\n" + last))
+
+
 # --- the judge itself: what is told wrong, it tells -----------------------------------------------------------------
 
 PROGRAM = HEAD + "G0 X1 Y2 Z3\nG1 X10 F500\nG2 X20 Y2 I5 J0\nG4 P1\nG1 A10 Z1\nM2\n"

@@ -52,6 +52,23 @@ def test_g91_behind_a_cycle_places_holes_and_leaves_their_depths(controller, let
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("controller", ["fanuc", "haas", "iso"])
+def test_r_alone_drills_no_hole_and_holds_for_the_next(controller):
+    """Haas mill operator's manual, "Canned cycles": each X or Y drills; R stays until it is replaced. It is said."""
+    body = START + "G98 G81 X1 Y0 Z-3 R2\nR4\nX2\nG80\nM30"
+    assert tips(controller, body) == [
+        [0, 0, 10], [1, 0, 10], [1, 0, 2], [1, 0, -3], [1, 0, 10], [2, 0, 10], [2, 0, 4], [2, 0, -3], [2, 0, 10],
+    ]  # fmt: skip
+    assert any("R in a block without an axis" in said for said in read_for(controller, body).assumed)
+
+
+@pytest.mark.parametrize("word", ["R3", "Q1"])
+def test_linuxcnc_refuses_words_of_a_cycle_without_an_axis(word):
+    """Its interpreter: "R word with no g code that uses it"; see test_against_rs274."""
+    with pytest.raises(ProgramError, match=f"{word[0]} without an axis drills nothing"):
+        read_for("linuxcnc", START + f"G98 G83 X1 Y0 Z-3 R2 Q2\n{word}\nX2\nG80\nM2")
+
+
 def test_a_cycle_of_haas_without_r_feeds_from_where_it_began():
     """The manual marks R of G81 to G89 as optional."""
     path = read_for("haas", START + "G82 X1 Z-3 P500\nX2\nG80\nM30")

@@ -252,14 +252,14 @@ def test_all_that_is_refused_is_told_in_one_run():
     body = START + "BLORK/1\nGOTO/1,0,0\nCYCLE/THRU,1\nGOTO/2,0,0\nCYCLE/OFF\nBLORK/2\nTRACUT/1,2,3\nGOTO/3,0,0"
     findings = Findings()
     with pytest.raises(ProgramError) as caught:
-        ClReader(Source.from_text(body + "\n", "part.apt"), ReadOptions(), findings).run()
+        ClReader(Source.from_text(body + "\n", "part.apt"), None, ReadOptions(), findings).run()
     assert str(caught.value).startswith("part.apt: 3 kinds of words are not read: BLORK (first line 3, 2 times): ")
     assert [(r.word, r.line, r.count) for r in findings.refusals] == [
         ("BLORK", 3, 2),
         ("CYCLE/THRU", 5, 1),
         ("TRACUT", 9, 1),
     ]
-    p = ClReader(Source.from_text(body + "\n"), ReadOptions(skip_unknown=True), Findings()).run()
+    p = ClReader(Source.from_text(body + "\n"), None, ReadOptions(skip_unknown=True), Findings()).run()
     assert p.tip[:, 0] * 1e3 == pytest.approx([0, 1, 2, 3])
     assert "skipped BLORK (first line 3, 2 times)" in p.assumed
     assert p.rapid.tolist() == [1, 0, 1, 0]

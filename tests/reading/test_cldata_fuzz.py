@@ -98,7 +98,7 @@ SCRAPS = ["", "0", "-1", "1E-9", "1e12", "9" * 30, "NAN", "INF", "$", "$$", ",",
 def check(text: str, skip_unknown: bool = False) -> bool:
     findings = Findings()
     try:
-        p = ClReader(Source.from_text(text), ReadOptions(skip_unknown=skip_unknown), findings).run()
+        p = ClReader(Source.from_text(text), None, ReadOptions(skip_unknown=skip_unknown), findings).run()
     except ProgramError as error:
         assert str(error) and "\n" not in str(error)
         return False

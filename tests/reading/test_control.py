@@ -48,7 +48,7 @@ def test_in_tip_mode_each_tool_is_as_long_as_the_sheet_says(name):
         path = made.toolpath()
         ends = [0, len(path) - 1]
         right = machine.with_tool(length).joints_at(np.array(wanted)[:, :3], np.array(wanted)[:, 3:])
-        assert machine.joints_at(path.tip, path.rotary)[ends] == pytest.approx(right, abs=1e-11)
+        assert machine.joints_at(path.tip, path.rotary, path.tool_length)[ends] == pytest.approx(right, abs=1e-11)
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -158,10 +158,11 @@ def test_switching_modes_frames_and_lengths_moves_nothing():
         lambda: made.set_frame(affine.product(affine.shift((0.1, 0, 0)), affine.rotation(0, 0.3))),
         lambda: made.set_frame(affine.rotation(2, 0.7), tilted=True),
         lambda: made.set_position({"X": 0.5, "Z": -0.2}),
-        lambda: made.set_rotary_shift((0.1, -0.2)),
         lambda: made.set_offset("G55"),
         lambda: made.set_tip_mode(False),
         lambda: made.set_frame(affine.IDENTITY),
+        lambda: made.set_rotary_shift((0.1, -0.2)),
+        lambda: made.set_tip_mode(True),
         lambda: made.set_length(None),
     ]
     for change in changes:
@@ -226,7 +227,7 @@ def test_on_a_tilted_plane_the_tool_stands_upright_and_z_goes_along_it(name, fol
     path = made.toolpath()
     assert path.tip[-2] - path.tip[-1] == pytest.approx(0.02 * normal, abs=1e-9)
     longer = machine.with_tool(0.17)
-    tip, _ = longer.forward(machine.joints_at(path.tip[-1:], path.rotary[-1:]))
+    tip, _ = longer.forward(longer.joints_at(path.tip[-1:], path.rotary[-1:]))
     assert tip[0] == pytest.approx([0.02, 0.01, 0.03], abs=1e-9)
 
 

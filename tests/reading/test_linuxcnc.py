@@ -166,7 +166,7 @@ def test_each_cycle_names_all_its_words_and_an_axis(block):
     ("words", "name", "wanted"),
     [
         ("G18", "_plane", 180), ("G55", "_coord_system", 550), ("G59.3", "_coord_system", 593), ("", "_feed", 100),
-        ("G20", "_feed", 100 / 25.4), ("S500 M3", "_rpm", 500), ("T7", "_selected_tool", 7), ("", "_motion_mode", 0),
+        ("G20", "_feed", 100), ("S500 M3", "_rpm", 500), ("T7", "_selected_tool", 7), ("", "_motion_mode", 0),
         ("G80", "_motion_mode", 800), ("G95", "_units_per_rev", 1), ("G43 H1", "_tool_offset", 1), ("", "_line", 5),
         ("G90.1", "_ijk_absolute_mode", 1), ("", "_retract_r_plane", 1),
     ],

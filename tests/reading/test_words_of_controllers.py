@@ -197,13 +197,42 @@ def test_the_p_of_g64_beside_an_arc_counts_its_turns():
         ("G51 X0. Y0. Z0. I-1000 J1000 K1000\nG1 X3. Y1.\nG50", [[0, 0, 0], [-3, 1, 0]]),
         ("G51.1 X2.\nG1 X3. Y1.\nG50.1 X0.\nX3.", [[0, 0, 0], [1, 1, 0], [3, 1, 0]]),
         ("G10 L2 P1 X100.\nG10 L2 P2 X130.\nG54\nG1 X1.\nG55\nX1.", [[0, 0, 0], [1, 0, 0], [31, 0, 0]]),
-        ("G54\nG10 L20 P1 X5.\nG1 X6.", [[0, 0, 0], [1, 0, 0]]),
+        # L20 tells G54.1
+        ("G54\nG10 L20 P1 X5.\nG1 X6.", [[0, 0, 0], [6, 0, 0]]),
+        ("G54.1 P1\nG10 L20 P1 X100.\nG10 L20 P2 X130.\nG1 X1.\nG54.1 P2\nX1.", [[0, 0, 0], [1, 0, 0], [31, 0, 0]]),
     ],
 )  # fmt: skip
 def test_frames_of_fanuc(body, wanted):
     """Fanuc 16i operator's manual: G52 7.2.4, G92 7.2.1, G68 14.5, G16 13.3, G51 14.7 (1000 is life size), G51.1,
-    G10 L2 7.2.3. Without a set-up sheet the first offset that is set is where the part's origin is."""
+    G10 L2 and L20 7.2.3. Without a set-up sheet the first offset that is set is where the part's origin is."""
     assert tips("fanuc", START + body + "\nM30") == wanted
+
+
+@pytest.mark.parametrize(("plane", "words", "wanted"), [
+    ("G17", "X2. Y0 Z0", [0, 2, 0]), ("G17", "X0 Y2. Z0", [-2, 0, 0]), ("G17", "X0 Y0 Z2.", [0, 0, 2]),
+    ("G18", "X0 Y0 Z2.", [2, 0, 0]), ("G18", "X2. Y0 Z0", [0, 0, -2]), ("G18", "X0 Y2. Z0", [0, 2, 0]),
+    ("G19", "X0 Y2. Z0", [0, 0, 2]), ("G19", "X0 Y0 Z2.", [0, -2, 0]), ("G19", "X2. Y0 Z0", [2, 0, 0]),
+])  # fmt: skip
+def test_g68_turns_the_plane_that_is_in_force(plane, words, wanted):
+    """Fanuc 16i operator's manual, 14.5: counterclockwise in the plane, of which the first axis is X of G17, Z of G18,
+    Y of G19; a quarter turn brings the first axis onto the second, and leaves the third."""
+    body = f"G90 G21 G94 {plane} F600\nG0 X0 Y0 Z0\nG68 R90.\nG1 {words}\nM30"
+    assert tips("fanuc", body)[-1] == wanted
+
+
+def test_g10_l20_of_the_generic_control_calls_the_place_in_the_kind_of_offset_in_force():
+    """LinuxCNC, G Codes, "G10 L20": the value is such that the present place becomes the value given; while G54.1 is in
+    force P is one of these."""
+    body = "G54.1 P2\nG0 X1.\nG10 L20 P3 X5.\nG54.1 P3\nG1 X6.\nG54\nX6."
+    assert tips("iso", START + body)[1:] == [[1, 0, 0], [2, 0, 0], [6, 0, 0]]
+
+
+def test_g10_l20_of_haas_tells_g154_and_needs_its_number():
+    """Haas mill operator's manual, G10: L20 is of the auxiliary offsets, G154 P1 to P99."""
+    body = START + "G154 P1\nG10 L20 P1 X100.\nG10 L20 P2 X130.\nG1 X1.\nG154 P2\nX1.\nG54\nX3."
+    assert tips("haas", body)[1:] == [[1, 0, 0], [31, 0, 0], [3, 0, 0]]
+    with pytest.raises(ProgramError, match="needs the number of an offset G154 as P"):
+        tips("haas", START + "G154 P1\nG10 L20 X1.\nG1 X1.")
 
 
 def test_an_arc_in_mirrored_coordinates_turns_the_other_way():
@@ -226,8 +255,11 @@ def test_g43_h_shifts_by_the_length_of_the_table_and_two_tools_are_two_lengths()
     body = "G90 G21 F600\nT1 M6\nG43 H1 G0 X0. Y0. Z10.\nG1 X1.\nT2 M6\nG43 H2 Z10.\nG1 X2.\nM30"
     machine = Machine.load("xyzac-trunnion")
     path = read_for("fanuc", body, machine, setup=sheet)
-    # the path is that of the machine's own tool: with a tool 50 mm longer it stands 50 mm higher
-    assert np.diff(ends(path)[:, 2]).tolist() == pytest.approx([0, 50, 0])
+    assert ends(path)[:, 2].tolist() == pytest.approx([10, 10, 10, 10])
+    z = machine.joints_at(path.tip, path.rotary, path.tool_length)[:, machine.joints.index("Z")] * 1e3
+    assert np.diff(z).tolist() == pytest.approx([0, 50, 0])
+    # when the tool is changed the joints stay, and the tip of the longer one is 50 mm lower
+    assert path.stop.tolist() == [True, True, False, True] and path.way[2].tolist() == pytest.approx([0, 0, 0.05])
     plain = read_for("fanuc", body.replace("G43 H1", "").replace("G43 H2", ""), machine)
     assert np.ptp(plain.tip[:, 2]) == pytest.approx(0)
 
@@ -383,7 +415,8 @@ def test_a_turn_of_the_joints_to_a_plane_begins_where_the_joints_are():
     setup = SetUp(tools={"1": Tool(0.2)})
     begin = "G90 G21 G94\nT1 M6\nG54\nG43 H1\nG0 X10. Y20. Z50. A5. C10."
     path = read_for("fanuc", f"{begin}\nG68.2 X0. Y0. Z0. I10. J30. K0.\nG53.1\nM30", trunnion, setup=setup)
-    joints = trunnion.joints_at(path.tip, path.rotary)[:, [trunnion.joints.index(letter) for letter in "XYZ"]]
+    columns = [trunnion.joints.index(letter) for letter in "XYZ"]
+    joints = trunnion.joints_at(path.tip, path.rotary, path.tool_length)[:, columns]
     assert len(path) > 5 and np.ptp(joints, axis=0) == pytest.approx(0.0, abs=1e-12)
 
 

@@ -13,7 +13,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.dialect import CONTROLS
-from toolpace.reading.feeds import FeedChange, apply_feed
+from toolpace.reading.feeds import FeedChange, apply_feed, with_doubt_of_slow_feeds
 from toolpace.reading.findings import Findings
 from toolpace.reading.languages import Recognised, reader_of, recognised
 from toolpace.reading.options import ReadOptions
@@ -101,7 +101,7 @@ def read_source(
     found = recognised(source, dialect, options)
     with at_rest():
         toolpath = _run(found, source, machine, options, findings)
-    return toolpath if change is None else change.apply(toolpath)
+    return with_doubt_of_slow_feeds(toolpath) if change is None else change.apply(toolpath)
 
 
 def read_commanded(
@@ -139,7 +139,9 @@ def _run(
     if found.dialect == "cldata":
         from toolpace.reading.cldata.reader import ClReader
 
-        return ClReader(source, options, findings).run()
+        return ClReader(source, machine, options, findings).run()
+    from toolpace.reading.coordinates.tool_lengths import ToolLengths
     from toolpace.reading.table import read_table
 
-    return read_table(source, default_feed=options.default_feed)
+    lengths = ToolLengths(source, options.setup, machine, findings)
+    return read_table(source, lengths, default_feed=options.default_feed)

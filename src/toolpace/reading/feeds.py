@@ -9,10 +9,12 @@ import numpy as np
 
 from toolpace.errors import UsageError
 from toolpace.toolpath import ToolPath
-from toolpace.units import MILLIMETRE, MINUTE, parse_feed, parse_percent
+from toolpace.units import MILLIMETRE, MINUTE, format_time, parse_feed, parse_percent
 
 SLOWEST, FASTEST = 1e-6 * MILLIMETRE / MINUTE, 1e6 / MINUTE
 """Between which a feed lies [m/s]: what is slower is a slip, and squares of what is faster lose all digits."""
+SLOW, LONG = 20.0 * MILLIMETRE / MINUTE, 300.0
+"""A feed below the one [m/s], for longer than the other [s], is seldom meant: F3 for 3 m/min."""
 LEAST, MOST = 1e-6, 1e6
 """Between which a factor of feeds lies."""
 LONGEST = 86400.0 * 366
@@ -27,6 +29,20 @@ def feed_fault(speed: float) -> str:
     if speed < SLOWEST:
         return f"{shown} below {SLOWEST * MINUTE / MILLIMETRE:g} mm/min: correct it, or check its units"
     return f"{shown} above {FASTEST * MINUTE / MILLIMETRE:g} mm/min: correct it; for no feed limit give --feed none"
+
+
+def with_doubt_of_slow_feeds(toolpath: ToolPath) -> ToolPath:
+    """With an assumption that tells how long feeds below 20 mm/min take, where that is more than five minutes."""
+    slow = np.isfinite(toolpath.feed) & (toolpath.feed < SLOW) & ~toolpath.rapid
+    time = float((toolpath.way_length[slow] / toolpath.feed[slow]).sum())
+    if time <= LONG:
+        return toolpath
+    least, line = float(toolpath.feed[slow].min()), int(toolpath.block[np.argmax(slow)])
+    said = (
+        f"feeds of {least * MINUTE / MILLIMETRE:.3g} mm/min and more are meant, though they take {format_time(time)} "
+        f"(first line {line}): is F in metres or inches, or a revolution? --feed gives another"
+    )
+    return dataclasses.replace(toolpath, assumed=(*toolpath.assumed, said))
 
 
 @dataclass(frozen=True)
@@ -70,8 +86,7 @@ class FeedChange:
         elif np.isinf(self.speed):
             feed[:], least_time[:] = np.inf, 0.0
         else:
-            travels = np.zeros(len(feed), dtype=bool)
-            travels[1:] = np.linalg.norm(np.diff(toolpath.tip, axis=0), axis=1) > 1e-12
+            travels = toolpath.way_length > 1e-12
             ruled = travels & (np.isfinite(feed) | (least_time > 0))
             feed[ruled], least_time[ruled] = self.speed, 0.0
         return dataclasses.replace(toolpath, feed=feed, least_time=least_time)

@@ -18,6 +18,7 @@ from toolpace.reading.effort import EndlessError
 from toolpace.reading.findings import Findings, Refusal, Used
 from toolpace.reading.languages import Recognised, recognised
 from toolpace.reading.options import ReadOptions
+from toolpace.reading.setup_sheet import with_cure_of_zero
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
@@ -201,7 +202,8 @@ def _followed(reading: _Reading, follow: Follow) -> _Reading:
     if reading.toolpath is None or reading.machine is None:
         return reading
     try:
-        follow(reading.machine, reading.toolpath)
+        with with_cure_of_zero(reading.toolpath.assumed):
+            follow(reading.machine, reading.toolpath)
     except ToolpaceError as error:
         return dataclasses.replace(reading, fault=error)
     return reading

@@ -38,6 +38,15 @@ class ProgramPoints:
     """(n, 3) unit vectors out of the part, nan where the program tells none."""
     asked: Floats | None = None
     """(n, 2) how far tip [m] and axis [rad] may stray by the program's words, nan where it tells nothing."""
+    tool_length: Floats | None = None
+    """(n,) of the tool whose tip is meant [m]; None: of the machine's own."""
+
+    def of_one_tool(self, axis: Floats) -> Floats:
+        """(n, 3) the tips as they would be with the first tool at unit axes (n, 3): what joints move shows in them."""
+        if self.tool_length is None:
+            return self.tip
+        tips: Floats = self.tip + (self.tool_length - self.tool_length[0])[:, None] * axis
+        return tips
 
 
 @dataclass(frozen=True)
@@ -64,14 +73,16 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
     """ToolPath of points in order.
 
     A point equal to the one before is dropped: a repeated position takes no time. Its stop and its dwell move
-    onto the point that stays. The first and the last point are stops.
+    onto the point that stays. The first and the last point are stops, and where the length of the tool changes.
     """
     axis = unit_axes(source, points.axis, points.block)
-    kept = np.flatnonzero(_moved(points.tip, axis if points.rotary is None else points.rotary))
+    kept = np.flatnonzero(_moved(points.of_one_tool(axis), axis if points.rotary is None else points.rotary))
     if len(kept) < 2:
         refuse_still(source, len(points.tip))
     stop = np.logical_or.reduceat(points.stop, kept)
     stop[[0, -1]] = True
+    tool_length = np.full(len(kept), np.nan) if points.tool_length is None else points.tool_length[kept]
+    stop[:-1] |= np.abs(np.diff(tool_length)) > 0.0
     feed, least_time = points.feed[kept], points.least_time[kept]
     # Nothing leads to the first point.
     feed[0], least_time[0] = np.inf, 0.0
@@ -97,6 +108,7 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
         assumed=facts.assumed,
         tip_tolerance=np.ascontiguousarray(asked[:, 0]),
         axis_tolerance=np.ascontiguousarray(asked[:, 1]),
+        tool_length=tool_length,
         normal=no_normals() if points.normal is None else np.ascontiguousarray(points.normal[kept]),
     )
 

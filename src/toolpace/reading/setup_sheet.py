@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
-from toolpace.errors import printable
+from toolpace.errors import ReachError, printable
 from toolpace.files.toml import toml_key
 from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.coordinates.placement import Datum
-from toolpace.reading.coordinates.setup import SetUp, tool_name
+from toolpace.reading.coordinates.setup import STAND_IN, ZERO_CURE, SetUp, tool_name
 from toolpace.reading.findings import Used
 
 HEAD = """\
@@ -25,6 +27,24 @@ ZERO = "Joint positions (as the machine file counts them) at which the machine's
 OFFSET = "Origin of the work offset in machine coordinates, as the control's table of offsets has it."
 REFERENCE = "Reference point of {word}, in machine coordinates."
 TOOL = "From the spindle nose to the tip, as the control's tool table has it."
+
+
+_OUT_OF_TRAVEL = re.compile(r" its limit of \S+ mm")
+
+
+@contextmanager
+def with_cure_of_zero(assumed: Sequence[str]) -> Iterator[None]:
+    """Where a linear joint leaves its travel: name the sheet first where machine zero is a stand-in of the reader.
+
+    assumed: what the reader took for granted. Raises the ReachError of the context, with that cure.
+    """
+    try:
+        yield
+    except ReachError as error:
+        reason, _, cure = str(error).rpartition("; ")
+        if not _OUT_OF_TRAVEL.search(reason) or not any(STAND_IN in sentence for sentence in assumed):
+            raise
+        raise ReachError(f"{reason}; {ZERO_CURE} (else {cure})") from error
 
 
 def setup_sheet(program: str, used: Used, machine: Kinematics | None, given: SetUp) -> str:

@@ -8,9 +8,10 @@ import re
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
+from toolpace.reading.coordinates.tool_lengths import ToolLengths
 from toolpace.reading.points import ProgramFacts, ProgramPoints, assemble
 from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import Operation, ToolPath
 from toolpace.units import FEEDS, LENGTHS, TIMES
 
 EXAMPLE = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]"
@@ -21,7 +22,7 @@ FARTHEST = 1e3
 _COLUMN = re.compile(r"\s*+\"?+\s*+([A-Za-z]++)\s*+(?:[\[(]([^\])]*+)[\])]\s*+)?+\"?+\s*+")
 
 
-def read_table(source: Source, *, default_feed: float | None = None) -> ToolPath:
+def read_table(source: Source, lengths: ToolLengths, *, default_feed: float | None = None) -> ToolPath:
     """ToolPath of a table whose rows are points; `rapid` and `stop` are 0 or 1, `dwell` a time."""
     rows = [(n, text) for n, text in enumerate(source.lines, start=1) if text.strip() and text.lstrip()[0] != "#"]
     if not rows:
@@ -63,8 +64,9 @@ def read_table(source: Source, *, default_feed: float | None = None) -> ToolPath
         dwell=dwell,
         rapid=rapid,
         operation=np.zeros(n, dtype=np.int64),
+        tool_length=lengths.along((Operation(),), np.zeros(n, dtype=np.int64), line),
     )
-    return assemble(source, points, ProgramFacts(blocks=n))
+    return assemble(source, points, ProgramFacts.of(lengths.findings, n))
 
 
 def _columns(source: Source, header: str, line: int, delimiter: str) -> dict[str, float]:

@@ -55,7 +55,11 @@ class Tolerances:
         pairs = tuple(places.items() if isinstance(places, Mapping) else places)
         for place, value in (("", default), *pairs):
             if not (isinstance(value, int | float | np.number) and 0.0 < value < math.inf):
-                raise UsageError(f"tolerance{f' of {place[:40]!r}' if place else ''} is {value!r}; give a positive one")
+                where = f" of {place[:40]!r}" if place else ""
+                raise UsageError(
+                    f"tolerance{where} is {str(value)[:40]!r}; give a number above zero, "
+                    "in metres or radians: 10e-6 is 10 um, 1e-3 rad is 0.057 deg"
+                )
         if side not in SIDES:
             raise UsageError(f"side is {str(side)[:40]!r}; {did_you_mean(str(side), SIDES)}")
         if side != SIDES[0] and (pairs or program):

@@ -28,9 +28,19 @@ def test_seq_is_the_sign_of_the_master_axis(name, sign):
     try:
         path = read(text, machine)
     except ProgramError as error:
-        assert "cannot bring its tool" in str(error)  # the other solution is beyond the travel
+        assert "out of travel" in str(error)
         assert (name, sign) in BEYOND
         return
     names = [joint.upper() for joint in path.rotary_joints]
     angle = path.rotary[-1][names.index(MASTER[name])]
     assert np.sign(angle) == sign and abs(angle) > np.deg2rad(5)
+
+
+@pytest.mark.parametrize(("name", "plane", "sign", "within"), [
+    ("linuxcnc-xyzac-trt", "SPA+70 SPB+0", "+", "with A above zero.*C 0.000 A -70.000 deg is within.*SEQ-"),
+    ("xyzbc-nutating", "SPA+0 SPB+60", "-", r"with B below zero.*B 90.000 deg is within.*SEQ\+"),
+])  # fmt: skip
+def test_seq_out_of_travel_names_the_solution_that_is_within(name, plane, sign, within):
+    """A of the trunnion goes from -100 to 50 deg, and B of the nutating table from -30 to 185."""
+    with pytest.raises(ProgramError, match=within):
+        read(f"PLANE SPATIAL {plane} SPC+0 TURN FMAX SEQ{sign}\nL X+0 Y+0 Z+0 F500", Machine.load(name))

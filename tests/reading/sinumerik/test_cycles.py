@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import msgspec
 import numpy as np
@@ -91,6 +92,52 @@ def test_strokes_shrink_and_the_last_two_are_equal():
     assert strokes_of(145, 50, 20) == pytest.approx([50, 80, 100, 120, 132.5, 145])
     with pytest.raises(ValueFault, match="10000 strokes"):
         strokes_of(1e3, 1e-3, 0)
+
+
+def by_the_rule(whole, first, less):
+    """Depths in whole micrometres by the sentences of the manual, in fractions: nothing is rounded.
+
+    Programming Guide Cycles (10.2004), CYCLE83: the first stroke is FDEP; then each is DAM shorter while it is longer
+    than DAM; then each is DAM long as long as more than twice DAM remains; the last two are equal.
+    """
+    depth, stroke, found = Fraction(0), Fraction(first), []
+    while whole - depth > stroke:
+        depth += stroke
+        found.append(depth)
+        rest = whole - depth
+        stroke = max(stroke - less, Fraction(less))
+        if stroke < rest <= 2 * less:
+            stroke = rest / 2
+    return [*found, Fraction(whole)]
+
+
+@pytest.mark.parametrize("reference", [-9, -7, -5])
+def test_rounding_adds_no_stroke(reference):
+    """To -15 first, 5 less each time, to -25: what is left below -20 is one stroke, and is not cut in two."""
+    motions = levels(f"CYCLE83(10,{reference},2,-25,,-15,,5,0,0,1,0)")
+    depths = [z for z, rapid, *_ in motions if not rapid]
+    assert depths[::2] == pytest.approx([-15, -20, -25])
+
+
+def test_strokes_are_those_of_exact_arithmetic():
+    """Depths in metres, as binary fractions have them, take the same strokes as whole micrometres do."""
+    rng = np.random.default_rng(83)
+    for _ in range(3000):
+        less = int(rng.integers(1, 80)) * 100
+        first = less * int(rng.integers(1, 6)) if rng.random() < 0.5 else int(rng.integers(10, 400)) * 100
+        whole = first + less * int(rng.integers(0, 20)) if rng.random() < 0.5 else int(rng.integers(100, 1200)) * 100
+        wanted = by_the_rule(whole, min(first, whole), less)
+        found = strokes_of(whole * 1e-6, first * 1e-6, less * 1e-6)
+        assert len(found) == len(wanted) and np.array(found) * 1e6 == pytest.approx([float(each) for each in wanted])
+
+
+def test_a_degression_from_minus_one_to_zero_is_a_factor():
+    """DAM -0.5 halves each stroke (20, 10, 5), and _MDEP 4, the argument 14, is the least: not 2.5."""
+    call = "CYCLE83(10,0,2,-45,,-20,,-0.5,0,0,1,0,3,{})"
+    cut = [z for z, rapid, *_ in levels(call.format(4)) if not rapid]
+    assert cut[::2] == pytest.approx([-20, -30, -35, -39, -43, -45])
+    with pytest.raises(ProgramError, match="10000 strokes, or none: check its depths, or write the least stroke"):
+        levels(call.format(0))
 
 
 def test_patterns_of_holes():

@@ -192,7 +192,12 @@ def test_tools_and_operations():
 def test_two_tools_are_two_lengths():
     setup = SetUp(tools={"1": Tool(0.1), "2": Tool(0.15)})
     path = read("T1 M6\nG1 X1 Z5 D1\nT2 M6\nG1 X2 Z5", "xyzac-trunnion", setup=setup, start=START + "A0 C0\n")
-    assert np.ptp(path.tip[path.block >= 5][:, 2]) * 1e3 == pytest.approx(50.0)
+    mill = machine("xyzac-trunnion")
+    cut = path.block >= 5
+    z = mill.joints_at(path.tip, path.rotary, path.tool_length)[cut, mill.joints.index("Z")] * 1e3
+    assert path.tip[cut, 2] * 1e3 == pytest.approx(5.0)
+    assert np.ptp(z) == pytest.approx(50.0)
+    assert path.tool_length[cut].tolist() == [0.1, 0.15]
 
 
 def test_radius_compensation():

@@ -6,6 +6,7 @@ import re
 
 from toolpace.reading.cldata.motion import ClMotion
 from toolpace.reading.cldata.words import NUMBER, Statement
+from toolpace.reading.coordinates.tool_lengths import ToolLengths
 from toolpace.toolpath import Operation
 
 _NAME = re.compile(r"OPERATION NAME\s*+:(.*)", re.IGNORECASE)
@@ -15,8 +16,8 @@ CHANGE = "a tool change is a stop; the machine's own motion in it is left out"
 class ClOperations:
     """TOOL PATH and LOADTL, and what NX, Creo and CATIA write in their place."""
 
-    def __init__(self, motion: ClMotion) -> None:
-        self.motion, self.track = motion, motion.track
+    def __init__(self, motion: ClMotion, lengths: ToolLengths) -> None:
+        self.motion, self.track, self.lengths = motion, motion.track, lengths
         self._tool_named = False
         """Whether TOOL PATH named the tool: a number that is loaded then is the same tool's."""
         self._loaded = ""
@@ -46,7 +47,7 @@ class ClOperations:
             self.motion.findings.assumed(CHANGE)
             self.motion.drilling.end()
             self._tool_named = False
-        if not self._tool_named:
+        if not self._tool_named or (self.lengths.lists(tool) and not self.lengths.lists(current.tool)):
             self.track.begin(Operation(current.name, tool))
 
     def feature(self, statement: Statement) -> None:

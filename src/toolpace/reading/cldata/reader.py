@@ -23,6 +23,8 @@ from toolpace.reading.cldata.nurbs import PARTS
 from toolpace.reading.cldata.operations import ClOperations
 from toolpace.reading.cldata.track import Track
 from toolpace.reading.cldata.words import DATA, NOTE, Statement, statements, without_cards
+from toolpace.reading.coordinates.kinematics import Kinematics
+from toolpace.reading.coordinates.tool_lengths import ToolLengths
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import PROGRAM, ReadOptions
 from toolpace.reading.source import Source
@@ -36,20 +38,22 @@ _END_OF_CIRCLE = frozenset(("GOTO", "GODLTA"))
 
 
 class ClReader:
-    """One reading of one program; `run` does it. Points are tips in the workpiece frame: no machine is needed.
+    """One reading of one program; `run` does it. Points are tips in the workpiece frame: a machine tells no more than
+    the length of tools that are not on the set-up sheet.
 
     What is refused is noted in `findings`, and the reading goes on, so that one run names all of it; with
     `skip_unknown` it is left out, and said.
     """
 
-    def __init__(self, source: Source, options: ReadOptions, findings: Findings) -> None:
+    def __init__(self, source: Source, machine: Kinematics | None, options: ReadOptions, findings: Findings) -> None:
         self.source, self.options, self.findings = source, options, findings
+        self.lengths = ToolLengths(source, options.setup, machine, findings)
         self.track = Track(source)
         self.frame = ClFrame(source, self.findings, options.compensation == PROGRAM)
         self.feed = ClFeed(source, options.default_feed, self.findings)
         self.motion = ClMotion(source, self.track, self.feed, self.frame, self.findings)
         self.curves = ClCurves(source, self.motion, self.findings)
-        self.operations = ClOperations(self.motion)
+        self.operations = ClOperations(self.motion, self.lengths)
         self.moves: dict[str, Callable[[Statement], None]] = {
             "GOTO": self.motion.goto,
             "GODLTA": self.motion.increment,
@@ -103,7 +107,7 @@ class ClReader:
         self.curves.end()
         self._refuse_open_circle()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
-        return self.track.toolpath(count, self.findings)
+        return self.track.toolpath(count, self.lengths)
 
     def _execute(self, statement: Statement) -> None:
         major = statement.major

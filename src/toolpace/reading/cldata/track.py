@@ -9,9 +9,9 @@ import numpy as np
 from toolpace.arrays import Floats, Ints
 from toolpace.reading.cldata.feed import Caps
 from toolpace.reading.control.unroll import slerp
+from toolpace.reading.coordinates.tool_lengths import ToolLengths
 from toolpace.reading.curves.arcs import Arc, ArcTable
 from toolpace.reading.curves.splines import Spline
-from toolpace.reading.findings import Findings
 from toolpace.reading.points import ProgramFacts, ProgramPoints, assemble, unit_axes
 from toolpace.reading.source import Source
 from toolpace.toolpath import Operation, ToolPath
@@ -96,7 +96,7 @@ class Track:
             self._stops.add(last)
             self._dwells[last] = self._dwells.get(last, 0.0) + seconds
 
-    def toolpath(self, blocks: int, findings: Findings) -> ToolPath:
+    def toolpath(self, blocks: int, lengths: ToolLengths) -> ToolPath:
         """All points; on curves so many that chords keep within half a micrometre."""
         table = np.array(self._rows, dtype=float).reshape(len(self._rows), 11)
         line = table[:, 8].astype(np.int64)
@@ -111,6 +111,7 @@ class Track:
         stop[last[sorted(self._stops)]] = True
         for row, seconds in self._dwells.items():
             dwell[last[row]] = seconds
+        operations, operation = tuple(self._operations), table[move, 9].astype(np.int64)
         points = ProgramPoints(
             tip,
             axes,
@@ -120,9 +121,10 @@ class Track:
             stop=stop,
             dwell=dwell,
             rapid=table[move, 10] > 0,
-            operation=table[move, 9].astype(np.int64),
+            operation=operation,
+            tool_length=lengths.along(operations, operation, line[move]) if operations else None,
         )
-        return assemble(self.source, points, ProgramFacts.of(findings, blocks, tuple(self._operations)))
+        return assemble(self.source, points, ProgramFacts.of(lengths.findings, blocks, operations))
 
     def _pieces(self, line: Ints) -> tuple[Ints, Floats, Floats]:
         """Row of each point (n,), how far along its curve it is (n,), and those points that are inside curves."""

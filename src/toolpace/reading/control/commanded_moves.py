@@ -20,7 +20,7 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
     Raises ProgramError where nothing moves or waits.
     """
     table = _with_chords(table)
-    speed, turn, time, line, kind, tip_mode, _, operation, _ = table.columns.T
+    speed, turn, time, line, kind, tip_mode, _, operation, tool_length = table.columns.T
     way = np.diff(table.position, axis=0, prepend=table.position[:1])
     way[kind == JUMP] = 0.0
     moved = np.abs(way).max(axis=1) > SAME
@@ -40,6 +40,7 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
         way=way[kept],
         rotary_joints=poses.rotary_names,
         tip_mode=tip_mode[kept] > 0,
+        tool_length=tool_length[kept] if poses.machine is not None else np.full(len(kept), np.nan),
         rapid=kind[kept] == RAPID,
         speed=speed[kept],
         turn=turn[kept],

@@ -22,7 +22,8 @@ from toolpace.reading.coordinates.in_force import Coordinates
 from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.coordinates.orientation import Orientation
 from toolpace.reading.coordinates.placement import Datum
-from toolpace.reading.coordinates.setup import Position
+from toolpace.reading.coordinates.setup import OFFSETS_UNSAID, ZERO_UNSAID, Position
+from toolpace.reading.coordinates.tool_lengths import NO_SHEET, NO_TOOL, NOT_LISTED, ONLY_TOOL
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.curves.beziers import Bezier
 from toolpace.reading.effort import Effort
@@ -108,27 +109,49 @@ class Control:
         """Read the place of the machine in new coordinates: it stays where it is."""
         self.effort.changes += 1
         old, new = self.placement, self.coordinates.placement(self.tool)
+        if self.coordinates.reckons and not self.setup.tools and self.poses.machine is not None:
+            self.findings.assumed(NO_SHEET.format(self.datum.own_length * 1e3))
         if new == old:
             return
         place = old.place(self.words)
-        another = (old.tip_mode, old.longer) != (new.tip_mode, new.longer)
+        another = (old.tip_mode, old.tool_length) != (new.tip_mode, new.tool_length)
         if another and self.poses.machine is not None:
             if old.tip_mode != new.tip_mode:
                 self.need_linear_joints()
-            place = self.poses.to_joints(place, old.longer) if old.tip_mode else place
-            place = self.poses.to_tip(place, new.longer) if new.tip_mode else place
+            place = self.poses.to_joints(place, old.tool_length) if old.tip_mode else place
+            place = self.poses.to_tip(place, new.tool_length) if new.tip_mode else place
         self.words, self.placement = new.words(place), new
+        if self.coordinates.tilted and new.shift and any(self.poses.carried(list(new.shift))):
+            self.source.fail(
+                "a tilted plane while a rotary axis of the table is shifted (by its work offset, or by the program): "
+                "where controls lay the plane then depends on their parameters; set that shift to zero, and turn the "
+                "part by the plane's own angles",
+                self.line,
+            )
+        if new.tool_length != self.datum.length(self.tool):
+            self.operations.tell_length(new.tool_length)
         if another and len(self.moves):
-            self.moves.add(place, Rate(), self.line, JUMP, new.tip_mode, self.named, new.longer)
+            if old.tool_length != new.tool_length:
+                self.stop()  # the joints stand while another tip is reckoned with
+            self.moves.add(place, Rate(), self.line, JUMP, new.tip_mode, self.named, new.tool_length)
 
     def set_offset(self, name: str) -> None:
         """Make a work offset the one in force; "" is none but its stand-in."""
         if name:
             self.findings.used.offsets.setdefault(name)
-        if self.setup.offsets and name and name not in self.setup.offsets:
+        if name and not self.setup.offsets:
+            self.findings.assumed(OFFSETS_UNSAID)
+        elif name and name not in self.setup.offsets:
             self.findings.assumed(f"{name} is not on the set-up sheet: the origin of the part stands for it")
+        elif name and self.setup.lacks_zero and self.poses.machine is not None:
+            self.findings.assumed(ZERO_UNSAID)
         self.coordinates.offset = name
         self._replaced()
+
+    def add_offset(self, name: str) -> None:
+        """A work offset that the program tells and the set-up sheet does not: it counts from the machine's zero."""
+        setup = replace(self.setup, offsets={**self.setup.offsets, name: {}})
+        self.setup = self.coordinates.datum.setup = setup
 
     def words_in(self, offset: str, frame: Matrix, turn: tuple[float, ...]) -> list[float]:
         """Words (3 + rotary) that the machine's place has in another work offset, with a frame and a rotary shift."""
@@ -166,12 +189,13 @@ class Control:
             self._know(tool)
         coordinates = self.coordinates
         coordinates.compensated, coordinates.length_of = tool is not None, tool or coordinates.length_of
-        coordinates.told, coordinates.oversize = None, oversize
+        coordinates.told, coordinates.oversize, coordinates.named_for = None, oversize, self.tool
         self._replaced()
 
     def set_tool_offset(self, x: float, y: float, length: float) -> None:
         """Reckon with a tool of this length [m], whose tip is x and y beside the spindle."""
-        self.coordinates.compensated, self.coordinates.told = True, (x, y, length)
+        coordinates = self.coordinates
+        coordinates.compensated, coordinates.told, coordinates.named_for = True, (x, y, length), self.tool
         self._replaced()
 
     def _know(self, tool: str) -> None:
@@ -180,7 +204,7 @@ class Control:
             return
         self.findings.used.tools.setdefault(tool)
         if self.setup.tools and self.setup.tool(tool) is None:
-            self.findings.assumed(f"tool {tool} is not on the set-up sheet: it is as long as the machine's own")
+            self.findings.assumed(NOT_LISTED.format(tool))
 
     def set_position(self, words: dict[str, float]) -> None:
         """Give the place where the machine is these words: the frame is shifted (G92)."""
@@ -247,18 +271,18 @@ class Control:
             self.moves.curves[len(self.moves)] = affine.carried_curve(placement.matrix, curve)
             part = rate._replace(time=rate.time * (length / total))
             place = placement.place(self.words)
-            self.moves.add(place, part, self.line, FEED, placement.tip_mode, self.named, placement.longer)
+            self.moves.add(place, part, self.line, FEED, placement.tip_mode, self.named, placement.tool_length)
 
     def _move(
         self, words: list[float], named: int, rapid: bool, number: float | None, length: float | None = None
     ) -> None:
-        placement = self.placement
+        placement, kind = self.placement, RAPID if rapid else FEED
         if not placement.tip_mode:
             self.need_linear_joints()
         rate = Rate() if rapid else self._rate(words, number, length)
         self.words, self.named = words, self.named | named
-        kind = RAPID if rapid else FEED
-        self.moves.add(placement.place(words), rate, self.line, kind, placement.tip_mode, self.named, placement.longer)
+        place = placement.place(words)
+        self.moves.add(place, rate, self.line, kind, placement.tip_mode, self.named, placement.tool_length)
 
     def _rate(self, words: list[float], number: float | None, length: float | None) -> Rate:
         if self.placement.tip_mode or self.feed.rules.turning == "xyz":
@@ -280,7 +304,7 @@ class Control:
         if not len(self.moves):
             self.named = ALL
             place = self.placement
-            self.moves.add(place.place(self.words), Rate(), self.line, RAPID, place.tip_mode, ALL, place.longer)
+            self.moves.add(place.place(self.words), Rate(), self.line, RAPID, place.tip_mode, ALL, place.tool_length)
 
     def need_linear_joints(self) -> None:
         """ProgramError where words are joints and the machine has no X, Y, Z."""
@@ -332,6 +356,9 @@ class Control:
         return commanded_of(self._table(), self.poses, self.source, self._facts())
 
     def _facts(self) -> ProgramFacts:
+        tools = self.setup.tools
+        if tools and self.poses.machine is not None and not self.findings.used.tools:
+            self.findings.assumed(ONLY_TOOL.format(next(iter(tools))) if len(tools) == 1 else NO_TOOL)
         return ProgramFacts.of(
             self.findings, self.effort.blocks, tuple(self.operations.all), controller=self.controller.name
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -49,6 +50,8 @@ class Drilling(NamedTuple):
     """How far above the last depth the rapid ends with which the next stroke begins [m]."""
     dwell: float = 0.0
     """At the bottom [s]."""
+    over_top: bool = False
+    """Whether the way back between pecks leads above the top where these are shorter than it."""
     peck_dwell: float = 0.0
     """After each stroke but the last [s]."""
     top_dwell: float = 0.0
@@ -132,12 +135,12 @@ def _to_start(cycle: Drilling) -> list[Stroke]:
 
 def _peck(cycle: Drilling, ends: list[float], k: int) -> list[Stroke]:
     """Stroke k, and the way back behind it; `ends` are depths below the top [m]."""
-    down, depth = _down(cycle), ends[k]
+    down, depth, least = _down(cycle), ends[k], -math.inf if cycle.over_top else 0.0
     cut = Stroke(cycle.top + down * depth, rapid=False, stop=cycle.stops, dwell=cycle.peck_dwell)
     if cycle.chip_break and not (cycle.full_after and (k + 1) % (cycle.full_after + 1) == 0):
-        level = cycle.top + down * max(depth - cycle.chip_break, 0.0)
+        level = cycle.top + down * max(depth - cycle.chip_break, least)
         return [cut, Stroke(level, rapid=not (cycle.stops or cycle.breaks_at_feed), stop=cycle.stops)]
-    level = cycle.top + down * max(depth - cycle.clearance, 0.0)
+    level = cycle.top + down * max(depth - cycle.clearance, least)
     return [cut, Stroke(cycle.top, dwell=cycle.top_dwell), Stroke(level)]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, Rate
 from toolpace.reading.coordinates.placement import INSIDE
+from toolpace.reading.coordinates.setup import STAND_IN, ZERO_UNSAID
 
 
 def straight_in_machine(control: Control, coordinates: dict[str, float], *, rapid: bool = True) -> None:
@@ -39,8 +40,7 @@ def machine_coordinates(control: Control) -> dict[str, float]:
     control.findings.used.machine_zero = True
     if not (setup.machine_zero or setup.references):
         control.findings.assumed(
-            "machine coordinates that the program reads count from the upper ends of the travel of X, Y and Z "
-            "(--setup FILE tells others)"
+            f"machine coordinates that the program reads count from {STAND_IN} (--setup FILE tells others)"
         )
     return {letter: joints[slot] - control.datum.zero[slot] for letter, slot in control.poses.slots().items()}
 
@@ -55,7 +55,7 @@ def _joints(control: Control) -> list[float]:
     """Where the joints are (3 + rotary) [m, rad]."""
     placement = control.placement
     place = placement.place(control.words)
-    return control.poses.to_joints(place, placement.longer) if placement.tip_mode else place
+    return control.poses.to_joints(place, placement.tool_length) if placement.tip_mode else place
 
 
 def _move(control: Control, joints: list[float], *, rapid: bool) -> None:
@@ -64,12 +64,12 @@ def _move(control: Control, joints: list[float], *, rapid: bool) -> None:
     rate = Rate() if rapid else control.feed.rate(None, line)
     if placement.tip_mode and len(moves):
         # the way begins at the joints, and the last row is a tip
-        moves.add(_joints(control), Rate(), line, JUMP, False, control.named)
-    moves.add(joints, rate, line, RAPID if rapid else FEED, False, control.named)
+        moves.add(_joints(control), Rate(), line, JUMP, False, control.named, placement.tool_length)
+    moves.add(joints, rate, line, RAPID if rapid else FEED, False, control.named, placement.tool_length)
     place = joints
     if placement.tip_mode:
-        place = control.poses.to_tip(joints, placement.longer)
-        moves.add(place, Rate(), line, JUMP, True, control.named, placement.longer)
+        place = control.poses.to_tip(joints, placement.tool_length)
+        moves.add(place, Rate(), line, JUMP, True, control.named, placement.tool_length)
     control.words = placement.words(place)
 
 
@@ -78,10 +78,11 @@ def _within_travel(control: Control, joints: list[float], slots: dict[str, int])
     machine, setup = control.poses.machine, control.setup
     assert machine is not None
     if setup.machine_zero or setup.references:
+        if setup.lacks_zero:
+            control.findings.assumed(ZERO_UNSAID)
         return joints
     control.findings.assumed(
-        "machine coordinates and reference points count from the upper ends of the travel of X, Y and Z, 1 mm "
-        "inside (--setup FILE tells others)"
+        f"machine coordinates and reference points count from {STAND_IN}, 1 mm inside (--setup FILE tells others)"
     )
     columns = [*control.poses.linear, *control.poses.rotary]
     for letter, slot in slots.items():

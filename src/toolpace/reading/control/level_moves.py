@@ -37,7 +37,7 @@ def along(
     if moves.in_strokes > MOST:
         control.source.fail(f"holes make more than {MOST} motions up to here: check their pecks", control.line)
     moves.strokes[len(moves)] = _table(strokes, rate, way)
-    moves.add(at_zero, FREE, control.line, RAPID, placement.tip_mode, ALL, placement.longer)
+    moves.add(at_zero, FREE, control.line, RAPID, placement.tip_mode, ALL, placement.tool_length)
     control.words[axis] = strokes[-1].level
 
 

@@ -87,13 +87,13 @@ class Moves:
         kind: float,
         tip_mode: bool,
         named: int,
-        longer: float = 0.0,
+        tool_length: float,
     ) -> None:
         """Note a motion to `position` (3 + rotary); `named` has a bit for each of X, Y, Z named so far.
 
-        `longer`: by how much the tool whose tip is meant is longer than the machine's own [m].
+        `tool_length`: of the tool whose tip is meant [m].
         """
-        self.rows.append((*position, *rate, line, kind, tip_mode, named, self.operation, longer))
+        self.rows.append((*position, *rate, line, kind, tip_mode, named, self.operation, tool_length))
 
     def stop(self) -> None:
         """Come to rest at the last position; before the first there is nothing to stop."""
@@ -137,7 +137,7 @@ class Moves:
 
     def stand(self) -> None:
         """Take some place for that where a program waits that moves nothing."""
-        self.add([0.0] * (3 + self.rotary), Rate(), 1, FEED, True, 0)
+        self.add([0.0] * (3 + self.rotary), Rate(), 1, FEED, True, 0, 0.0)
         self.dwells[0] = self.waited
 
     def table(self) -> MoveTable:
@@ -199,7 +199,8 @@ class MoveTable(NamedTuple):
     position: Floats
     """(n, 3 + rotary) [m, rad] at the end of each row, in the coordinates of its mode."""
     columns: Floats
-    """(n, 9): speed [m/s], turn [rad/s], time [s], line, kind, tip mode, named, operation, longer [m]."""
+    """(n, 9): speed [m/s], turn [rad/s], time [s], line, kind, tip mode, named, operation, tool length
+    [m]."""
     stop: Bools
     dwell: Floats
     arcs: dict[int, Arc]

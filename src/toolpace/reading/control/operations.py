@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from toolpace.reading.control.moves import Moves
 from toolpace.toolpath import Operation
 
@@ -18,8 +20,17 @@ class Operations:
         last = self.all[-1]
         if not self._moved():
             self.all.pop()
-        self.all.append(Operation(last.name if name is None else name.strip(), last.tool if tool is None else tool))
+        told = last.told_lengths if tool is None else ()
+        self.all.append(
+            Operation(last.name if name is None else name.strip(), last.tool if tool is None else tool, told)
+        )
         self.moves.operation = len(self.all) - 1
+
+    def tell_length(self, length: float) -> None:
+        """The tool of the present one is reckoned with another length than its table's [m]."""
+        last = self.all[-1]
+        if length not in last.told_lengths:
+            self.all[-1] = replace(last, told_lengths=(*last.told_lengths, length))
 
     def _moved(self) -> bool:
         """Whether there was any motion in the last one."""

@@ -31,7 +31,7 @@ def retract(control: Control, distance: float | None, *, rapid: bool) -> None:
         _, columns, axis = poses.linear_map(place[3:])
         way = np.linalg.solve(columns, axis)
     if distance is None:
-        joints = poses.to_joints(place, placement.longer) if placement.tip_mode else place
+        joints = poses.to_joints(place, placement.tool_length) if placement.tip_mode else place
         distance = room(control, joints[:3], way)
     step = axis if placement.tip_mode else way
     moved = [*(np.array(place[:3]) + distance * step).tolist(), *place[3:]]
@@ -73,7 +73,7 @@ def turn_about(control: Control, wanted: list[float], distance: float, *, rapid:
     present = control.words[3:]
     shift = placement.shift or (0.0,) * len(wanted)
     place = placement.place(control.words)
-    tip = place[:3] if placement.tip_mode else poses.to_tip(place, placement.longer)[:3]
+    tip = place[:3] if placement.tip_mode else poses.to_tip(place, placement.tool_length)[:3]
     pivot = np.array(tip) + distance * np.array(poses.axis(place[3:]))
     turned = math.dist(wanted, present)
     chords = math.ceil(turned / math.sqrt(8.0 * SAG / (abs(distance) + SAG))) or 1
@@ -85,5 +85,5 @@ def turn_about(control: Control, wanted: list[float], distance: float, *, rapid:
         rotary = [a + (b - a) * k / chords for a, b in zip(present, wanted)]
         joints = [a + b for a, b in zip(rotary, shift)]
         at = [*(pivot - distance * np.array(poses.axis(joints))).tolist(), *joints]
-        at = at if placement.tip_mode else poses.to_joints(at, placement.longer)
+        at = at if placement.tip_mode else poses.to_joints(at, placement.tool_length)
         control.straight(placement.words(at), 0, rapid=rapid)

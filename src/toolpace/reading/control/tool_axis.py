@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.joint_moves import turn_joints
 from toolpace.reading.coordinates import affine
+
+UNEVEN = 1e-9
+"""By what share scales along X, Y and Z may differ and count as one."""
 
 
 def rotary_for(control: Control, axis: list[float], sign: int = 0) -> list[float]:
@@ -28,9 +32,16 @@ def plane_axis(control: Control) -> list[float]:
     return direction_on_part(control, (0.0, 0.0, 1.0))
 
 
-def direction_on_part(control: Control, direction: affine.Vector) -> list[float]:
+def direction_on_part(control: Control, direction: Sequence[float]) -> list[float]:
     """A direction (3,) of the program's coordinates as a unit vector on the part; zero stays zero."""
     placement = control.placement if control.placement.tip_mode else control.coordinates.on_part()
+    lengths = [math.hypot(*(row[column] for row in placement.matrix)) for column in range(3)]
+    if max(lengths) - min(lengths) > UNEVEN * max(lengths):
+        control.source.fail(
+            "a direction of the tool in coordinates that are scaled unevenly: controls differ in whether it is scaled "
+            "too; end the scale before, or scale the path in the CAM system",
+            control.line,
+        )
     found = affine.direct(placement.matrix, direction)
     length = math.hypot(*found) or 1.0
     return [value / length for value in found]

@@ -13,6 +13,7 @@ import numpy as np
 from toolpace.arrays import Bools, Floats, Ints
 from toolpace.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.reading.coordinates.kinematics import Poses
+from toolpace.reading.coordinates.tool_lengths import told_lengths
 from toolpace.reading.curves.arcs import Arc, ArcTable
 from toolpace.reading.curves.beziers import Bezier, BezierTable
 from toolpace.reading.points import SAME, ProgramFacts, ProgramPoints, assemble
@@ -41,7 +42,7 @@ class Unroll:
         self.source, self.poses = source, poses
         self.end = table.position
         self.start = np.vstack([self.end[:1], self.end[:-1]])
-        self.speed, self.turn, self.time, line, kind, tip_mode, _, operation, self.longer = table.columns.T
+        self.speed, self.turn, self.time, line, kind, tip_mode, _, operation, self.tool_length = table.columns.T
         jump = kind == JUMP
         self.start[jump] = self.end[jump]
         self.is_feed = kind == FEED
@@ -75,7 +76,7 @@ class Unroll:
         position[inside[curved], :3] = self.arcs.evaluate(self.arc[of[curved]], share[curved])
         curved = self.curve[of] >= 0
         position[inside[curved], :3] = self.curves.evaluate(self.curve[of[curved]], share[curved])
-        tip, axis = self.poses.place(position, self.tip_mode[move], self.longer[move])
+        tip, axis = self.poses.place(position, self.tip_mode[move], self.tool_length[move])
         return tip, axis, position[:, 3:]
 
     def refine(self) -> None:
@@ -146,8 +147,7 @@ class Unroll:
         travels = self.length > SAME
         turns = self.rotation > SAME
         # The speed word speaks of the joints X, Y, Z outside tip mode: no cap on the tip, but a time.
-        # So it does not cap the tip of a tool that is longer than the machine's, which stands for it here.
-        by_time = self.is_feed & travels & turns & (~self.tip_mode | (self.longer != 0.0))
+        by_time = self.is_feed & travels & turns & ~self.tip_mode
         in_place = self.is_feed & ~travels & turns
         timed = self.is_feed & (self.time > 0)
         least_time = np.zeros(len(self.end))
@@ -178,6 +178,7 @@ class Unroll:
             normal=self.normals(move, (piece + 1) / count),
             rotary=None if self.poses.machine is None else rotary,
             rotary_joints=self.poses.rotary_names,
+            tool_length=told_lengths(self.tool_length[move], self.poses.machine),
         )
         return assemble(self.source, points, facts)
 

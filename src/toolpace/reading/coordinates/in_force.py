@@ -36,6 +36,8 @@ class Coordinates:
     """By how much longer than the table says the program calls the tool [m]."""
     told: tuple[float, float, float] | None = None
     """Offset of the tool that the program itself tells, in place of the table's: along X, Y, and its length [m]."""
+    named_for: str | None = None
+    """Tool that was in the spindle when the length was named; None where none was."""
 
     def tool_offset(self, tool: str) -> tuple[float, float, float]:
         """Along X, Y and Z [m], that the control reckons with."""
@@ -47,30 +49,39 @@ class Coordinates:
         """Of the tool that counts, as the program has it [m]."""
         return self.datum.length(self.length_of or tool) + self.oversize
 
+    @property
+    def reckons(self) -> bool:
+        """Whether where the tip is depends on the length of a tool that is in no word of the program."""
+        return (self.compensated or self.tip_mode or self.tilted) and self.told is None
+
     def placement(self, tool: str) -> Placement:
         """Of words, with a tool in the spindle."""
         length = self.length(tool) if self.told is None else self.told[2]
-        longer = length - self.datum.own_length
         if (self.tip_mode or self.tilted) and self.datum.poses.machine is not None:
-            return self._on_part(longer, self.fixed_at)
-        return self._of_joints(longer)
+            # a plane lies on the part already: tip mode that begins in it does not turn it again
+            return self._on_part(length, None if self.tilted else self.fixed_at)
+        # a length that was named for the tool before stays in force, but tells nothing of where the tip is
+        another = (self.told is not None or self.length_of) and self.named_for != tool
+        return self._of_joints(length, self.datum.length(tool) if another else length)
 
     def on_part(self) -> Placement:
         """Of words that would be the tip of the machine's own tool on the part."""
-        return self._of_joints(0.0) if self.datum.poses.machine is None else self._on_part(0.0, None)
+        own = self.datum.own_length
+        return self._of_joints(own, own) if self.datum.poses.machine is None else self._on_part(own, None)
 
-    def _of_joints(self, longer: float) -> Placement:
+    def _of_joints(self, length: float, tool_length: float) -> Placement:
+        """Of words that are joints, where the control reckons with a length; `tool_length` is that of the tool."""
         datum = self.datum
         origin = datum.origin(self.offset)
         without = -datum.own_length if datum.setup.offsets else 0.0
-        reckoned = datum.lift * (longer if self.compensated else without)
+        reckoned = datum.lift * (length - datum.own_length if self.compensated else without)
         linear = [a + float(b) for a, b in zip(origin, reckoned)]
         if self.told is not None:
             linear = [linear[0] + self.told[0], linear[1] + self.told[1], linear[2]]
         matrix = affine.product(affine.shift(linear), self.frame) if any(linear) else self.frame
-        return Placement(False, matrix, self._shift(origin), longer)
+        return Placement(False, matrix, self._shift(origin), tool_length)
 
-    def _on_part(self, longer: float, fixed_at: list[float] | None) -> Placement:
+    def _on_part(self, length: float, fixed_at: list[float] | None) -> Placement:
         """In the coordinates of the work offset on the part, which carries them from where it stood when fixed."""
         poses, origin = self.datum.poses, self.datum.origin(self.offset)
         upright = [0.0] * len(poses.rotary)
@@ -80,7 +91,7 @@ class Coordinates:
         turn = columns @ np.linalg.inv(zero)
         matrix = _clean(np.column_stack([turn, at + columns @ np.array(origin[:3])]))
         framed = matrix if self.frame is affine.IDENTITY else affine.product(matrix, self.frame)
-        return Placement(True, framed, self._shift(origin), longer)
+        return Placement(True, framed, self._shift(origin), length)
 
     def _shift(self, origin: list[float]) -> tuple[float, ...]:
         shift = tuple(a + b for a, b in zip(origin[3:], self.turn))

@@ -60,11 +60,10 @@ class Poses:
         letters = {"X": 0, "Y": 1, "Z": 2}
         return letters | {name.upper(): 3 + k for k, name in enumerate(self.rotary_names) if len(name) == 1}
 
-    def place(self, position: Floats, tip_mode: Bools, longer: Floats | None = None) -> tuple[Floats, Floats]:
-        """Tip (n, 3) and tool axis (n, 3) of the machine's own tool.
+    def place(self, position: Floats, tip_mode: Bools, tool_length: Floats | None = None) -> tuple[Floats, Floats]:
+        """Tip (n, 3) and tool axis (n, 3) of tools of lengths (n,) [m]; of the machine's own where none are given.
 
-        In tip mode a position is that of a tool `longer` (n,) [m] than the machine's own. Without a machine the axis
-        is +z, and both modes mean the same.
+        Without a machine the axis is +z, both modes mean the same, and the spindle nose stands for the tip.
         """
         if self.machine is None:
             axis = np.zeros((len(position), 3))
@@ -79,27 +78,26 @@ class Poses:
                 q[:, joint] = np.where(tip_mode, 0.0, position[:, column])
         tip, axis = self.machine.forward(q)
         axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
-        given = position[:, :3]
-        if longer is not None and longer.any():
-            given = given + longer[:, None] * axis
-        return np.where(tip_mode[:, None], given, tip), axis
+        if tool_length is not None:
+            tip = tip - (tool_length - float(self.machine.tool_length))[:, None] * axis
+        return np.where(tip_mode[:, None], position[:, :3], tip), axis
 
     def axis(self, rotary: list[float]) -> list[float]:
         """The tool axis (3,) at rotary positions [rad]."""
         _, axis = self.place(np.array([[0.0, 0.0, 0.0, *rotary]]), np.array([True]))
         return list(map(float, axis[0]))
 
-    def to_tip(self, position: list[float], longer: float = 0.0) -> list[float]:
-        """The same place of the machine, with the tip of a tool so much longer than its own for the linear joints."""
-        tip, axis = self.place(np.array([position]), np.array([False]))
-        return [*(tip[0] - longer * axis[0]).tolist(), *position[3:]]
+    def to_tip(self, position: list[float], tool_length: float) -> list[float]:
+        """The same place of the machine, with the tip of a tool of this length [m] for the linear joints."""
+        tip, _ = self.place(np.array([position]), np.array([False]), np.array([tool_length]))
+        return [*tip[0].tolist(), *position[3:]]
 
-    def to_joints(self, position: list[float], longer: float = 0.0) -> list[float]:
+    def to_joints(self, position: list[float], tool_length: float) -> list[float]:
         """The same place of the machine, with the linear joints for the tip of such a tool."""
         if self.machine is None:
             return list(position)
         origin, columns, axis = self.linear_map(position[3:])
-        tip = np.array(position[:3]) + longer * axis
+        tip = np.array(position[:3]) + (tool_length - float(self.machine.tool_length)) * axis
         return [*np.linalg.solve(columns, tip - origin).tolist(), *position[3:]]
 
     def linear_map(self, rotary: list[float]) -> tuple[Floats, Floats, Floats]:

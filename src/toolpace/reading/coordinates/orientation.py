@@ -38,22 +38,37 @@ class Orientation:
             return [], "the tool vector is zero: give the direction from the tip to the spindle"
         unit = [value / length for value in axis]
         solutions, pole = machine.rotary_solutions(np.array([unit]))
-        choices = []
+        within, asked = [], []
         for wanted in solutions[0].tolist():
             if bool(pole[0]):
                 wanted[0] = present[0]
-            if any(map(math.isnan, wanted)) or (sign and wanted[1] * sign < -FREE):
+            if any(map(math.isnan, wanted)):
                 continue
             turned = [near(value, here, *ends) for value, here, ends in zip(wanted, present, self.travel)]
             if None not in turned:
-                choices.append([value for value in turned if value is not None])
+                within.append([value for value in turned if value is not None])
+                asked.append(not sign or wanted[1] * sign >= -FREE)
+        choices = [each for each, wanted in zip(within, asked) if wanted]
         if not choices:
             shown = ", ".join(f"{value:.4g}" for value in unit)
+            if within:
+                return [], self._other_only(within, sign, shown)
             return [], (
                 f"machine '{machine.name}' cannot bring its tool to the direction {shown} within the travel of "
                 f"{' and '.join(self.poses.rotary_names)}: choose a machine that can, or clamp the part otherwise"
             )
         return min(choices, key=lambda choice: math.dist(choice, present)), ""
+
+
+    def _other_only(self, within: list[list[float]], sign: int, shown: str) -> str:
+        """What is wrong where only the solutions within travel (k, 2) are on the other side of zero than asked for."""
+        names = self.poses.rotary_names
+        which, other = ("below", "SEQ+") if sign < 0 else ("above", "SEQ-")
+        there = " or ".join(" ".join(f"{n} {math.degrees(v):.3f}" for n, v in zip(names, each)) for each in within)
+        return (
+            f"the program asks (SEQ, SYM, _DIR) for the solution with {names[1]} {which} zero, and for the tool "
+            f"direction {shown} that is out of travel: {there} deg is within; ask for that one ({other}), or for none"
+        )
 
 
 def near(angle: float, present: float, low: float, high: float) -> float | None:

@@ -24,8 +24,8 @@ class Placement:
     """Of X, Y, Z, to linear joints, or to the tip [m]."""
     shift: tuple[float, ...] = ()
     """Added to the rotary words [rad]."""
-    longer: float = 0.0
-    """By how much the tool is longer than the machine's own [m]: in tip mode the tip is that of the tool at hand."""
+    tool_length: float = 0.0
+    """Of the tool whose tip is meant [m]: in tip mode the one that the control reckons with."""
 
     def place(self, words: list[float]) -> list[float]:
         """Words (3 + rotary) [m, rad] to the place that they mean."""
@@ -90,9 +90,14 @@ class Datum:
             found[letter] = ends[slot] - self.zero[slot]
         return found | dict(self.setup.references.get(number, {}))
 
-    def length(self, tool: str | None) -> float:
-        """Length of a tool of the table; of the machine's own where there is none."""
-        found = self.setup.tool(tool or "")
+    def length(self, tool: str) -> float:
+        """Length of a tool of the table [m]; of the machine's own where there is none.
+
+        Where the program has named none, the only one of the table is in the spindle.
+        """
+        tools = self.setup.tools
+        only = not tool and len(tools) == 1 and self.poses.machine is not None
+        found = next(iter(tools.values())) if only else self.setup.tool(tool)
         return self.own_length if found is None else found.length
 
     def origin(self, offset: str) -> list[float]:

@@ -7,6 +7,15 @@ from dataclasses import dataclass, field
 
 Position = Mapping[str, float]
 """Machine coordinates by axis letter [m, rad]; an axis that is not there is not known."""
+STAND_IN = "the upper ends of the travel of X, Y and Z"
+"""Where machine zero and reference points are, where no sheet tells it."""
+OFFSETS_UNSAID = "without a set-up sheet the origin of the part stands for every work offset (preset)"
+ZERO_UNSAID = f"the set-up sheet does not say where machine zero is: it is taken to be at {STAND_IN}, 1 mm inside"
+ZERO_CURE = (
+    "say on a set-up sheet where machine zero and reference points are ([machine_zero]): inspect --write-setup FILE "
+    "writes one to fill in"
+)
+"""What to do where a machine leaves its travel, and machine zero is a stand-in."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +55,11 @@ class SetUp:
 
     tool_change: float = 0.0
     """Time that the machine takes to change a tool [s]."""
+
+    @property
+    def lacks_zero(self) -> bool:
+        """Whether it does not say where machine zero is in each of X, Y and Z."""
+        return not {"X", "Y", "Z"} <= set(self.machine_zero)
 
     def tool(self, name: str) -> Tool | None:
         """The line of a tool, however its number is written (5, 05); None where there is none."""

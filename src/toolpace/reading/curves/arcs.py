@@ -13,6 +13,9 @@ from toolpace.arrays import Floats, Ints
 SAG = 0.45e-6
 """Most distance between an arc and its chords [m]; a tenth below the promised half micrometre."""
 
+ONE_RAY = 1e-6
+"""Angle [rad] up to which ends are on one ray from the centre, as in LinuxCNC's trajectory planner (CIRCLE_FUZZ)."""
+
 Vector = Sequence[float]
 
 
@@ -42,15 +45,23 @@ class ArcError(ValueError):
     """An arc that cannot be; the message says why and what to write."""
 
 
-def plane_arc(start: Vector, end: Vector, centre: Vector, plane: int, clockwise: bool, turns: int = 1) -> Arc:
+def plane_arc(
+    start: Vector, end: Vector, centre: Vector, plane: int, clockwise: bool, turns: int = 1, *, full: bool = False
+) -> Arc:
     """Arc in a plane (0: XY, 1: ZX, 2: YZ) seen from the positive side of its normal; equal ends: a circle."""
     normal = [0.0, 0.0, 0.0]
     normal[(2 + 2 * plane) % 3] = -1.0 if clockwise else 1.0
-    return arc_about(start, end, centre, normal, turns)
+    return arc_about(start, end, centre, normal, turns, full=full)
 
 
-def arc_about(start: Vector, end: Vector, centre: Vector, normal: Vector, turns: int = 1) -> Arc:
-    """Arc from start to end about the unit normal by the right-hand rule, rising evenly along the normal."""
+def arc_about(
+    start: Vector, end: Vector, centre: Vector, normal: Vector, turns: int = 1, *, full: bool = False
+) -> Arc:
+    """Arc from start to end about the unit normal by the right-hand rule, rising evenly along the normal.
+
+    full: ends on one ray from the centre, that differ by a rounding of the radius, make a full circle; else that is an
+    ArcError, for it may as well be no arc at all.
+    """
     a = [start[i] - centre[i] for i in range(3)]
     b = [end[i] - centre[i] for i in range(3)]
     height0, height1 = _dot(a, normal), _dot(b, normal)
@@ -71,10 +82,14 @@ def arc_about(start: Vector, end: Vector, centre: Vector, normal: Vector, turns:
         normal[2] * u[0] - normal[0] * u[2],
         normal[0] * u[1] - normal[1] * u[0],
     )
-    if math.dist(a, b) < 1e-9:
+    sweep = math.atan2(_dot(b, w), _dot(b, u)) % (2 * math.pi)
+    if math.dist(a, b) < 1e-9 or (full and sweep < ONE_RAY):
         sweep = 2 * math.pi
-    else:
-        sweep = math.atan2(_dot(b, w), _dot(b, u)) % (2 * math.pi)
+    elif sweep < ONE_RAY:
+        raise ArcError(
+            f"the arc ends {abs(r1 - r0) * 1e3:.4g} mm beside its start, on the same ray from its centre: a full "
+            "circle, or none? Write the end as the start, or leave the block out"
+        )
     rise = height1 - height0
     # The centre is moved along the normal to the height of the start, so that the formula starts there.
     return Arc(

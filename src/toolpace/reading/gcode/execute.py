@@ -63,7 +63,7 @@ class Executor:
             self.modes.handlers()
             | Tools(control, state, options, by).handlers()
             | frames.handlers()
-            | SavedModes(control, state, frames.offsets, flow).handlers()
+            | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self.places.handlers()
             | SurfaceHoles(control, state, self.motion).handlers()

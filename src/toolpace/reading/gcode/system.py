@@ -105,7 +105,8 @@ class System:
             "_TOOL_OFFSET": float(control.coordinates.compensated),
             "_CURRENT_TOOL": float(control.tool) if control.tool.isdecimal() else 0.0,
             "_SELECTED_TOOL": float(state.next_tool or 0.0),
-            "_FEED": self._feed(),
+            # the number of F as it was written, also after a change of units
+            "_FEED": None if feed.mode == INVERSE else self._feed(feed.unit),
             "_RPM": round(60.0 * feed.spindle, 9),
             "_LINE": float(control.line),
             "_VALUE": 0.0,
@@ -114,9 +115,9 @@ class System:
         }
         return known.get(name)
 
-    def _feed(self) -> float | None:
-        """F in force, in units."""
+    def _feed(self, unit: float | None = None) -> float | None:
+        """F in force, in a unit [m], by default that in force."""
         feed = self.control.feed
         if feed.mode == INVERSE:
             return None
-        return (feed.value or 0.0) * (MINUTE if feed.mode == PER_MINUTE else 1.0) / self.state.unit
+        return (feed.value or 0.0) * (MINUTE if feed.mode == PER_MINUTE else 1.0) / (unit or self.state.unit)

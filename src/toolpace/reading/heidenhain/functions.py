@@ -64,8 +64,8 @@ class ModeFunctions:
                 self.control.findings.assumed("FUNCTION TCPM F CONT: F is the speed of the tip on the part")
             if "PATHCTRL VECTOR" in text:
                 self.control.findings.assumed("PATHCTRL VECTOR: rotary axes turn in proportion, as with PATHCTRL AXIS")
-            self.machine.state.spatial = spatial
             self.machine.tip_mode(True)
+            self.machine.spatial_angles(spatial)
 
         return run
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.control.retract import retract
+from toolpace.reading.control.tool_axis import direction_on_part
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.frames import Frames
@@ -121,6 +123,14 @@ class MachineFunctions:
             where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
             self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
         self.control.set_tip_mode(on)
+
+    def spatial_angles(self, on: bool) -> None:
+        """AXIS SPAT: A, B and C are angles in space; they are zero to begin with where the tool stands upright."""
+        control, state = self.control, self.state
+        state.spatial = on
+        upright = direction_on_part(control, (0.0, 0.0, 1.0)) if on else []
+        stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < 1e-9
+        state.spatial_angles = [0.0 if stands else None] * 3
 
     def shortest(self, on: bool) -> None:
         """M126 and M127."""

@@ -6,6 +6,7 @@ from toolpace.reading.control.control import Control, Rules
 from toolpace.reading.control.feed import FeedRules
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
+from toolpace.reading.coordinates.setup import OFFSETS_UNSAID
 from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.flow import Flow
@@ -83,8 +84,10 @@ class HeidenhainReader:
             program.source.fail(str(error), len(program.source.lines))
 
     def _first_preset(self) -> None:
-        """The preset that is active before the program names one: the only one of the set-up sheet."""
+        """The preset that is active before the program names one: the only one of the set-up sheet, or its stand-in."""
         offsets = list(self.options.setup.offsets)
+        if not offsets:
+            self.findings.assumed(OFFSETS_UNSAID)
         if len(offsets) == 1:
             self.control.set_offset(offsets[0])
             self.findings.assumed(f"offset {offsets[0]} is active before the program names one")

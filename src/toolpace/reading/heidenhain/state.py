@@ -33,6 +33,8 @@ class State:
     """Whether F is a length a turn (M136)."""
     spatial: bool = False
     """Whether A, B, C are spatial angles (FUNCTION TCPM AXIS SPAT)."""
+    spatial_angles: list[float | None] = field(default_factory=lambda: [None] * 3)
+    """A, B, C of the last block under AXIS SPAT [rad]; None where none has told it."""
     tip_mode: bool = False
     """Whether M128 or FUNCTION TCPM is on."""
     tool_feed: float | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.coordinates.tool_lengths import NOT_LISTED
 from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
@@ -82,7 +83,7 @@ class Tools:
         if tool != control.tool or tool == "0":
             control.change_tool(tool)
         if tool and tool not in control.setup.tools and control.setup.tools:
-            control.findings.assumed(f"tool {tool} is not on the set-up sheet: it is as long as the machine's own")
+            control.findings.assumed(NOT_LISTED.format(tool))
         control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
         known = control.setup.tool(tool)
         if known is None:

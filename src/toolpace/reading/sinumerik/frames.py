@@ -32,7 +32,8 @@ class Saved(NamedTuple):
     plane: Matrix
     tilted: bool
     offset: int
-    turned: list[float]
+    coarse_turn: list[float]
+    fine_turn: list[float]
 
 
 class Frames:
@@ -49,8 +50,8 @@ class Frames:
         self.tilted = False
         self.settable: dict[int, Matrix] = {}
         self.offset = 0
-        self.turned: list[float] = [0.0] * len(control.poses.rotary)
-        """Shifts of rotary words [rad]."""
+        self.coarse_turn, self.fine_turn = ([0.0] * len(control.poses.rotary) for _ in range(2))
+        """The same of rotary words [rad]."""
 
     def programmed(self) -> Matrix:
         """The programmed frame."""
@@ -62,8 +63,9 @@ class Frames:
         chain = affine.product(self._written(), self.plane)
         whole_frame = affine.product(chain, self.programmed())
         self.control.set_frame(IDENTITY if whole_frame == IDENTITY else whole_frame, tilted=self.tilted)
-        if list(self.control.coordinates.turn) != self.turned:
-            self.control.set_rotary_shift(tuple(self.turned))
+        turn = tuple(a + b for a, b in zip(self.coarse_turn, self.fine_turn))
+        if self.control.coordinates.turn != turn:
+            self.control.set_rotary_shift(turn)
 
     def _written(self) -> Matrix:
         """The settable offset as the program wrote it, seen from the first that it wrote: that is where the part is."""
@@ -80,7 +82,7 @@ class Frames:
     def clear(self) -> None:
         """No programmed frame."""
         self.linear, self.coarse, self.fine = IDENTITY, [0.0] * 3, [0.0] * 3
-        self.turned = [0.0] * len(self.turned)
+        self.coarse_turn, self.fine_turn = ([0.0] * len(self.coarse_turn) for _ in range(2))
 
     def program(self, code: str, words: Words, state: State) -> None:
         """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
@@ -91,6 +93,8 @@ class Frames:
             self._shift(words, state, additive=code != kind)
         else:
             made = self._turned(kind, words, state)
+            for letter in self._rotary(words):
+                raise Unread(f"{code} with {letter}", "it acts on X, Y and Z here: let the CAM system write the rest")
             self.linear = affine.product(self.linear, made)
         self.put()
 
@@ -101,12 +105,16 @@ class Frames:
             self.fine = [a + b for a, b in zip(self.fine, affine.direct(self.linear, by))]
         else:
             self.coarse = by
-        for letter, slot in self.control.slots.items():
-            if slot >= 3 and letter in words:
-                value = (number(words, letter, 0.0) or 0.0) * DEGREE
-                shifts = list(self.turned)
-                shifts[slot - 3] = value + (shifts[slot - 3] if additive else 0.0)
-                self.turned = shifts
+        for letter, place in self._rotary(words).items():
+            value = (number(words, letter, 0.0) or 0.0) * DEGREE
+            if additive:
+                self.fine_turn = _with(self.fine_turn, place, self.fine_turn[place] + value)
+            else:
+                self.coarse_turn = _with(self.coarse_turn, place, value)
+
+    def _rotary(self, words: Words) -> dict[str, int]:
+        """Rotary letters of a block, and the place of each among the rotary words."""
+        return {letter: slot - 3 for letter, slot in self.control.slots.items() if slot >= 3 and letter in words}
 
     def _turned(self, kind: str, words: Words, state: State) -> Matrix:
         if kind == "MIRROR":
@@ -126,10 +134,14 @@ class Frames:
             value = number(words, letter)
             if value is not None:
                 part[slot] = value * state.unit
-        if code == "G58":
-            self.coarse = part
+        coarse = code == "G58"
+        turns = self.coarse_turn if coarse else self.fine_turn
+        for letter, place in self._rotary(words).items():
+            turns = _with(turns, place, (number(words, letter, 0.0) or 0.0) * DEGREE)
+        if coarse:
+            self.coarse, self.coarse_turn = part, turns
         else:
-            self.fine = part
+            self.fine, self.fine_turn = part, turns
         self.put()
 
     def write(self, index: tuple[Value, ...], value: Value, unit: float) -> None:
@@ -158,13 +170,21 @@ class Frames:
 
     def saved(self) -> Saved:
         """What a subprogram with SAVE gives back."""
-        return Saved(self.linear, self.coarse, self.fine, self.plane, self.tilted, self.offset, self.turned)
+        return Saved(
+            self.linear, self.coarse, self.fine, self.plane, self.tilted, self.offset, self.coarse_turn, self.fine_turn
+        )  # fmt: skip
 
     def restore(self, state: Saved) -> None:
         """Frames as they were."""
         self.linear, self.plane, self.tilted = state.linear, state.plane, state.tilted
-        self.coarse, self.fine, self.turned = list(state.coarse), list(state.fine), list(state.turned)
+        self.coarse, self.fine = list(state.coarse), list(state.fine)
+        self.coarse_turn, self.fine_turn = list(state.coarse_turn), list(state.fine_turn)
         self.select(state.offset)
+
+
+def _with(values: list[float], place: int, value: float) -> list[float]:
+    """A new list, with another value at a place: saved frames keep theirs."""
+    return [value if k == place else each for k, each in enumerate(values)]
 
 
 def solid(degrees: dict[str, float]) -> Matrix:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.tool_axis import rotary_for
+from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
 from toolpace.reading.control.unroll import AXIS_GAP
 from toolpace.reading.coordinates import affine
 from toolpace.reading.sinumerik.given import Words, bounded
@@ -45,9 +45,7 @@ class Vectors:
             vector = list(affine.direct(self._turns(a, b, c), (0.0, 0.0, 1.0)))
         if math.hypot(*vector) < 1e-6:
             raise ValueFault("the tool vector is zero: give the direction from the tip to the spindle")
-        on_part = affine.direct(self.control.placement.matrix, vector)
-        size = math.hypot(*on_part)
-        return [value / size for value in on_part]
+        return direction_on_part(self.control, vector)
 
     @staticmethod
     def _one(words: Words, address: str) -> float:

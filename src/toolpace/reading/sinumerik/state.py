@@ -23,6 +23,8 @@ class State:
     absolute: bool = True
     unit: float = MILLIMETRE
     """Of lengths [m]."""
+    unit_told: bool = False
+    """Whether the program said it."""
     feed_unit: float | None = None
     """Of F [m]; None: that of the control itself."""
     exact_stop: bool = False
@@ -53,10 +55,10 @@ SETS: dict[str, dict[str, object]] = {
     "G91": {"absolute": False},
     "G60": {"exact_stop": True, "stop_told": True},
     **{key: {"exact_stop": False, "stop_told": True} for key in ("G64", "G641", "G642", "G643", "G644", "G645")},
-    "G70": {"unit": INCH, "feed_unit": None},
-    "G71": {"unit": MILLIMETRE, "feed_unit": None},
-    "G700": {"unit": INCH, "feed_unit": INCH},
-    "G710": {"unit": MILLIMETRE, "feed_unit": MILLIMETRE},
+    "G70": {"unit": INCH, "feed_unit": None, "unit_told": True},
+    "G71": {"unit": MILLIMETRE, "feed_unit": None, "unit_told": True},
+    "G700": {"unit": INCH, "feed_unit": INCH, "unit_told": True},
+    "G710": {"unit": MILLIMETRE, "feed_unit": MILLIMETRE, "unit_told": True},
     **{key: {"turning": GREAT_CIRCLE} for key in ("ORIWKS", "ORIVECT", "ORIPLANE")},
     **{key: {"turning": ROTARY} for key in ("ORIMKS", "ORIAXES")},
     "ORIEULER": {"angles": EULER},

@@ -56,5 +56,5 @@ class System:
         control = self.control
         place = control.placement.place(control.words)
         if control.placement.tip_mode:
-            place = control.poses.to_joints(place, control.placement.longer)
+            place = control.poses.to_joints(place, control.placement.tool_length)
         return (place[slot] - control.datum.zero[slot]) / unit

@@ -21,9 +21,12 @@ _CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
 class ArcReader:
     """Reads I, J, K, R and P in the plane in force."""
 
-    def __init__(self, control: Control, state: Modal, centres: str) -> None:
-        """centres: "by mode" (distances from the start, or positions), or "fitting": what makes both radii equal."""
-        self.control, self.state, self.centres = control, state, centres
+    def __init__(self, control: Control, state: Modal, centres: str, *, full: bool) -> None:
+        """centres: "by mode" (distances from the start, or positions), or "fitting": what makes both radii equal.
+
+        full: ends on one ray from the centre make a full circle.
+        """
+        self.control, self.state, self.centres, self.full = control, state, centres, full
 
     def arc(self, arc_words: dict[str, float], start: list[float], target: list[float]) -> Arc:
         """The arc from `start` to `target` (3,), in the program's coordinates."""
@@ -43,7 +46,7 @@ class ArcReader:
             centre = self._fitting_centre(arc_words, start, target, plane)
         else:
             centre = self._centre(arc_words, start, plane, state.arc_absolute, 1.0)
-        return plane_arc(start, target, centre, plane, clockwise, int(turns))
+        return plane_arc(start, target, centre, plane, clockwise, int(turns), full=self.full)
 
     def _plane(self, arc_words: dict[str, float]) -> int:
         """The plane in force; where centres are fitted, that of the two letters that are given."""

@@ -30,6 +30,8 @@ class Frames:
         self.position = [0.0] * size
         self.stored = self.position
         """The position that G92.3 restores."""
+        self.position_on = False
+        """Whether a position is in force, be it zero."""
         self.one_shift = by.option("local_shift_is_position", False)
         self.turned: Matrix | None = None
         self.tilted = False
@@ -37,6 +39,7 @@ class Frames:
         self.mirrored: Matrix | None = None
         self.indexed = by.option("indexed_words", False)
         self.offsets = Offsets(control, state, by, self.of_offset, self.apply)
+        self.offsets.shifted = lambda: any(self.position[:2]) or any(self.local[:2])
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -45,7 +48,7 @@ class Frames:
             "work offset": offsets.indexed_offset if self.indexed else offsets.work_offset,
             "numbered offset": offsets.numbered_offset,
             "no offset": offsets.no_offset,
-            "set offset": offsets.set_offset,
+            "set offset": self.set_offset,
             "end of data": offsets.end_of_data,
             "local shift": self.local_shift,
             "set position": self.set_position,
@@ -73,7 +76,9 @@ class Frames:
         """The frame in the coordinates of a work offset as the set-up sheet has it, and the rotary shift [rad]."""
         angle = self.offsets.turned.get(name, 0.0)
         inner = [a + b for a, b in zip(self.local, self.position)]
-        outer = self.offsets.moved.get(name, [0.0] * len(inner))
+        outer = self.offsets.external
+        if name in self.offsets.moved:
+            outer = [a + b for a, b in zip(outer, self.offsets.moved[name])]
         total = [a + b for a, b in zip(outer, inner)]
         if angle:
             moved = affine.product(affine.shift(outer), affine.rotation(2, angle))
@@ -87,6 +92,18 @@ class Frames:
 
     # Shifts
 
+    def set_offset(self, numbers: Numbers, word: str) -> None:
+        """G10: work offsets; to Haas P0 of L2 is the shift of G52."""
+        if self.offsets.of_zero == "local" and numbers.get("L") == 2.0 and numbers.get("P") == 0.0:
+            numbers.pop("L")
+            numbers.pop("P")
+            for letter, value in given_axes(self.control, self.state, numbers).items():
+                slot = self.control.slots[letter]
+                self.local[slot] = value if self.state.absolute else self.local[slot] + value
+            self.apply()
+        else:
+            self.offsets.set_offset(numbers, word)
+
     def local_shift(self, numbers: Numbers, word: str) -> None:
         """G52: in place of the one before, of the axes named; LinuxCNC has one shift for G52 and G92."""
         shift = list(self.position if self.one_shift else self.local)
@@ -94,6 +111,7 @@ class Frames:
             shift[self.control.slots[letter]] = value
         if self.one_shift:
             self.position = self.stored = shift
+            self.position_on = True
         else:
             self.local = shift
         self.apply()
@@ -124,22 +142,28 @@ class Frames:
         for letter, value in given.items():
             slot = self.control.slots[letter]
             self.position[slot] += self.control.words[slot] - value
+        self.position_on = True
         self.apply()
 
     def clear_position(self, numbers: Numbers, word: str) -> None:
         """G92.1."""
         self.position = self.stored = [0.0] * len(self.position)
+        self.position_on = False
         self.apply()
 
     def suspend_position(self, numbers: Numbers, word: str) -> None:
         """G92.2."""
-        self.position = [0.0] * len(self.position)
+        self.put_position(False)
         self.apply()
 
     def restore_position(self, numbers: Numbers, word: str) -> None:
         """G92.3."""
-        self.position = self.stored
+        self.put_position(True)
         self.apply()
+
+    def put_position(self, on: bool) -> None:
+        """The stored position in force, or none; the frame is not handed on yet."""
+        self.position, self.position_on = self.stored if on else [0.0] * len(self.stored), on
 
     # Turns, scales, mirrors
 
@@ -149,11 +173,16 @@ class Frames:
             raise RefusedError(f"{word} with I, J, K", "it turns about a vector: write G68.2, or points")
         if "R" not in numbers:
             raise WordError(f"{word} needs its angle as R: write it like {word} X0 Y0 R30")
+        if self.tilted:
+            raise RefusedError(
+                f"{word} in a tilted plane", "turn the plane by its own angles (the last of them turns it in itself)"
+            )
         normal = _NORMAL[self.state.plane]
         angle = numbers.pop("R") * DEGREE
         about = self._about(numbers)
         about[normal] = 0.0
         back = [-value for value in about]
+        self._only_linear(numbers, word)
         turn = affine.product(affine.rotation(normal, angle), affine.shift(back))
         self.turned, self.tilted = affine.product(affine.shift(about), turn), False
         self.apply()
@@ -167,6 +196,16 @@ class Frames:
                 point[slot] = value if self.state.absolute else point[slot] + value
         return point
 
+    @staticmethod
+    def _only_linear(numbers: Numbers, word: str) -> None:
+        """A rotary word that is left in the block of a turn, a scale or a mirror is none of a motion."""
+        for letter in "ABCUVW":
+            if letter in numbers:
+                numbers.clear()
+                raise RefusedError(
+                    f"{word} with {letter}", "it acts on X, Y and Z here: let the CAM system write the other axes so"
+                )
+
     def rotation_off(self, numbers: Numbers, word: str) -> None:
         """G69."""
         self.turned, self.tilted = None, False
@@ -174,6 +213,8 @@ class Frames:
 
     def tilt(self, frame: Matrix) -> None:
         """Lay the coordinates into a tilted plane."""
+        if self.turned is not None and not self.tilted:
+            raise RefusedError("a tilted plane in turned coordinates (G68)", "end the turn before it: write G69")
         self.turned, self.tilted = (None, False) if frame == affine.IDENTITY else (frame, True)
         self.apply()
 
@@ -187,6 +228,7 @@ class Frames:
         if not all(chosen):
             raise WordError(f"{word} by zero leaves nothing: correct the factor")
         self.scaled = self._about_point(affine.scaling(chosen), numbers)
+        self._only_linear(numbers, word)
         self.apply()
 
     def _factor(self, given: float | None) -> float:
@@ -209,13 +251,14 @@ class Frames:
         named = [letter for letter in "XYZ" if letter in numbers]
         signs = [-1.0 if letter in named else 1.0 for letter in "XYZ"]
         places = [numbers.pop(letter, 0.0) * self.state.unit for letter in "XYZ"]
+        self._only_linear(numbers, word)
         made = affine.product(affine.shift([2.0 * place for place in places]), affine.scaling(signs))
         self.mirrored = made if self.mirrored is None else affine.product(self.mirrored, made)
         self.apply()
 
     def mirror_off(self, numbers: Numbers, word: str) -> None:
         """G50.1."""
-        for letter in "XYZ":
+        for letter in "XYZABC":
             numbers.pop(letter, None)
         self.mirrored = None
         self.apply()

@@ -13,11 +13,12 @@ from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import Numbers, WordError
 from toolpace.units import DEGREE, MILLIMETRE
 
 PLANE = ((0, 1), (2, 0), (1, 2))
 """First and second axis of the planes XY, ZX and YZ."""
+R_ALONE = "R in a block without an axis, under a cycle, drills nothing: it holds from the next hole on"
 MOST_HOLES = 100_000
 """Repeats of one block."""
 
@@ -99,7 +100,9 @@ class Holes:
             self.level = control.words[state.drill_axis]
         drills = bool(plane) or letter in numbers
         if self.rs274:
-            self._refuse_in_rs274(plane, drills)
+            self._refuse_in_rs274(plane, drills, numbers)
+        elif "R" in numbers and not drills:
+            control.findings.assumed(R_ALONE)
         for name in (letter, *"RQIJK"):
             if name in numbers:
                 self.words[name] = numbers.pop(name)
@@ -146,8 +149,12 @@ class Holes:
             place[slot] += words[letter] * unit if slot != axis else 0.0
         return place, words["IJK"[axis]] * unit + (0.0 if self.state.absolute else bottom)
 
-    def _refuse_in_rs274(self, plane: list[str], drills: bool) -> None:
-        """ "All axes missing with motion code", "Cannot put an A in canned cycle"."""
+    def _refuse_in_rs274(self, plane: list[str], drills: bool, numbers: Numbers) -> None:
+        """Words on which its interpreter ends: "All axes missing", "R word with no g code that uses it", "Cannot put an
+        A in canned cycle"."""
+        alone = next((letter for letter in "RQ" if letter in numbers), None)
+        if alone is not None and not drills and not self.state.cycle_word:
+            raise WordError(f"{alone} without an axis drills nothing: write it in the block of a hole")
         if self.state.cycle_word and not drills:
             raise WordError("a cycle without an axis drills nothing: write where, like G81 X1 Y1 Z-5 R2")
         turned = next((axis for axis in plane if axis in "ABC"), None)
@@ -221,4 +228,5 @@ class Holes:
             least_peck=least,
             chip_break=self.chip_break if kind.pecks == "break" else 0.0,
             clearance=self.clearance,
+            over_top=self.rs274,
         )

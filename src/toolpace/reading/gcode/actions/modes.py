@@ -57,6 +57,8 @@ class Modes:
 
     def _unit(self, unit: float) -> Handler:
         def set_unit(numbers: Numbers, word: str) -> None:
+            if self.rs274 and self.state.cycle is not None and unit != self.state.unit:
+                raise WordError(f"{word} within a cycle changes what its words mean: end the cycle with G80 before it")
             self.state.unit, self.state.unit_said = unit, True
 
         return set_unit

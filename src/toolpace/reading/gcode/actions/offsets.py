@@ -33,10 +33,18 @@ class Offsets:
             control.set_offset(self.offset)
         self.always_absolute = by.option("offsets_are_absolute", False)
         self.turns = by.option("offsets_turn", False)
+        self.of_zero = by.option("offset_zero", "in force")
+        """What P0 of G10 L2 names: the offset in force, that which is added to all, or the local shift (G52)."""
+        self.extended: str = by.option("extended_offsets", "")
+        """Offsets that G10 L20 tells, by their number; "": it calls the place where the machine is (LinuxCNC)."""
         self.moved: dict[str, list[float]] = {}
         """How far the program has moved each work offset (3 + rotary) [m, rad]."""
         self.turned: dict[str, float] = {}
         """By how much it has turned each about Z [rad]."""
+        self.shifted: Callable[[], bool] = lambda: False
+        """Whether the program shifts its coordinates within the offset."""
+        self.external = [0.0] * len(control.words)
+        """By how much it has moved all of them (3 + rotary) [m, rad]."""
         self.base: dict[str, float] = {}
         """Machine coordinates that stand for the origin of the part, where no set-up sheet tells them."""
 
@@ -62,15 +70,15 @@ class Offsets:
 
     def take(self, name: str) -> None:
         """Put an offset in force."""
-        control = self.control
-        if not control.setup.offsets and name:
-            control.findings.assumed("without a set-up sheet the origin of the part stands for every work offset")
-        self.offset = name
-        control.set_offset(name)
+        self.offset = self._on_sheet(name)
+        self.control.set_offset(self.offset)
         self.changed()
 
     def set_offset(self, numbers: Numbers, word: str) -> None:
-        """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it."""
+        """G10 L2 and L20: where an offset is, or what the place where the machine is shall be called in it.
+
+        L20 is LinuxCNC's word for the latter; where there are extended offsets, it is L2 of those.
+        """
         without = "P" not in numbers
         kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
         if kind in RADII:
@@ -82,15 +90,29 @@ class Offsets:
             return
         if kind not in (2.0, 20.0):
             raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
-        if number != int(number) or (without and self.always_absolute):
+        if kind == 20.0 and self.extended and number < 1.0:
+            raise WordError(f"{word} L20 needs the number of an offset {self.extended} as P: write it like L20 P1 X0")
+        if number != int(number) or (without and (self.always_absolute or self.of_zero != "in force")):
             raise WordError(f"P{number:g} of {word} is the number of an offset: write a whole number")
-        name = self._offset_name(int(number), kind) if number else self.offset or "G54"
+        if number == 0.0 and kind == 2.0 and self.of_zero == "external":
+            self._move_all(numbers, word)
+            return
+        if kind == 20.0 and self.extended:
+            name, kind = self._on_sheet(f"{self.extended} P{number:g}"), 2.0
+        else:
+            name = self._offset_name(int(number), kind) if number else self.offset or "G54"
         if self.offset == "":
             self.offset = name
         if "R" in numbers:
             self._turn(name, numbers.pop("R"), kind, word)
+        self._put(name, kind, numbers, word)
+
+    def _put(self, name: str, kind: float, numbers: Numbers, word: str) -> None:
+        """Move an offset to the values of the axes given, or by kind 20 so that the place here has them."""
         moved = self.moved.setdefault(name, [0.0] * len(self.control.words))
         given = given_axes(self.control, self.state, numbers)
+        if self.control.setup.offsets and name not in self.control.setup.offsets:
+            self._add(name, given, word)
         if kind == 20.0:
             self._call_here(name, given)
         else:
@@ -101,12 +123,35 @@ class Offsets:
                 self.control.findings.assumed(f"the first offsets that {word} L2 sets are where the part's origin is")
         self.changed()
 
+    def _add(self, name: str, given: Numbers, word: str) -> None:
+        """An offset that is not on the sheet, which tells others."""
+        self.control.add_offset(name)
+        missing = [letter for letter in "XYZ" if letter not in given]
+        if missing:
+            self.control.findings.assumed(
+                f"{name} is not on the set-up sheet: {', '.join(missing)}, which {word} does not set, "
+                "are at the machine's zero"
+            )
+
+    def _move_all(self, numbers: Numbers, word: str) -> None:
+        """P0: the offset that is added to all others; before, it is zero."""
+        for letter, value in given_axes(self.control, self.state, numbers).items():
+            slot = self.control.slots[letter]
+            self.external[slot] = value if self.state.absolute else self.external[slot] + value
+        self.control.findings.assumed(f"the external offset is zero until {word} L2 P0 sets it")
+        self.changed()
+
     def _turn(self, name: str, angle: float, kind: float, word: str) -> None:
         """R of G10 L2."""
         if kind == 20.0:
             raise WordError(f"{word} L20 takes no R: turn the offset with {word} L2")
         if angle and not self.turns:
             raise RefusedError(f"{word} with R", "it turns the offset: write G68, or let the CAM system apply it")
+        if name == self.offset and angle * DEGREE != self.turned.get(name, 0.0) and self.shifted():
+            raise RefusedError(
+                f"{word} with R while G92 or G52 shifts",
+                "LinuxCNC's interpreter then takes other places for axes that are not named: write G92.1 before it",
+            )
         self.turned[name] = angle * DEGREE
 
     def _moved_to(self, name: str, letter: str, value: float, before: float) -> float:
@@ -114,7 +159,7 @@ class Offsets:
         if not self.state.absolute and not self.always_absolute:
             return before + value
         sheet = self.control.setup.offsets.get(name)
-        zero = sheet.get(letter, 0.0) if sheet else self.base.setdefault(letter, value)
+        zero = sheet.get(letter, 0.0) if sheet is not None else self.base.setdefault(letter, value)
         return value - zero
 
     def _call_here(self, name: str, given: Numbers) -> None:
@@ -138,9 +183,21 @@ class Offsets:
         """G11."""
         self.state.in_data = False
 
+    def _on_sheet(self, name: str) -> str:
+        """Of the two names of an offset of Haas, G110 and G154 P1, the one on the set-up sheet."""
+        if self.extended != "G154":
+            return name
+        digits = name.removeprefix("G154 P") if name.startswith("G154 P") else name[1:]
+        number = int(digits) if digits.isdecimal() else 0
+        number = number if name.startswith("G154 P") else number - 109
+        if not 1 <= number <= 20:
+            return name
+        short = f"G{109 + number}"
+        return short if short in self.control.setup.offsets else f"G154 P{number}"
+
     def _offset_name(self, number: int, kind: float) -> str:
-        if kind == 20.0 and self.offset[:4] in ("G54.", "G154"):
-            return f"{self.offset.split(' ')[0]} P{number}"
+        if kind == 20.0 and self.offset.startswith("G54.1 "):
+            return f"G54.1 P{number}"
         if not 1 <= number <= 9:
             raise WordError(f"P{number} is no work offset: write P1 (G54) to P9 (G59.3)")
         return ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")[number - 1]

@@ -77,8 +77,22 @@ class Places:
             if target != control.words:
                 control.straight(target, named, rapid=True)
         self.state.between = list(control.words)
-        reference(control, number, list(given))
+        if self.rs274 and given and self.frames.offsets.turned.get(self.frames.offsets.offset):
+            self._reference_in_turned(number, list(given))
+        else:
+            reference(control, number, list(given))
         self.state.at_home = True
+
+    def _reference_in_turned(self, number: int, letters: list[str]) -> None:
+        """LinuxCNC (`convert_home`): what is not named keeps its place in the program's turned coordinates."""
+        control = self.control
+        control.findings.used.references.setdefault(number)
+        joints = control.datum.joints_of(control.datum.reference(number), control.placement.place(control.words))
+        found, words = control.placement.words(joints), list(control.words)
+        for letter in letters:
+            words[control.slots[letter]] = found[control.slots[letter]]
+        control.straight(words, 0, rapid=True)
+        control.stop()
 
     def from_reference(self, numbers: Numbers, word: str) -> None:
         """G29: back, over the place over which the reference point was gone to."""

@@ -6,8 +6,8 @@ After its manual, "M70 Save Modal State", "M72 Restore Modal State" and "M73 Sav
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.gcode.actions.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.actions.offsets import Offsets
 from toolpace.reading.gcode.program.flow import Flow
 from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
 
@@ -18,8 +18,9 @@ MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial"
 class SavedModes:
     """Carries out M70, M71, M72 and M73."""
 
-    def __init__(self, control: Control, state: Modal, offsets: Offsets, flow: Flow) -> None:
-        self.control, self.state, self.offsets, self.flow = control, state, offsets, flow
+    def __init__(self, control: Control, state: Modal, frames: Frames, flow: Flow) -> None:
+        self.control, self.state, self.frames, self.flow = control, state, frames, flow
+        self.offsets = frames.offsets
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -37,7 +38,7 @@ class SavedModes:
         modes = {name: getattr(self.state, name) for name in MODES}
         rates = feed.mode, feed.value, feed.turn, feed.unit, feed.spindle
         tool = coordinates.compensated, coordinates.length_of, coordinates.told
-        offset = self.offsets.offset
+        offset, position_on = self.offsets.offset, self.frames.position_on
         joining = control.moves.joining
 
         def restore() -> None:
@@ -46,6 +47,8 @@ class SavedModes:
             feed.mode, feed.value, feed.turn, feed.unit, feed.spindle = rates
             coordinates.compensated, coordinates.length_of, coordinates.told = tool
             control.moves.join(joining)
+            if position_on != self.frames.position_on:
+                self.frames.put_position(position_on)
             if offset != self.offsets.offset:
                 self.offsets.take(offset)
             else:

@@ -16,6 +16,8 @@ class Tools:
         self.control, self.state, self.options = control, state, options
         self.h_stays = by.option("length_word_stays", True)
         self.with_tool = by.option("length_with_tool", False)
+        self.rs274 = by.option("rs274_checks", False)
+        """Whether number 0 of H and D, and a length without H, mean the tool in the spindle (LinuxCNC's manual)."""
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -66,11 +68,12 @@ class Tools:
         radius = numbers.pop("D", None)
         if self.options.compensation == PROGRAM:
             self.control.findings.assumed("what G41 and G42 follow is the programmed contour, as --compensation says")
-        elif radius != 0.0:
+        elif radius != 0.0 or (self.rs274 and self.control.tool not in ("", "0")):
+            centre = "remove it" if self.rs274 else "write D0"
             self.control.findings.refused(
                 word,
                 self.control.line,
-                "cutter compensation needs the tool's radius: let the CAM system compensate and write D0, or give "
+                f"cutter compensation needs the tool's radius: let the CAM system compensate and {centre}, or give "
                 "--compensation program where the program is the path of the tool's centre",
             )
 
@@ -87,10 +90,16 @@ class Tools:
     def _length(self, numbers: Numbers, word: str) -> None:
         control, state = self.control, self.state
         given = numbers.pop("H", None)
+        if given == 0.0 and self.rs274:
+            given, state.length_word = None, None
         if given is not None or not self.h_stays:
             state.length_word = None if given is None else f"{given:g}"
         control.findings.ignored(word)
         tool = state.length_word or control.tool or ""
+        if given is None and (not self.rs274):
+            taken = f"that of H{state.length_word} before" if state.length_word else f"that of tool {tool}"
+            taken = taken if tool else "that of the machine's own tool, since no T or H names one"
+            control.findings.assumed(f"{word} without H: the length is {taken}")
         # no tool, or number 0 of a table: its length is zero
         without = tool in ("", "0") and control.setup.tools and control.setup.tool(tool) is None
         control.set_length(None if without else tool)

@@ -9,7 +9,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
 from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict, last_of_groups
 from toolpace.reading.gcode.program.statements import Statement, statement
-from toolpace.reading.gcode.program.words import WordError, bounded, fault, plain_words, without_comments
+from toolpace.reading.gcode.program.words import WordError, bounded, decimal_comma, fault, plain_words, without_comments
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
@@ -183,6 +183,8 @@ class Compiler:
         """Words and assignments one by one, with expressions."""
         parser = self.parser(block.text)
         text, end = block.text, len(block.text)
+        if comma := decimal_comma(text):
+            raise WordError(comma)
         whole = []
         while True:
             while parser.at < end and text[parser.at] in " \t":

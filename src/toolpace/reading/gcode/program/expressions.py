@@ -166,7 +166,8 @@ class Parser:
             self.take("#")
             reference = self._reference()
             self.take("]")
-            return lambda variables: float(variables.known(reference.key(variables)))
+            # numbered ones are always there
+            return lambda variables: float(isinstance(key := reference.key(variables), int) or variables.known(key))
         function = self.functions.get(name)
         if function is None:
             raise WordError(f"'{name[:20]}' is no function that is known here: write the value out")

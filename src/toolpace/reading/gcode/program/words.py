@@ -8,6 +8,7 @@ from collections.abc import Callable
 NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)"
 _WORD = re.compile(rf"([A-Z])[ \t]*({NUMBER})")
 _BLOCK = re.compile(rf"[ \t]*(?:[A-Z][ \t]*{NUMBER}[ \t]*)*+")
+_DECIMAL_COMMA = re.compile(r"[A-Z=][ \t]*[-+]?([0-9]*),([0-9]+)")
 _COMMENT = re.compile(r"\([^()]*\)")
 _NAME = re.compile(r"[A-Z_][A-Z_]+")
 
@@ -80,6 +81,12 @@ def plain_words(block: str) -> list[tuple[str, str]] | None:
     if match is None or match.end() != len(block):
         return None
     return _WORD.findall(block)
+
+
+def decimal_comma(text: str) -> str:
+    """What to write for the first number of a text that has a comma for its point; empty where none has."""
+    found = _DECIMAL_COMMA.search(text)
+    return "" if found is None else f"'{found[0]}' has a decimal comma: write {found[0].replace(',', '.')}"
 
 
 def fault(block: str) -> str:

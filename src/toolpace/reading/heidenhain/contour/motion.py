@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 from toolpace.reading.control.control import Control
@@ -150,19 +151,29 @@ class Motion:
 
     def line(self, words: PathWords) -> Step:
         """L with its axis words, feed and compensation."""
-        axes, side, plain = self.resolved(words), words.side, words.feed_word in ("", "FMAX")
+        slots = self.control.slots
+        absent = [letter for letter, _, _ in words.axes if letter in "ABC" and letter not in slots]
+        present = replace(words, axes=[axis for axis in words.axes if axis[0] not in absent])
+        axes, side, plain = self.resolved(present), words.side, words.feed_word in ("", "FMAX")
+        angles = [axis for axis in words.axes if axis[0] in "ABC"]
         self.only(words, "L", ())
         rapid = words.feed_word == "FMAX"
-        turns = any(axis[0] > 2 for axis in axes)
+        turns = bool(absent) or any(axis[0] > 2 for axis in axes)
 
         def run() -> None:
             if side:
                 self.compensation(side)
             fast = rapid if plain else self.set_feed(words)
-            if not axes:
+            if not axes and not absent:
                 return
+            if self.state.spatial and self.state.tip_mode and angles:
+                target, named = self.target([axis for axis in axes if axis[0] < 3])
+                self.straight([*target[:3], *self.rotary_of_angles(angles)], named, fast)
+                return
+            if absent:
+                self.control.slot(absent[0])
             target, named = self.target(axes)
-            if turns and (self.state.spatial or self.frames.plane is not None):
+            if turns and self.frames.plane is not None:
                 self.turning(target, named, fast)
             elif turns and named and not fast and not self.state.tip_mode:
                 self.control.findings.assumed(TURNING[self.control.rules.feed.turning])
@@ -171,6 +182,24 @@ class Motion:
                 self.straight(target, named, fast)
 
         return run
+
+    def rotary_of_angles(self, angles: Sequence[tuple[str, bool, Value]]) -> list[float]:
+        """Rotary words of spatial angles; one that the block leaves out is that of the last. Raises BlockError."""
+        told = list(self.state.spatial_angles)
+        for letter, incremental, value in angles:
+            figure = (value if isinstance(value, float) else value()) * DEGREE
+            before = told["ABC".index(letter)] if incremental else 0.0
+            told["ABC".index(letter)] = None if before is None else before + figure
+        self.state.spatial_angles = told
+        a, b, c = told
+        if a is None or b is None or c is None:
+            missing = ", ".join(letter for letter, angle in zip("ABC", told) if angle is None)
+            raise BlockError(
+                f"under AXIS SPAT the block tells no {missing}, and the tool did not stand upright where TCPM was "
+                "switched on: write A, B and C in the first block that turns"
+            )
+        axis = direction_on_part(self.control, affine.direct(spatial(a, b, c), (0.0, 0.0, 1.0)))
+        return rotary_for(self.control, axis)
 
     def straight(self, target: list[float], named: int, rapid: bool) -> None:
         """Move straight, and remember from where."""
@@ -196,14 +225,9 @@ class Motion:
             self.corners.refuse()
 
     def turning(self, target: list[float], named: int, rapid: bool) -> None:
-        """A block that turns, in a tilted plane or by spatial angles."""
+        """A block that turns, in a tilted plane."""
         control, state = self.control, self.state
-        if state.spatial and state.tip_mode:
-            letters = {name.upper(): k for k, name in enumerate(control.poses.rotary_names)}
-            a, b, c = (target[3 + letters[x]] if x in letters else 0.0 for x in "ABC")
-            axis = direction_on_part(control, affine.direct(spatial(a, b, c), (0.0, 0.0, 1.0)))
-            self.straight([*target[:3], *rotary_for(control, axis)], named, rapid)
-        elif state.tip_mode or named:
+        if state.tip_mode or named:
             self.straight(target, named, rapid)
         else:
             # without M128 the linear axes stand still while rotary axes turn, also in a tilted plane

@@ -9,7 +9,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.sinumerik.cycles.along import Along, Levels
-from toolpace.reading.sinumerik.cycles.strokes import stop_distance, strokes_of
+from toolpace.reading.sinumerik.cycles.strokes import stop_distance, strokes_by_factor, strokes_of
 from toolpace.reading.sinumerik.cycles.taps import metric_pitch
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
@@ -131,12 +131,11 @@ class Holes:
                 "alarm 61107: correct FDEP",
                 "CYCLE83 whose first stroke FDEP lies below the whole depth DP drills in one stroke",
             )
-        less = abs(arguments.number(7)) * unit
         factor = arguments.number(10, 1.0)
         if factor not in (0.0, 1.0):
             self.control.findings.assumed("CYCLE83: the feed of the first stroke is taken as that of the others (FRF)")
         safety = abs(levels.top - levels.reference)
-        strokes = strokes_of(whole, first or whole, less)
+        strokes = self._strokes(arguments, whole, first or whole)
         clear = arguments.code(11) != 0
         back = abs(arguments.number(14)) * unit or MILLIMETRE
         ahead = abs(arguments.number(16)) * unit or stop_distance(whole)
@@ -150,6 +149,14 @@ class Holes:
             top_dwell=self._dwell(arguments.number(9)) if clear else 0.0,
             dwell=self._dwell(arguments.number(15)) if arguments.given(15) else dwell,
         )
+
+    def _strokes(self, arguments: Arguments, whole: float, first: float) -> list[float]:
+        """Depths [m] of the strokes of CYCLE83: DAM takes a length from each, or is minus a factor."""
+        less, unit = arguments.number(7), self.state.unit
+        if -1.0 <= less < 0.0:
+            self.control.findings.assumed("DAM of CYCLE83 from -1 to 0 is the factor of each stroke to the next one")
+            return strokes_by_factor(whole, first, -less, abs(arguments.number(13)) * unit)
+        return strokes_of(whole, first, abs(less) * unit)
 
     def _ream(self, arguments: Arguments, levels: Levels) -> None:
         per_minute = self.state.unit / MINUTE

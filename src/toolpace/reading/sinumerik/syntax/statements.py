@@ -185,7 +185,8 @@ class _Reader(Parser):
         elif token.kind == TEXT:
             raise SyntaxFault(f'the text "{token.text[:20]}" belongs to nothing: write it like MSG("text")')
         else:
-            raise SyntaxFault(f"'{token.text[:30]}' has no meaning here: write words like X10 or X=R1+5")
+            cure = "numbers have a decimal point, like X10.5" if token.text == "," else "write words like X10 or X=R1+5"
+            raise SyntaxFault(f"'{token.text[:30]}' has no meaning here: {cure}")
 
     def _word(self, token: Token) -> None:
         letter, figure = token.text[0], token.text[1:]
