@@ -8,7 +8,7 @@ SITE ?= out/docs
 LOCK ?= requirements.lock
 PIP := $(BIN)/pip install --quiet $(if $(LOCK),--constraint $(LOCK))
 
-.PHONY: help demo test check census first-run docs lock bench clean
+.PHONY: help demo test check census first-run mutants docs lock bench clean
 
 help:  ## what there is to make
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 8
@@ -45,8 +45,14 @@ census:  ## count modules, circles, long functions; CENSUS=--strict fails where 
 first-run: $(VENV)/.base  ## compile all from an empty cache: kernels, specialisations, seconds
 	$(BIN)/python tools/first_run.py
 
+MUTANTS ?= 300
+mutants: $(VENV)/.base $(VENV)/.test $(VENV)/.mutants  ## small changes of the code, each tried on the tests that run its line; takes hours
+	test -e out/mutants/coverage || $(BIN)/python -m tools.mutants map tests
+	$(BIN)/python -m tools.mutants try --count $(MUTANTS)
+	$(BIN)/python -m tools.mutants table
+
 lock: $(VENV)/.base  ## write requirements.lock anew, from the newest versions that pyproject.toml allows
-	$(BIN)/pip install --quiet --upgrade --upgrade-strategy eager --editable ".[png,cluster,bench,test,docs,check]"
+	$(BIN)/pip install --quiet --upgrade --upgrade-strategy eager --editable ".[png,cluster,bench,test,mutants,docs,check]"
 	$(BIN)/python tools/lock.py
 
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
