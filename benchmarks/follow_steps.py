@@ -28,8 +28,8 @@ WALL, OF_THREAD = 1, 3
 """Clocks of Linux: CLOCK_MONOTONIC, CLOCK_THREAD_CPUTIME_ID."""
 READ = ctypes.CDLL(None).clock_gettime
 READ.argtypes = [ctypes.c_int, ctypes.c_void_p]
-TAU, NOW, DURATION, INPUTS, STATE, PACE, GOAL, FINAL, OVERRIDE, AIM = (
-    at.TAU, at.NOW, at.DURATION, at.INPUTS, at.STATE, at.PACE, at.GOAL, at.FINAL, at.OVERRIDE, at.AIM,
+TAU, NOW, DURATION, INPUTS, STATE, OVERRIDE, AIM = (
+    at.TAU, at.NOW, at.DURATION, at.INPUTS, at.STATE, at.OVERRIDE, at.AIM,
 )  # fmt: skip
 
 
@@ -94,7 +94,6 @@ def _timed(
     for i in range(len(times)):
         if state[TAU] >= piece[DURATION]:
             state[:] = 0.0
-            state[PACE] = state[GOAL] = state[FINAL] = 1.0
         for j in range(5):
             place_on_path(piece, state[TAU], j, column)
             q[j] = column[0]

@@ -226,7 +226,10 @@ def namespace(module: types.ModuleType) -> dict[str, Any]:
     for node in ast.walk(ast.parse(inspect.getsource(module))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module != "__future__":
             for alias in node.names:
-                names.setdefault(alias.asname or alias.name, getattr(importlib.import_module(node.module), alias.name))
+                home = importlib.import_module(node.module)
+                if not hasattr(home, alias.name):  # a module that nothing has imported so far
+                    importlib.import_module(f"{node.module}.{alias.name}")
+                names.setdefault(alias.asname or alias.name, getattr(home, alias.name))
     return names
 
 

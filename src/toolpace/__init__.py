@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from toolpace.clamping.zones import Zone
     from toolpace.cuttingtool import Coefficients, Cut, Cutter, CuttingTool, Engagement
     from toolpace.deflect.replanning import replan
-    from toolpace.errors import ToolpaceError
+    from toolpace.errors import ToolpaceError, UnitWarning
     from toolpace.exporting import Exported, ReadBack, export
     from toolpace.follow import Follower, Measurement, SetPoint, Status
     from toolpace.judge import Check, Sampled, Verification, verify
@@ -137,6 +137,7 @@ __all__ = [
     "ToolPath",
     "ToolpaceError",
     "Trajectory",
+    "UnitWarning",
     "Usage",
     "Verification",
     "Workers",
@@ -226,6 +227,7 @@ _HOME = {
     "ToolPath": "toolpath",
     "ToolpaceError": "errors",
     "Trajectory": "trajectory",
+    "UnitWarning": "errors",
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "workers",

@@ -30,6 +30,8 @@ class Commanded(ByValue):
     """Names of the rotary words."""
     tip_mode: Bools
     """(n,) whether X, Y, Z are the tip."""
+    tool_length: Floats
+    """(n,) of the tool whose tip that is [m]; nan: of the machine's own."""
     rapid: Bools
     """(n,) whether the move is a rapid."""
     speed: Floats

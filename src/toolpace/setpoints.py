@@ -5,18 +5,20 @@ from __future__ import annotations
 
 import os
 import zipfile
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Floats, Ints, integers, numbers
 from toolpace.description import named, one_line
 from toolpace.equality import ByValue
 from toolpace.errors import ToolpaceError, UsageError
 from toolpace.files import free_memory, reason, whole_file
 from toolpace.units import format_time
 
+OPTIONAL = "tool_length"
+"""The one column that a file may lack."""
 COPIES = 3
 """How often as much memory as set-points take is needed at once, to sample, judge and draw them (2.1 was measured)."""
 
@@ -39,7 +41,8 @@ def refuse_too_many(duration: float, dt: float, joints: int, what: str = "the mo
 class SetPoints(ByValue):
     """Set-points of a motion, one row a time step; lengths in m, angles in rad, times in s.
 
-    Without a machine there is no tool: `tip` and `axis` then have no rows.
+    Without a machine there is no tool: `tip` and `axis` then have no rows. Raises UsageError for arrays of other
+    shapes, and for what are no numbers.
     """
 
     t: Floats
@@ -60,16 +63,23 @@ class SetPoints(ByValue):
     """(n,) line number of the block being run."""
     joints: tuple[str, ...]
     """Names of the columns of `q`."""
+    tool_length: Floats = field(default_factory=lambda: np.zeros(0))
+    """(n,) of the tool in the spindle, whose tip that is [m]; (0,) where every tool is as long as the machine's own."""
 
     def __post_init__(self) -> None:
-        n, m = len(self.t), len(self.joints)
-        tools = n if len(self.tip) else 0
-        shapes = {"t": (n,), "q": (n, m), "qd": (n, m), "qdd": (n, m), "qddd": (n, m), "block": (n,)}
-        for name, shape in (shapes | {"tip": (tools, 3), "axis": (tools, 3)}).items():
-            value = getattr(self, name)
-            if value.shape != shape:
-                raise UsageError(f"set-points: {name} has shape {value.shape} where {shape} is expected")
+        n, m = len(numbers(self.t, "set-points: t", ("n",), finite=False, unit="s")), len(self.joints)
+        tools = n if numbers(self.tip, "set-points: tip", ("n", 3), finite=False, unit="m").size else 0
+        lengths = tools if numbers(self.tool_length, "set-points: tool_length", ("n",), finite=False).size else 0
+        shapes = {"t": (n,), "q": (n, m), "qd": (n, m), "qdd": (n, m), "qddd": (n, m)}
+        of_tools = {"tip": (tools, 3), "axis": (tools, 3), "tool_length": (lengths,)}
+        block = integers(self.block, "set-points: block", (n,))
+        block.flags.writeable = False
+        object.__setattr__(self, "block", block)
+        for name, shape in (shapes | of_tools).items():
+            # what is not finite is for the judge to tell, with its time and joint
+            value = numbers(getattr(self, name), f"set-points: {name}", shape, finite=False)
             value.flags.writeable = False
+            object.__setattr__(self, name, value)
 
     def __len__(self) -> int:
         return len(self.t)
@@ -84,10 +94,21 @@ class SetPoints(ByValue):
         """Whether tip and axis are known."""
         return len(self.tip) > 0
 
+    @property
+    def tip_steps(self) -> Floats:
+        """(n - 1,) way of the tip in each time step [m], of the tool in the spindle at its begin."""
+        step = self.tip[1:] - self.tip[:-1]
+        if len(self.tool_length):
+            step += np.diff(self.tool_length)[:, None] * self.axis[1:]
+        way: Floats = np.sqrt((step**2).sum(axis=1))
+        return way
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the npz file (not compressed: a million set-points in about a second), whole or not at
-        all."""
+        all. `tool_length` is in it where it is known."""
         arrays = {f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}
+        if not len(self.tool_length):
+            del arrays[OPTIONAL]
         with whole_file(path) as temporary, temporary.open("wb") as stream:
             np.savez(stream, **arrays)  # type: ignore[arg-type]
 
@@ -105,9 +126,9 @@ class SetPoints(ByValue):
                 names = [f.name for f in fields(cls)]
                 if more := sorted(set(archive.files) - set(names)):
                     raise UsageError(f"{source}: holds {', '.join(more)} besides set-points; {cure}")
-                if missing := [name for name in names if name not in archive.files]:
+                if missing := [name for name in names if name not in (*archive.files, OPTIONAL)]:
                     raise UsageError(f"{source}: not a set-points file: lacks {', '.join(missing)}; {cure}")
-                arrays = {name: archive[name] for name in names}
+                arrays = {name: archive[name] for name in archive.files}
         except ToolpaceError:
             raise
         except FileNotFoundError:

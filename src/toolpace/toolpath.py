@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats, Ints
+from toolpace.arrays import Bools, Floats, Ints, integers, marks, numbers
 from toolpace.description import counted, one_line
 from toolpace.equality import ByValue
+from toolpace.errors import UsageError
+
+UNIT = 1e-6
+"""By how much the length of a tool axis may differ from 1."""
 
 
 def no_rapids() -> Bools:
@@ -43,6 +47,8 @@ class Operation:
     name: str = ""
     tool: str = ""
     """Number or name of the tool as the program writes it; empty where it names none."""
+    told_lengths: tuple[float, ...] = ()
+    """Lengths of it by the program's own words, where they are not the table's [m]: H of another number, DL, G43.1."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +56,8 @@ class ToolPath(ByValue):
     """The points of a program in the workpiece frame; entry i speaks of point i and of the way from i - 1 to i.
 
     Between two points the tip moves straight; the tool axis turns along the great circle, or, where `rotary` is
-    given, the rotary joints move in proportion (the reader inserts points until both agree closely).
+    given, the rotary joints move in proportion (the reader inserts points until both agree closely). Raises UsageError
+    for arrays of other shapes and for figures that no path has.
     """
 
     tip: Floats
@@ -98,28 +105,112 @@ class ToolPath(ByValue):
     of Klartext's LN); nan where it tells none. See `Tolerances.side`."""
     numbered: Ints = field(default_factory=no_numbers)
     """(k, 2) number (N) and line of each numbered block of a program for a control."""
+    tool_length: Floats = field(default_factory=untold)
+    """(n,) length of the tool in the spindle on the way to the point, whose tip `tip` is [m]; nan everywhere where all
+    are as long as the machine's own. It changes at stops only: the joints stay, and the other tip is elsewhere."""
 
     def __post_init__(self) -> None:
-        for name in ("tip_tolerance", "axis_tolerance"):
-            if len(getattr(self, name)) != len(self.tip):
-                object.__setattr__(self, name, np.full(len(self.tip), np.nan))
-        if len(self.normal) != len(self.tip):
-            object.__setattr__(self, "normal", np.full((len(self.tip), 3), np.nan))
-        if len(self.rapid) != len(self.tip):
-            object.__setattr__(self, "rapid", np.isinf(self.feed) & (self.least_time <= 0.0))
-        if len(self.operation) != len(self.tip):
-            object.__setattr__(self, "operation", np.zeros(len(self.tip), dtype=np.int64))
-        for value in vars(self).values():
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
+        taken = self._figures() | self._marks()
+        if self.rotary is not None:
+            if len(self.rotary_joints) != 2:
+                raise UsageError(
+                    f"tool path: rotary_joints is {self.rotary_joints!r}; give the names of both columns of rotary"
+                )
+            taken["rotary"] = numbers(self.rotary, "tool path: rotary", (len(self.tip), 2), unit="rad")
+        for name, value in taken.items():
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    def _figures(self) -> dict[str, Floats]:
+        """What is told in real numbers, as it is kept. Raises UsageError, as all below."""
+        tip = numbers(self.tip, "tool path: tip", ("n", 3), unit="m")
+        n = len(tip)
+        axis = numbers(self.axis, "tool path: axis", (n, 3))
+        length = np.linalg.norm(axis, axis=1)
+        if (off := np.abs(length - 1.0) > UNIT).any():
+            at = int(np.argmax(off))
+            raise UsageError(f"tool path: axis {at} has the length {length[at]:.9g}; divide it by its length")
+        feed = numbers(self.feed, "tool path: feed", (n,), finite=False, unit="m/s")
+        if not (feed > 0.0).all():
+            at = int(np.argmin(feed > 0.0))
+            raise UsageError(f"tool path: feed {at} is {feed[at]:g} m/s; give feeds above zero, inf for rapids")
+        taken = {"tip": tip, "axis": axis, "feed": feed}
+        for name in ("least_time", "dwell"):
+            taken[name] = numbers(getattr(self, name), f"tool path: {name}", (n,), unit="s")
+            if (taken[name] < 0.0).any():
+                at = int(np.argmin(taken[name]))
+                raise UsageError(f"tool path: {name} {at} is {taken[name][at]:g} s; give times of 0 or more")
+        for name, width in (("tip_tolerance", ()), ("axis_tolerance", ()), ("tool_length", ()), ("normal", (3,))):
+            value = numbers(getattr(self, name), f"tool path: {name}", ("n", *width), finite=False)
+            # a column that tells nothing may have any length: of a path that points were taken out of
+            told = value.size > 0 and not np.isnan(value).all()
+            taken[name] = (
+                numbers(value, f"tool path: {name}", (n, *width), (0, *width), finite=False)
+                if told
+                else np.full((n, *width), np.nan)
+            )
+        return taken
+
+    def _marks(self) -> dict[str, Ints | Bools]:
+        """What is told in whole numbers and in marks, as it is kept."""
+        n = len(self.tip)
+        rapid = marks(self.rapid, "tool path: rapid", ("n",))
+        operation = integers(self.operation, "tool path: operation", ("n",))
+        rapid = marks(rapid, "tool path: rapid", (n,), (0,)) if rapid.any() else rapid
+        operation = integers(operation, "tool path: operation", (n,), (0,)) if operation.any() else operation
+        if len(operation) and not (operation.min() >= 0 and operation.max() < len(self.operations)):
+            raise UsageError(
+                f"tool path: operation goes from {operation.min()} to {operation.max()}; there are "
+                f"{len(self.operations)} operations, counted from 0"
+            )
+        return {
+            "block": integers(self.block, "tool path: block", (n,)),
+            "stop": marks(self.stop, "tool path: stop", (n,)),
+            "rapid": rapid if len(rapid) == n else np.isinf(self.feed) & (np.asarray(self.least_time) <= 0.0),
+            "operation": operation if len(operation) == n else np.zeros(n, dtype=np.int64),
+            "numbered": integers(self.numbered, "tool path: numbered", ("k", 2)),
+        }
 
     def __len__(self) -> int:
         return len(self.tip)
 
     @property
+    def way_start(self) -> Floats:
+        """(n, 3) where the way to each point begins [m]: at the point before, with the tip of the tool in the spindle.
+
+        Nothing leads to the first point: its way begins at itself.
+        """
+        start = np.concatenate([self.tip[:1], self.tip[:-1]])
+        longer = np.diff(self.tool_length)
+        change = np.flatnonzero(np.abs(longer) > 0.0)
+        start[change + 1] -= longer[change, None] * self.axis[change]
+        return start
+
+    @property
+    def way(self) -> Floats:
+        """(n, 3) the straight way of the tip to each point [m]; zero to the first."""
+        return self.tip - self.way_start
+
+    @property
+    def way_length(self) -> Floats:
+        """(n,) its length [m]."""
+        length: Floats = np.linalg.norm(self.way, axis=1)
+        return length
+
+    def with_tool(self, length: float) -> ToolPath:
+        """The same poses of the machine, as the tip of a tool of this length passes them [m]; `tool_length` is nan.
+
+        Ways of other tools are not straight for it where the tool turns: this is for what asks for joints at points.
+        """
+        other = np.where(np.isnan(self.tool_length), 0.0, self.tool_length - length)
+        if not other.any():
+            return self
+        return replace(self, tip=self.tip + other[:, None] * self.axis, tool_length=untold())
+
+    @property
     def least_duration(self) -> float:
         """What no motion along it can be shorter than by much [s]: its feeds, least times and dwells."""
-        way = np.linalg.norm(np.diff(self.tip, axis=0), axis=1)
+        way = self.way_length[1:]
         return float(np.maximum(way / self.feed[1:], self.least_time[1:]).sum() + self.dwell.sum())
 
     def __repr__(self) -> str:

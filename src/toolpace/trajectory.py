@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
+from toolpace.arrays import Floats, Ints, number, numbers
 from toolpace.axispath.axispath import AxisPath
 from toolpace.description import counted, named, one_line
 from toolpace.errors import UsageError
@@ -17,6 +18,9 @@ from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
 from toolpace.setpoints import SetPoints, refuse_too_many
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
 
 BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
@@ -58,6 +62,8 @@ class Trajectory:
     """Sentences on the runs whose duration was far from its bound: why, and what came of another try."""
     mesh_points: int = 0
     solve_seconds: float = 0.0
+    found_usage: Usage | None = None
+    """What `usage` tells where the motion is read from set-points: it was found when these were planned."""
     starts: Floats = field(init=False)
     """(runs,) when each run starts [s]."""
     duration: float = field(init=False)
@@ -171,29 +177,35 @@ class Trajectory:
         return Motion(*parts), block
 
     def tip(self, t: npt.ArrayLike) -> tuple[Floats, Floats]:
-        """Tool tip [m] and tool axis in the workpiece frame: (3,) at one time t [s], (n, 3) at times t (n,).
+        """Tip [m] and axis, in the workpiece frame, of the tool in the spindle: (3,) at one time t [s], (n, 3) at times
+        t (n,).
 
         Raises UsageError as `at`, and without a machine.
         """
         if self.axis_path.machine is None:
             raise UsageError("trajectory: without a machine there is no tool tip; plan a Path on a Machine")
         q = self.at(t).q
-        tip, axis = self.axis_path.machine.forward(np.atleast_2d(q))
+        tip, axis = self._tool(self.axis_path.machine, np.atleast_1d(_times(t)), np.atleast_2d(q))
         return (tip, axis) if q.ndim > 1 else (tip[0], axis[0])
+
+    def _tool(self, machine: Machine, t: Floats, q: Floats) -> tuple[Floats, Floats]:
+        """Tip [m] and axis (n, 3) of the tool in the spindle at times t (n,), with the joints at q (n, m)."""
+        return machine.forward(q, self.axis_path.tool_lengths[self.run_at(t)])
 
     def sample(self, dt: float = 1e-3) -> SetPoints:
         """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest.
 
         Raises UsageError where they would not fit into memory.
         """
-        if not dt > 0.0:
-            raise UsageError(f"set-points: the time step is {dt:g} s; it must be positive")
+        dt = number(dt, "set-points: time step dt", least=0.0, above=True, unit="s")
         refuse_too_many(self.duration, dt, len(self.joints))
         t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
         motion, block = self._motion_in_pieces(t)
         machine = self.axis_path.machine
-        tip, axis = machine.forward(motion.q) if machine else (np.empty((0, 3)), np.empty((0, 3)))
-        return SetPoints(t, motion.q, motion.qd, motion.qdd, motion.qddd, tip, axis, block, self.joints)
+        tip, axis = self._tool(machine, t, motion.q) if machine else (np.empty((0, 3)), np.empty((0, 3)))
+        lengths = self.axis_path.tool_lengths
+        tools = np.zeros(0) if np.isnan(lengths).all() else lengths[self.run_at(t)]
+        return SetPoints(t, motion.q, motion.qd, motion.qdd, motion.qddd, tip, axis, block, self.joints, tools)
 
     @cached_property
     def _judgement(self) -> tuple[Floats, dict[str, float]]:
@@ -217,6 +229,8 @@ class Trajectory:
 
     def usage(self) -> Usage:
         """Peak value over limit in continuous time, between the set-points and nodes too."""
+        if self.found_usage is not None:
+            return self.found_usage
         peak, m = self._judgement[0], len(self.joints)
         by_kind = [dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)]
         return Usage(float(peak[0]), *by_kind)
@@ -229,6 +243,32 @@ class Trajectory:
             times["dwell"] = dwell
         return {n: t / self.duration for n, t in sorted(times.items(), key=lambda item: -item[1]) if t > 0.0}
 
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Trajectory:
+        """The motion in a folder that `toolpace plan --out` wrote, from its set-points, machine and program.
+
+        It passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
+        both, some nanometres from the plan at steps of 1 ms. `usage` and bounds are those that plan.json tells. Raises
+        UsageError where a file is missing, was changed, or is of another plan.
+        """
+        from toolpace.axispath.plan_folder import read_plan_folder
+        from toolpace.laws.clock import ClockLaw
+
+        found = read_plan_folder(folder)
+        machine = found.path.machine
+        assert machine is not None
+        return cls(
+            found.path,
+            machine.limits,
+            tuple(ClockLaw(np.array([run.s0, *run.breaks, run.s1])) for run in found.path.runs),
+            found.planner,
+            found.lower_bound,
+            found.continuous_bound,
+            mesh_points=found.mesh_points,
+            solve_seconds=found.solve_seconds,
+            found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk),
+        )
+
     def save(self, path: str | os.PathLike[str], dt: float = 1e-3) -> None:
         """Write the set-points as npz (see SetPoints), whole or not at all."""
         self.sample(dt).save(path)
@@ -236,16 +276,8 @@ class Trajectory:
 
 def _times(t: npt.ArrayLike) -> Floats:
     """One time () or times (n,) as numbers. Raises UsageError for everything else."""
-    cure = "give a number of seconds, or an array (n,) of them"
-    try:
-        given = np.asarray(t)
-    except ValueError:
-        raise UsageError(f"trajectory: the times are lists of different lengths; {cure}") from None
-    if given.dtype.kind not in "iuf" or given.ndim > 1:
-        what = f"an array of shape {given.shape}" if given.ndim else f"a {type(t).__name__}"
-        raise UsageError(f"trajectory: {what} of {given.dtype} is no time; {cure}")
-    times: Floats = given.astype(float)
+    times = numbers(t, "trajectory: time", ("n",), (), finite=False, unit="s")
     if np.isnan(times).any():
-        place = f" {int(np.argmax(np.isnan(times)))}" if times.ndim else ""
-        raise UsageError(f"trajectory: time{place} is nan; {cure}")
+        place = f"[{int(np.argmax(np.isnan(times)))}]" if times.ndim else ""
+        raise UsageError(f"trajectory: time{place} is nan; give a number of seconds, or an array (n,) of them")
     return times

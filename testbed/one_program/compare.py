@@ -54,29 +54,18 @@ def shares(move: Move, poses: Poses, points: slice) -> Floats:
 def place_of(move: Move, poses: Poses, points: slice) -> Floats:
     """X, Y, Z of points in the space of the motion."""
     world = move.world
-    tip = poses.tip[points] - own(move, poses) * poses.axis[points]
+    tip = poses.tip[points]
     if not move.slides:
         return np.asarray(tip)
     linear = world.machine.linear(tip, move.rotary[1], move.length_of_tool)
     return np.asarray(linear - world.home(move.length_of_tool))
 
 
-def own(move: Move, poses: Poses) -> float:
-    """How much longer the tool is than the machine's own, whose tip a path for a machine tells; 0 for points."""
-    return 0.0 if poses.rotary is None else move.length_of_tool - move.world.machine.own_length
-
-
-def wanted(move: Move, poses: Poses, t: float | Floats) -> tuple[Floats, Floats, Floats]:
-    """What points must be."""
-    tip, axis, rotary = move.pose(t)
-    return tip + own(move, poses) * axis, axis, rotary
-
-
 def difference(path: ToolPath, world: World) -> str:
     """The first difference, in words; empty where there is none."""
     poses = Poses(path, world)
     moves = world.moves if poses.rotary is not None else seen_by_points(world.moves)
-    if (found := poses.off(slice(0, 1), wanted(moves[0], poses, 1.0))[0]) > 1.0:
+    if (found := poses.off(slice(0, 1), moves[0].pose(1.0))[0]) > 1.0:
         return f"begins {found:.3g} off: {poses.tip[0]} for {moves[0].end}"
     k = 1
     for number, move in enumerate(moves[1:], 1):
@@ -112,14 +101,14 @@ def followed(path: ToolPath, poses: Poses, move: Move, first: int) -> tuple[int,
     """The point behind a motion that begins before point `first`, and what is wrong with it."""
     if first >= len(path):
         return first, "is not there"
-    end = wanted(move, poses, 1.0)
+    end = move.pose(1.0)
     points = slice(first, first + 1) if poses.rotary is None and move.turns else extent(move, poses, first, len(path))
     t = np.array([1.0]) if poses.rotary is None and move.turns else shares(move, poses, points)
     rapid = np.asarray(path.rapid[points])
     if (rapid != move.rapid).any():
         return first + int(np.argmax(rapid != move.rapid)), "a feed for rapid" if move.rapid else "rapid for a feed"
     rise = np.diff(np.concatenate([[0.0], t]))
-    off = poses.off(points, wanted(move, poses, t))
+    off = poses.off(points, move.pose(t))
     wrong = (rise <= -TINY) | (t > 1.0 + 1e-6) | (off > 1.0)
     if wrong.any():
         k = int(np.argmax(wrong))
@@ -140,7 +129,7 @@ def extent(move: Move, poses: Poses, first: int, count: int) -> slice:
     while True:
         points = slice(first, min(first + size, count))
         t = shares(move, poses, points)
-        there = (t > 1.0 - 1e-6) & (poses.off(points, wanted(move, poses, 1.0)) <= 1.0)
+        there = (t > 1.0 - 1e-6) & (poses.off(points, move.pose(1.0)) <= 1.0)
         if there.any():
             return slice(first, first + int(np.argmax(there)) + 1)
         if points.stop == count or (t > 1.5).any():

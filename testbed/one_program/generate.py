@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from testbed.one_program.machine import Kinematics
@@ -36,10 +38,10 @@ LEVEL = 40.0
 class Generator:
     """Makes one program."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, machines: Sequence[str] = MACHINES) -> None:
         self.rng = np.random.default_rng(seed)
         self.seed = seed
-        self.machine = Kinematics.load(MACHINES[int(self.rng.integers(len(MACHINES)))])
+        self.machine = Kinematics.load(machines[int(self.rng.integers(len(machines)))])
         self.with_setup = bool(self.rng.random() < 0.6)
         self.clearance = float(self.rng.choice([0.5, 0.8, 1.0, 0.254]))
         self.tools: dict[str, float] = {}
@@ -268,6 +270,6 @@ class Generator:
         return Tool(self.tool)
 
 
-def generate(seed: int) -> Program:
-    """The program of a seed."""
-    return Generator(seed).program()
+def generate(seed: int, machines: Sequence[str] = MACHINES) -> Program:
+    """The program of a seed, for one of the machines."""
+    return Generator(seed, machines).program()

@@ -79,7 +79,7 @@ def read(writer: Writer, text: str) -> ToolPath:
     dialect, program = writer.name, writer.program
     source = Source.from_text(text, "one.txt")
     if dialect == "cldata":
-        return ClReader(source, ReadOptions(), Findings()).run()
+        return ClReader(source, None, ReadOptions(), Findings()).run()
     by = controller(dialect, tuple(writer.parameters().items()))
     options = ReadOptions(setup=set_up(program, dialect))
     return reader_of(source, machine(program.machine), by, options, Findings()).executed().toolpath()

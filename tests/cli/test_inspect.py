@@ -221,6 +221,28 @@ def test_a_sheet_is_proposed_where_stand_ins_of_machine_zero_lead_out_of_travel(
     assert "set-up sheet" not in capsys.readouterr().out
 
 
+def test_a_plan_is_refused_with_the_cure_that_inspect_tells(tmp_path, capsys):
+    """An offset of 5 m below a machine zero that the sheet does not tell: 4101 mm below, where Z ends at -800."""
+    path, sheet = tmp_path / "far.nc", tmp_path / "setup.toml"
+    path.write_text("G21 G90 G94\nG54\nG0 X0. Y0. Z50.\nG1 Z0. F500\nX50.\nM30\n")
+    text = '[units]\nlength = "mm"\n[offsets.G54]\nX = -100\nY = -100\nZ = -5000\n'
+    sheet.write_text(text)
+    cure = (
+        "say on a set-up sheet where machine zero and reference points are ([machine_zero]): inspect --write-setup "
+        "FILE writes one to fill in"
+    )
+    of_machine = ["--controller", "fanuc", "-m", "xyzbc-head", "--setup", str(sheet)]
+    assert main(["inspect", str(path), *of_machine]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert cure in told and "does not say where machine zero is" in told
+    for command in (["plan", str(path), "-o", str(tmp_path / "out")], ["tolerance", str(path)], ["time", str(path)]):
+        assert main([*command, *of_machine]) == 2
+        assert cure in " ".join("".join(capsys.readouterr()).split()), command
+    sheet.write_text(text + "[machine_zero]\nX = 0\nY = 0\nZ = 0\n")
+    assert main(["plan", str(path), "-o", str(tmp_path / "out"), *of_machine]) == 2
+    assert "set-up sheet" not in capsys.readouterr().err
+
+
 def test_the_demo_is_read_whole(tmp_path, capsys):
     path = tmp_path / "impeller.ngc"
     path.write_text(demo.impeller_program(Machine.load(demo.MACHINE)))

@@ -87,3 +87,16 @@ def test_time_that_is_told_of_another_operation_is_found(planned, tmp_path, caps
     assert main(["verify", str(tmp_path)]) == 1
     last = capsys.readouterr().out.splitlines()[-1]
     assert last.startswith("FAILED  plan.json operations") and f"{kind} of operation" in last
+
+
+def test_a_plan_says_that_its_duration_is_without_the_tool_changes_of_the_sheet(tmp_path, capsys):
+    program, sheet = tmp_path / "part.ngc", tmp_path / "sheet.toml"
+    program.write_text(PROGRAM)
+    sheet.write_text("[times]\ntool_change = 6.5\n")
+    given = ["plan", str(program), "-m", "xyzac-trunnion", "--controller", "linuxcnc", "--no-report"]
+    assert main([*given, "--out", str(tmp_path / "with"), "--setup", str(sheet)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "the duration is without 2 tool changes of 6.50 s (set-up sheet, [times]): 13.0 s more" in said
+    assert main([*given, "--out", str(tmp_path / "without")]) == 0
+    assert "tool change" not in capsys.readouterr().out
+    assert figures(tmp_path / "with")["duration_s"] == figures(tmp_path / "without")["duration_s"]

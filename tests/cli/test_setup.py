@@ -9,6 +9,7 @@ import pytest
 
 import toolpace as tp
 from testbed.curved_pass import curved_pass
+from testbed.true_tip.cases import Maker
 from toolpace.cli import main
 from toolpace.write.cldata import cldata_text
 
@@ -86,3 +87,23 @@ def test_a_program_that_fits_nowhere_leaves_nothing(part, tmp_path, capsys):
     assert main(["setup", str(part), "-m", str(tmp_path / "mill.toml"), *QUICK, "--out", str(out)]) == 2
     error = capsys.readouterr().err
     assert "clampings that were tried fits" in error and error.count("\n") == 1 and not out.exists()
+
+
+@pytest.mark.sweep
+def test_the_tools_of_the_sheet_are_those_of_the_search(tmp_path, capsys):
+    """Two tools of lengths that are not the machine's: what was found is planned again from its folder, as long."""
+    case = Maker(3, "xyzac-trunnion", "g43.4", [0.1, 0.2], points=20).make()
+    program, sheet, out, plan = (tmp_path / name for name in ("two.nc", "two.toml", "found", "plan"))
+    program.write_text(case.text)
+    sheet.write_text(case.sheet)
+    arguments = ["setup", str(program), "-m", case.machine, "--controller", "fanuc", "--setup", str(sheet)]
+    assert main([*arguments, *QUICK, "--shown", "2", "--out", str(out)]) == 0
+    assert "100, 200" in capsys.readouterr().out
+    record = json.loads((out / "setup.json").read_text())
+    assert record["set_ups"][0]["tool_lengths_mm"] == [100.0, 200.0]
+    assert "# Tool: 100mm, 200mm from" in (out / "setup.toml").read_text()
+    again = ["plan", str(out / "program.apt"), "-m", str(out / "machine.toml"), "--effort", "low", "--no-report"]
+    assert main([*again, "--out", str(plan)]) == 0
+    assert json.loads((plan / "plan.json").read_text())["duration_s"] == pytest.approx(record["duration_s"], rel=1e-6)
+    points = tp.SetPoints.load(plan / "setpoints.npz")
+    assert sorted(set(points.tool_length.tolist())) == [0.1, 0.2]

@@ -156,3 +156,32 @@ def test_a_place_for_a_file_is_tried_before_the_work(part, tmp_path, capsys, mon
     error = capsys.readouterr().err
     assert error.startswith(f"error: {option} ") and told in error and error.count("\n") == 1
     assert sorted(tmp_path.rglob("*")) == before
+
+
+TWO_WAYS = ("--model", "lookahead"), ("--model", "lookahead", "--no-optimum")
+
+
+@pytest.mark.parametrize("how", TWO_WAYS)
+def test_a_program_that_leaves_the_travel_is_refused_planned_or_not(tmp_path, capsys, how):
+    file = tmp_path / "long.ngc"
+    file.write_text(PROGRAM.replace("X40", "X4000"))
+    assert main(["time", str(file), *MACHINE, *how]) == 2
+    said = capsys.readouterr().err
+    assert "long.ngc:5: joint X would have to go to" in said and "its limit of" in said
+    assert main(["plan", str(file), *MACHINE, "--out", str(tmp_path / "plan"), "--no-report"]) == 2
+    assert said.splitlines()[-1] == capsys.readouterr().err.splitlines()[-1]
+
+
+def test_rests_of_a_control_are_told_apart_from_the_stops_of_a_program(part, tmp_path, capsys):
+    """Two ways between rapid and feed, a dwell and a tool change: two stops of the program, two rests more."""
+    (found,) = json.loads(printed(capsys, part, *MACHINE, "--model", "lookahead", "--no-optimum", "--json"))
+    assert all("stops" not in each for each in found["operations"])
+    assert main(["inspect", part, "--json"]) == 0
+    (inspected,) = json.loads(capsys.readouterr().out)
+    assert main(["plan", part, *MACHINE, "--out", str(tmp_path / "plan"), "--no-report"]) == 0
+    stops = json.loads((tmp_path / "plan" / "plan.json").read_text())["stops"]
+    rests = sum(each["rests"] for each in found["operations"])
+    assert stops == inspected["stops"] and rests > stops
+    capsys.readouterr()
+    page = printed(capsys, part, *MACHINE, "--model", "lookahead", "--no-optimum")
+    assert "rests" in page and "stops" not in page

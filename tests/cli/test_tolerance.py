@@ -10,6 +10,7 @@ import pytest
 from toolpace import demo
 from toolpace.cli import main
 from toolpace.cli.tolerance.picture import drawn, round_values
+from toolpace.cli.tolerance.run import apart
 from toolpace.write import read_plan
 
 
@@ -32,6 +33,18 @@ def test_a_row_a_tolerance_and_a_picture(program, tmp_path, capsys):
     assert seconds == sorted(seconds, reverse=True) and seconds[0] > seconds[-1]
     assert rows[1][2] == "+0.00%"
     assert picture.read_text().startswith("<svg") and "zigzag.ngc" in picture.read_text()
+
+
+def test_a_length_in_two_units_is_one_row(program, capsys):
+    """10um and the usual 0.01mm differ by a rounding, which is no length to divide by."""
+    given = ["tolerance", str(program), "-m", demo.MACHINE, "--feed", "none", "--effort", "low"]
+    assert main([*given, "--tips", "10um,0.02mm,20um,0.00001m"]) == 0
+    out = capsys.readouterr().out
+    rows = re.findall(r"^ *([\d.]+ [µm]+) +\d:\d\d:\d\d\.\d +", out, re.MULTILINE)
+    assert rows == ["0.01 mm", "0.02 mm"] and " h " not in out
+    assert [apart(tips, 1e-5) for tips in ([], [0.01 * 1e-3, 10 * 1e-6], [2e-5, 1.00005e-5, 5e-6])] == [
+        [1e-5], [1e-5], [5e-6, 1e-5, 2e-5],
+    ]  # fmt: skip
 
 
 def test_what_is_no_tolerance_is_told_in_a_line(program, capsys):

@@ -40,7 +40,7 @@ def turned(made, x, y, z, **angles):
 def joints(made, machine):
     """Joint positions at the points of the path."""
     path = made.toolpath()
-    return machine.joints_at(path.tip, path.rotary)
+    return machine.joints_at(path.tip, path.rotary, path.tool_length)
 
 
 def go(made, *places):

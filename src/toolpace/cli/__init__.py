@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import warnings
 from collections.abc import Sequence
+from typing import TextIO
 
 __all__ = ["main"]
 
@@ -29,6 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not sys.warnoptions:
             # What overflows in a damaged file is found wanting in one line; warnings would stand beside it.
             warnings.simplefilter("ignore", RuntimeWarning)
+        warnings.showwarning = _in_one_line
         try:
             code = _run(tokens)
             output.flush()
@@ -40,6 +43,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if output.failure:
         return _fail(f"standard output: cannot write: {output.failure}", 2)
     return code
+
+
+def _in_one_line(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Show a warning: a question about a figure as one, any other with the place in the code that gave it."""
+    from toolpace.errors import UnitWarning, printable
+
+    text = printable(" ".join(str(message).split()))
+    asked = issubclass(category, UnitWarning)
+    shown = f"question: {text}" if asked else f"warning: {text} ({category.__name__}, {filename}:{lineno})"
+    with contextlib.suppress(OSError, UnicodeError, ValueError, AttributeError):
+        print(shown, file=sys.stderr, flush=True)
 
 
 def _run(tokens: list[str]) -> int:

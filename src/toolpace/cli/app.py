@@ -45,7 +45,7 @@ app = App(
     version=__version__,
     help=INTRODUCTION,
     help_epilogue=EXAMPLES,
-    help_format="rich",
+    help_format="plaintext",
     version_flags=["--version"],
     suppress_keyboard_interrupt=False,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -62,6 +63,10 @@ def machine_with_setup(machine: Machine, reading: Reading) -> tuple[Machine, Rea
     return (machine.mounted(**how.setup.part) if how.setup.part else machine), how
 
 
+NEGATIVE = re.compile(r"-[0-9.]")
+"""How a negative number begins, that was taken for an option."""
+
+
 def one_machine(name: str | None, toml: bool, poses: bool) -> str:
     """The machine whose file (`toml`) or whose poses are to be printed: one machine, and one of both."""
     if toml and poses:
@@ -78,7 +83,7 @@ def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tole
     from toolpace.tolerances.tolerances import SIDES, Tolerances
 
     def metres(text: str) -> float:
-        value = units.parse_length(text)
+        value = _parsed("--tip-tolerance", units.parse_length, text)
         if not value > 0.0:
             raise UsageError(
                 f"--tip-tolerance {text}: a curve needs room to be smooth; give more than zero, like 0.001mm"
@@ -86,7 +91,7 @@ def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tole
         return _within("--tip-tolerance", text, value, TIP_TOLERANCES, units.format_length)
 
     def radians(text: str) -> float:
-        value = units.parse_angle(text)
+        value = _parsed("--axis-tolerance", units.parse_angle, text)
         if not value > 0.0:
             raise UsageError(
                 f"--axis-tolerance {text}: a curve needs room to be smooth; give more than zero, like 0.01deg"
@@ -99,6 +104,14 @@ def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tole
     of_tip = Tolerances.parse(words, metres, metres(TIP_TOLERANCE))
     of_axis = Tolerances.parse(given.axis_tolerance, radians, radians(AXIS_TOLERANCE))
     return of_tip.default if of_tip.everywhere else of_tip, of_axis.default if of_axis.everywhere else of_axis
+
+
+def _parsed(option: str, quantity: Callable[[str], float], text: str) -> float:
+    """A quantity of an option, which an error names."""
+    try:
+        return quantity(text)
+    except UsageError as error:
+        raise UsageError(f"{option}: {error}") from None
 
 
 def even_tolerances(given: TypedTolerances) -> tuple[float, float]:
@@ -230,4 +243,7 @@ def explain(error: CycloptsError, tokens: Sequence[str]) -> str:
         given = argument in tokens
         name = argument if given or argument not in ("--program", "--directory") else argument[2:].upper()
         text = f"{name} needs a value" if given else f"{name} is missing"
+        value = tokens[tokens.index(argument) + 1 :][:1] if given else []
+        if value and NEGATIVE.match(value[0]):
+            text = f"{name} {value[0]} is negative; give a value above zero, like {value[0].lstrip('-')}"
     return f"{text}; {cure}"

@@ -35,6 +35,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
     from toolpace.reading import Source, read_source
+    from toolpace.reading.setup_file import setup_text
     from toolpace.setpoints import SetPoints
 
     if not is_folder(folder):
@@ -59,7 +60,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     with steps.step("verifying"):
         said = msgspec.to_builtins(record)
         record = msgspec.structs.replace(record, reading=write.reading_record(options))
-        found = verify_plan(setpoints, machine, toolpath, said, tip, axis, tool)
+        found = verify_plan(setpoints, machine, toolpath, said, tip, axis, tool, setup_text(options.setup))
         table = folder / write.TABLE
         found = with_table(found, table, setpoints, machine) if table.exists() else found
         try:

@@ -35,7 +35,6 @@ SHOWN = 40
 LONGEST_NAME = 40
 """Most characters of a program's name that a table does not break."""
 NO_MACHINE = "no machine of those that were tried can run it: inspect it alone to see why, and what helps"
-SHEET = "say on a set-up sheet where machine zero and reference points are: --write-setup FILE writes one to fill in"
 
 
 def run_inspect(
@@ -163,8 +162,6 @@ def page(found: Inspection) -> Table:
     rows.append(("assumed", list(found.assumed[:SHOWN]) or ["nothing"]))
     rows.append(("runs on", [", ".join(found.machines) or "none of the machines that were tried"]))
     reasons, cures = _why_not(found.not_on)
-    if any(" its limit of " in reason for reason in reasons) and (found.used.machine_zero or found.used.references):
-        cures.append(SHEET)
     rows += [("not on", reasons), ("cures", cures)]
     for name, lines in rows:
         for k, line in enumerate(lines):

@@ -38,8 +38,7 @@ def along(folder: Path) -> MotionAlong | None:
     setpoints = SetPoints.load(folder / SET_POINTS)
     if not setpoints.has_tool or len(setpoints) < 2:
         return None
-    steps = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
-    return MotionAlong(np.concatenate(([0.0], np.cumsum(steps))), tip_speed(setpoints), setpoints.t)
+    return MotionAlong(np.concatenate(([0.0], np.cumsum(setpoints.tip_steps))), tip_speed(setpoints), setpoints.t)
 
 
 def thinned(motion: MotionAlong) -> tuple[Floats, Floats]:

@@ -39,7 +39,7 @@ def follow_as_planned(machine: Candidate, toolpath: ToolPath) -> None:
     assert isinstance(machine, Machine)
     tolerances = DEFAULT_TIP_MM * MILLIMETRE, DEFAULT_AXIS_DEG * DEGREE
     rotary = machine.choose_rotary(toolpath)
-    q = machine.joints_at(toolpath.tip, rotary)
+    q = machine.joints_at(toolpath.tip, rotary, toolpath.tool_length)
     low, high = machine.travel.T
     room = NEAR * np.where(np.isfinite(high - low), high - low, 0.0)
     close = ((q - low < room) | (high - q < room)).any(axis=1)
@@ -85,4 +85,5 @@ def _part(toolpath: ToolPath, first: int, last: int) -> ToolPath:
         rotary=None if toolpath.rotary is None else toolpath.rotary[part],
         rapid=toolpath.rapid[part],
         operation=toolpath.operation[part],
+        tool_length=toolpath.tool_length[part],
     )

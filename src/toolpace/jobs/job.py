@@ -80,16 +80,19 @@ class Job:
 def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
     from toolpace import write
+    from toolpace.reading.setup_sheet import with_cure_of_zero
 
     job = loaded(job)
     warm_up(steps)
     toolpath = read_program(job, steps)
     refuse_without_room(job, toolpath.least_duration, "the feeds of the program alone take")
-    aimed = aimed_off(job, steps, toolpath)
-    planned = plan_motion(job, steps, fit_path(job, steps, toolpath)) if aimed is None else program_plan_of(aimed)
-    trajectory = with_proof(job, steps, planned.trajectory)
-    refuse_without_room(job, trajectory.duration, "the motion takes")
-    setpoints = sample_motion(job, steps, trajectory, toolpath)
+    with with_cure_of_zero(toolpath.assumed):
+        aimed = aimed_off(job, steps, toolpath)
+        planned = plan_motion(job, steps, fit_path(job, steps, toolpath)) if aimed is None else program_plan_of(aimed)
+        trajectory = with_proof(job, steps, planned.trajectory)
+        say_tool_changes(job, steps, toolpath)
+        refuse_without_room(job, trajectory.duration, "the motion takes")
+        setpoints = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(job, steps, setpoints, toolpath)
     result = write.PlanResult(
         trajectory=trajectory,
@@ -228,19 +231,36 @@ def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
 
 
 def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajectory:
-    """A motion with its lower bound raised, where that was asked for; what there is to say of it is said."""
-    from toolpace.planning.bound.prove import prove
+    """A motion with its lower bound raised, where that was asked for; what is far from its bound then is said.
 
-    for note in trajectory.notes[:NOTES]:
-        steps.say(note)
-    if len(trajectory.notes) > NOTES:
-        steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
+    Of what other tries have closed there is nothing to say.
+    """
+    from toolpace.planning.bound.prove import prove
+    from toolpace.planning.optimal.another_try import FAR
+
     if job.prove_within is not None:
         with steps.step("proving") as step:
             before = trajectory.gap
             trajectory = prove(trajectory, within=job.prove_within, progress=step)
             step.note = f"gap {before:.3%}, now {trajectory.gap:.3%}"
+    if trajectory.gap > FAR:
+        for note in trajectory.notes[:NOTES]:
+            steps.say(note)
+        if len(trajectory.notes) > NOTES:
+            steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
     return trajectory
+
+
+def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:
+    """What the tool changes of the set-up sheet take beside the motion, where it tells of them."""
+    from toolpace.timing.program_time import changes
+
+    each, count = job.options.setup.tool_change, sum(changes(toolpath.operations))
+    if each > 0.0 and count:
+        steps.say(
+            f"the duration is without {counted(count, 'tool change')} of {format_time(each)} (set-up sheet, [times]): "
+            f"{format_time(count * each)} more"
+        )
 
 
 def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath) -> SetPoints:
@@ -256,9 +276,11 @@ def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath:
 def verify_motion(job: Job, steps: TimedSteps, setpoints: SetPoints, toolpath: ToolPath) -> Verification:
     """The judge's word on the set-points."""
     from toolpace.judge import verify
+    from toolpace.reading.setup_file import setup_text
 
+    sheet = setup_text(job.options.setup)
     with steps.step("verifying"):
-        return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt, job.tool)
+        return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt, job.tool, sheet)
 
 
 def write_results(job: Job, steps: TimedSteps, result: PlanResult) -> PlanRecord:

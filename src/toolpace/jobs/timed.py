@@ -63,7 +63,11 @@ def timed_or_wrong(program: str, asked: Asked, steps: TimedSteps) -> Timed:
 
 
 def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None = None) -> Timed:
-    """The time of one program, which may have been loaded before. Raises ToolpaceError."""
+    """The time of one program, which may have been loaded before.
+
+    Raises ToolpaceError: of a program that the machine cannot follow too, whether it is planned or not.
+    """
+    from toolpace.jobs.following import follow_as_planned
     from toolpace.reading import Findings, Source
     from toolpace.reading.languages import with_controller
     from toolpace.timing.program import figures_for, moves_of
@@ -78,8 +82,12 @@ def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None =
     best: tuple[OperationTime, ...] = ()
     planned = asked.optimum or figures.model == "ideal"
     waits_only = len(moves) < 2
-    if planned and not waits_only:
-        best = optimum_of(source, replace(asked, options=options), steps)
+    if not waits_only:
+        task = planned_job(source, replace(asked, options=options))
+        if planned:
+            best = optimum_of(task, steps)
+        else:
+            follow_as_planned(asked.machine, job.read_program(task, steps))
     change = options.setup.tool_change
     if figures.model == "ideal" and not waits_only:
         time = of_operations(best, moves, change)
@@ -98,18 +106,24 @@ def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None =
     )
 
 
-def optimum_of(source: Source, asked: Asked, steps: TimedSteps) -> tuple[OperationTime, ...]:
-    """The parts of the fastest motion along the program. Raises ToolpaceError."""
-    from toolpace.operations import operation_times
-
+def planned_job(source: Source, asked: Asked) -> job.Job:
+    """The program as `plan` would have it, without a place for the results."""
     tip, axis = asked.tolerances
-    task = job.Job(
+    return job.Job(
         program=Path(source.name), machine=asked.machine, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
         feed=asked.feed, dialect=asked.dialect, options=asked.options, source=source,
     )  # fmt: skip
+
+
+def optimum_of(task: job.Job, steps: TimedSteps) -> tuple[OperationTime, ...]:
+    """The parts of the fastest motion along the program. Raises ToolpaceError."""
+    from toolpace.operations import operation_times
+    from toolpace.reading.setup_sheet import with_cure_of_zero
+
     job.warm_up(steps)
     toolpath = job.read_program(task, steps)
-    trajectory = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath)).trajectory
+    with with_cure_of_zero(toolpath.assumed):
+        trajectory = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath)).trajectory
     return tuple(operation_times(trajectory, toolpath))
 
 
@@ -133,7 +147,7 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
             "tool": printable(part.tool),
             "total_s": part.time,
             **{f"{kind}_s": getattr(part, kind) for kind in KINDS},
-            "stops": part.stops,
+            "rests": part.rests,
             "optimum_s": best.get((part.name, part.tool)),
         }
         for part in time.parts

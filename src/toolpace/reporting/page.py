@@ -133,8 +133,7 @@ def _cards(
             note += f"; than any motion at all on this path, {percent(unmeshed)}"
         cards.append(("Best on this mesh", duration(bound), note, ""))
     if setpoints.has_tool:
-        steps = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
-        length = float(steps.sum())
+        length = float(setpoints.tip_steps.sum())
         mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
         shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
         cards.append(("Way of the tip", shown, f"{mean:.0f} mm/min on average", ""))

@@ -20,8 +20,7 @@ def stations(setpoints: SetPoints, most: int = MOST) -> Ints:
     n = len(setpoints)
     if n <= most:
         return np.arange(n)
-    step = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1))
-    length = np.concatenate(([0.0], np.cumsum(step)))
+    length = np.concatenate(([0.0], np.cumsum(setpoints.tip_steps)))
     measure = np.arange(n) / (n - 1) + length / max(float(length[-1]), 1e-30)
     at = np.searchsorted(measure, np.linspace(0.0, measure[-1], most))
     found: Ints = np.unique(np.clip(at, 0, n - 1))

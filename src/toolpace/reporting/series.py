@@ -49,7 +49,7 @@ def tip_speed(setpoints: SetPoints) -> Floats:
     """(n,) speed of the tip [m/s] by differences over one step each way."""
     if not setpoints.has_tool or len(setpoints) < 2:
         return np.zeros(0)
-    step = np.sqrt(((setpoints.tip[1:] - setpoints.tip[:-1]) ** 2).sum(axis=1)) / np.diff(setpoints.t)
+    step = setpoints.tip_steps / np.diff(setpoints.t)
     speed: Floats = np.concatenate((step[:1], 0.5 * (step[1:] + step[:-1]), step[-1:]))
     return speed
 
@@ -57,8 +57,7 @@ def tip_speed(setpoints: SetPoints) -> Floats:
 def feed_cap(setpoints: SetPoints, toolpath: ToolPath) -> Floats:
     """(n,) the feed that the program asks for in the block of each set-point [m/s]; inf where it asks for
     none."""
-    way = np.zeros(len(toolpath))
-    way[1:] = np.sqrt(((toolpath.tip[1:] - toolpath.tip[:-1]) ** 2).sum(axis=1))
+    way = toolpath.way_length
     timed = (toolpath.least_time > 0.0) & (way > 0.0)
     cap = np.where(timed, np.minimum(toolpath.feed, way / np.where(timed, toolpath.least_time, 1.0)), toolpath.feed)
     blocks, where = np.unique(toolpath.block[1:], return_inverse=True)

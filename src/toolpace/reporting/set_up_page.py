@@ -113,9 +113,9 @@ def _table(found: FoundSetUp) -> str:
     rows = "".join(_row(k, each, found.given) for k, each in enumerate(shown, start=1))
     units = (
         "Turn, tilt and swing are about the middle of the program, in deg from how the part is clamped now; X, Y, Z: "
-        "how far that middle is moved, in mm. Tool: from the spindle nose to the tip, in mm. Solution: which half of "
-        "its circle the second rotary joint keeps to; free: whichever turns least. Gap: how far the time may be from "
-        "the best."
+        "how far that middle is moved, in mm. Tool: from the spindle nose to the tip, in mm, of each tool. Solution: "
+        "which half of its circle the second rotary joint keeps to; free: whichever turns least. Gap: how far the "
+        "time may be from the best."
     )
     return (
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
@@ -128,7 +128,8 @@ def _row(number: int, each: PlannedSetUp, given: PlannedSetUp | None) -> str:
     cells = [duration(each.duration), _gain(each, given), percent(each.gap)]
     cells += [_figure(angle / DEGREE) for _, angle in clamping.angles()]
     cells += [_figure(shift / MILLIMETRE) for shift in clamping.shift]
-    cells += [_figure(each.machine.tool_length / MILLIMETRE), {0: "free", 1: "+", -1: "-"}[clamping.side]]
+    tools = ", ".join(_figure(length / MILLIMETRE) for length in each.tool_lengths)
+    cells += [tools, {0: "free", 1: "+", -1: "-"}[clamping.side]]
     kind = "given" if each is given else "first" if number == 1 else ""
     label = "as given" if each is given else f"{number}"
     return f'<tr class="{kind}"><td>{label}</td>' + "".join(f"<td class=n>{cell}</td>" for cell in cells) + "</tr>"

@@ -66,7 +66,8 @@ def _ways(moves: Commanded, machine: Machine, rows: slice, joints: bool) -> tupl
     if joints:
         in_tip = np.flatnonzero(moves.tip_mode[rows])
         at = places[in_tip].reshape(-1, places.shape[2])
-        found = machine.joints_at(np.ascontiguousarray(at[:, :3]), np.ascontiguousarray(at[:, 3:]))
+        lengths = np.repeat(moves.tool_length[rows][in_tip], len(share))
+        found = machine.joints_at(np.ascontiguousarray(at[:, :3]), np.ascontiguousarray(at[:, 3:]), lengths)
         axes[in_tip] = found.reshape(len(in_tip), len(share), len(machine.joints))
     unit = np.where(length > 0.0, length, np.inf)[:, None, None]
     rates = np.diff(axes, axis=1) * PIECES / unit

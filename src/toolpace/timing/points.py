@@ -21,6 +21,7 @@ def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
     rotary = machine.choose_rotary(toolpath)
     words = np.hstack([toolpath.tip, rotary])
     way = np.diff(words, axis=0, prepend=words[:1])
+    way[:, :3] = toolpath.tip - toolpath.way_start
     length = np.linalg.norm(way[:, :3], axis=1)
     length[length < STILL] = 0.0
     direction = way[:, :3] / np.where(length > 0.0, length, np.inf)[:, None]
@@ -30,6 +31,7 @@ def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
         way=way,
         rotary_joints=tuple(machine.joints[i] for i in machine.rotary),
         tip_mode=np.ones(count, dtype=bool),
+        tool_length=toolpath.tool_length,
         rapid=toolpath.rapid,
         speed=toolpath.feed,
         turn=np.full(count, np.inf),

@@ -18,6 +18,7 @@ from toolpace.timing.lookahead import lookahead_times, rests, room_of
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
+    from toolpace.toolpath import Operation
 
 
 class OperationTime(Protocol):
@@ -61,7 +62,8 @@ class PartTime:
     rapid: float
     dwell: float
     tool_change: float
-    stops: int
+    rests: int
+    """How often the control comes to rest: at the stops that a program asks for, and wherever else it does."""
 
     @property
     def time(self) -> float:
@@ -99,7 +101,7 @@ def time_of_moves(moves: Commanded, machine: Machine, figures: ControlFigures, t
 
 def of_operations(best: Sequence[OperationTime], moves: Commanded, tool_change: float) -> ProgramTime:
     """The time of a motion whose operations are known, as that of a control."""
-    changed = {(each.name, each.tool): count for each, count in zip(moves.operations, changes(moves))}
+    changed = {(each.name, each.tool): count for each, count in zip(moves.operations, changes(moves.operations))}
     parts = [
         PartTime(
             each.name, each.tool, each.cutting, each.rapid, each.dwell,
@@ -120,20 +122,22 @@ def parts_of(moves: Commanded, times: Floats, tool_change: float) -> list[PartTi
 
     everywhere = np.ones(len(moves), dtype=bool)
     cutting, rapid = total(times, ~moves.rapid), total(times, moves.rapid)
-    dwell, stops = total(moves.dwell, everywhere), np.bincount(of[1:-1], stop[1:-1], count)
+    dwell, rested = total(moves.dwell, everywhere), np.bincount(of[1:-1], stop[1:-1], count)
     used = np.bincount(of[1:], minlength=count)
-    changed = changes(moves)
+    changed = changes(moves.operations)
     return [
-        PartTime(each.name, each.tool, cutting[k], rapid[k], dwell[k], tool_change * changed[k], round(float(stops[k])))
+        PartTime(
+            each.name, each.tool, cutting[k], rapid[k], dwell[k], tool_change * changed[k], round(float(rested[k]))
+        )
         for k, each in enumerate(moves.operations)
         if used[k] or dwell[k] > 0.0
     ]
 
 
-def changes(moves: Commanded) -> list[int]:
+def changes(operations: Sequence[Operation]) -> list[int]:
     """How many tool changes begin each operation: one where its tool is another than that of the one before."""
     found, before = [], ""
-    for each in moves.operations:
+    for each in operations:
         found.append(int(each.tool not in ("", before)))
         before = each.tool or before
     return found

@@ -95,5 +95,4 @@ def tip_length(setpoints: SetPoints) -> float | None:
     """Length of the way of the tip [mm]; None where there is no tool."""
     if not setpoints.has_tool:
         return None
-    step = setpoints.tip[1:] - setpoints.tip[:-1]
-    return float(((step**2).sum(axis=1) ** 0.5).sum()) * 1e3
+    return float(setpoints.tip_steps.sum()) * 1e3

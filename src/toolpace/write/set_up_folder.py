@@ -67,15 +67,15 @@ def sheet_words(program: str, found: FoundSetUp) -> str:
     chain, clamping = best.machine.file.chain, best.clamping
     shown = program if program.isprintable() else ascii(program)
     x, y, z = (f"{each / MILLIMETRE:.3f}" for each in chain.workpiece_origin)
-    length = f"{best.machine.tool_length / MILLIMETRE:g}mm"
+    lengths = [f"{each / MILLIMETRE:g}mm" for each in best.tool_lengths]
     lines = [
         f"Set-up sheet of {shown} on {best.machine.name}, as found by `toolpace setup`: {format_time(best.duration)}.",
         f"From how the part is clamped now: {clamping.words(best.machine)}.",
         f"Its zero then is at X {x}, Y {y}, Z {z} mm, in the bed's frame with every joint at zero; [part] has",
         "the same in metres, and where X and Z of the part point.",
         "Work offsets are left out: measure them when the part is clamped.",
-        f"Tool: {length} from the spindle nose to the tip"
-        + (f"; give it with --tool-length {length}." if clamping.tool_length is not None else "."),
+        f"Tool: {', '.join(lengths)} from the spindle nose to the tip"
+        + (f"; give it with --tool-length {lengths[0]}." if clamping.tool_length is not None else "."),
         "It goes with program.apt: rotary words of the program as it was hold for the old clamping only.",
     ]
     if clamping.side:
@@ -123,6 +123,7 @@ def _set_up(each: PlannedSetUp) -> dict[str, object]:
         **{f"{name}_deg": angle / DEGREE for name, angle in each.clamping.angles()},
         "moved_mm": _list(np.array(each.clamping.shift) / MILLIMETRE),
         "tool_length_mm": each.machine.tool_length / MILLIMETRE,
+        "tool_lengths_mm": _list(np.array(each.tool_lengths) / MILLIMETRE),
         "solution": each.clamping.side,
         "origin_mm": _list(np.array(chain.workpiece_origin) / MILLIMETRE),
         "x": list(chain.workpiece_x),

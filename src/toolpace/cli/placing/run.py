@@ -175,10 +175,11 @@ def row(number: int, each: PlannedSetUp, given: PlannedSetUp | None) -> list[str
     clamping = each.clamping
     figures = [angle / DEGREE for _, angle in clamping.angles()]
     figures += [shift / MILLIMETRE for shift in clamping.shift]
-    figures.append(each.machine.tool_length / MILLIMETRE)
     shown = [f"{round(figure, 2) + 0.0:g}" for figure in figures]
+    tools = ", ".join(f"{round(length / MILLIMETRE, 2):g}" for length in each.tool_lengths)
     side = {0: "free", 1: "+", -1: "-"}[clamping.side]
-    return ["given" if each is given else str(number), format_time(each.duration), gain(each, given), *shown, side]
+    name = "given" if each is given else str(number)
+    return [name, format_time(each.duration), gain(each, given), *shown, tools, side]
 
 
 def gain(each: PlannedSetUp, given: PlannedSetUp | None) -> str:

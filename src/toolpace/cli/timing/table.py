@@ -74,13 +74,13 @@ def _show_parts(console: Console, found: Timed) -> None:
     assert found.time is not None
     table = Table(box=SIMPLE, pad_edge=False)
     best = {(each.name, each.tool): each.time for each in found.best}
-    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "stops"]
+    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "rests"]
     for heading in [*headings, *(["optimum"] if best else [])]:
         table.add_column(heading, justify="left" if heading in ("operation", "tool") else "right", overflow="fold")
     for part in found.time.parts[:MOST_PARTS]:
         times = (part.time, part.cutting, part.rapid, part.dwell, part.tool_change)
         cells = [part.name or "-", part.tool or "-", *(format_time(each) if each else "-" for each in times)]
-        cells.append(str(part.stops))
+        cells.append(str(part.rests))
         if best:
             least = best.get((part.name, part.tool))
             cells.append("-" if least is None else format_time(least + part.tool_change))

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from toolpace.cli.steps import Steps
 
 
+ONE_LENGTH = 1e-9
+"""Tolerances that differ by less than this are one [m]: 10um and 0.01mm differ by a rounding."""
+
+
 class Cost(NamedTuple):
     """How long a program takes within a tolerance of the tip."""
 
@@ -38,13 +42,14 @@ def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost
     """
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.program_plan import plan_program
+    from toolpace.reading.setup_sheet import with_cure_of_zero
 
     task = job.loaded(task)
     job.warm_up(steps)
     toolpath = job.read_program(task, steps)
     found: list[Cost] = []
     for k, tip in enumerate(tolerances):
-        with steps.step("planning") as step:
+        with with_cure_of_zero(toolpath.assumed), steps.step("planning") as step:
             planned = plan_program(
                 toolpath, task.machine, tip, task.axis_tolerance, effort=task.effort, planner=Optimal(bound=False),
                 progress=Progress(step).part(k / len(tolerances), (k + 1) / len(tolerances)),
@@ -53,6 +58,15 @@ def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost
             step.note = f"within {format_length(tip)}: {format_time(duration)}"
         found.append(Cost(tip, duration))
     return found
+
+
+def apart(tolerances: Sequence[float], usual: float) -> list[float]:
+    """The tolerances [m] in ascending order, the usual one among them, each length once."""
+    found = [usual]
+    for tip in tolerances:
+        if all(abs(tip - other) >= ONE_LENGTH for other in found):
+            found.append(tip)
+    return sorted(found)
 
 
 def show_costs(console: Console, usual: float, found: Sequence[Cost]) -> None:
@@ -86,7 +100,7 @@ def run_tolerance(task: job.Job, tolerances: Sequence[float], picture: Path | No
     from toolpace.files import whole_file
 
     assert isinstance(task.tip_tolerance, float)
-    asked = sorted({*tolerances, task.tip_tolerance})
+    asked = apart(tolerances, task.tip_tolerance)
     found = costs(replace(task, report=False), asked, steps)
     show_costs(steps.console, task.tip_tolerance, found)
     if picture is not None:

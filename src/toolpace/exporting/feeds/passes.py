@@ -46,8 +46,7 @@ class Passes:
 
     def asked_times(self, toolpath: ToolPath) -> Floats:
         """(k,) what the program's feeds make of each pass [s]: the least time that its ways can take."""
-        way = np.linalg.norm(np.diff(toolpath.tip, axis=0), axis=1)
-        least = np.maximum(way / toolpath.feed[1:], toolpath.least_time[1:])
+        least = np.maximum(toolpath.way_length[1:] / toolpath.feed[1:], toolpath.least_time[1:])
         times: Floats = np.add.reduceat(least, self.first - 1)
         return times
 

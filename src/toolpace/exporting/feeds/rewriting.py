@@ -102,8 +102,7 @@ class Rewritten:
 
     def times(self, toolpath: ToolPath) -> dict[int, Floats]:
         """Line to what its feeds make of each of its pieces [s], by the program read again."""
-        way = np.linalg.norm(np.diff(toolpath.tip, axis=0), axis=1)
-        least = np.maximum(way / toolpath.feed[1:], toolpath.least_time[1:])
+        least = np.maximum(toolpath.way_length[1:] / toolpath.feed[1:], toolpath.least_time[1:])
         by_line = np.zeros(len(self.back) + 1)
         np.add.at(by_line, toolpath.block[1:], least)
         return {line: by_line[new] for line, new in self.bearers.items()}
