@@ -96,7 +96,7 @@ def test_a_plan_says_that_its_duration_is_without_the_tool_changes_of_the_sheet(
     given = ["plan", str(program), "-m", "xyzac-trunnion", "--controller", "linuxcnc", "--no-report"]
     assert main([*given, "--out", str(tmp_path / "with"), "--setup", str(sheet)]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "the duration is without 2 tool changes of 6.50 s (set-up sheet, [times]): 13.0 s more" in said
+    assert "the duration is without 2 tool changes of 6.50 s (set-up sheet, [times]): 13.00 s more" in said
     assert main([*given, "--out", str(tmp_path / "without")]) == 0
     assert "tool change" not in capsys.readouterr().out
     assert figures(tmp_path / "with")["duration_s"] == figures(tmp_path / "without")["duration_s"]

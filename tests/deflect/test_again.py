@@ -135,7 +135,8 @@ def test_a_start_above_the_feed_is_braked_nearly_as_fast_as_jerk_allows():
         detour = new.axis_path.runs[0].detour
         t = np.linspace(0.0, detour.duration, 4000)
         rates = tip_rates(MACHINE, detour.motion(t)[0])
-        least = t[int(np.argmax(fastest_braking(rates, detour.knots[:, 0], t, old.limits, 1.0) <= 0.03 * DETOUR))]
+        braked = fastest_braking(rates, detour.motion(np.zeros(1))[:3, 0], t, old.limits, 1.0)
+        least = t[int(np.argmax(braked <= 0.03 * DETOUR))]
         assert until <= 1.5 * least + 0.02 * detour.duration
     assert seen >= 3
 
@@ -185,7 +186,7 @@ def test_a_way_back_keeps_within_travel(joint):
     found = old.tip([time])[0][0] + [1.5e-3, -1e-3, 5e-4]
     free = deflect.replan(old, time, found).axis_path.runs[0].detour
     path = old.at(np.linspace(time, old.duration, 3000)).q[:, joint]
-    start = free.knots[0, 0, joint]
+    start = free.motion(np.zeros(1))[0, 0, joint]
     low, high = min(path.min(), start), max(path.max(), start)
     narrow = Machine.from_toml(MACHINE.to_toml(), "narrow")
     travel = narrow.travel.copy()

@@ -41,9 +41,9 @@ def test_right_derivatives_are_taken() -> None:
 @pytest.mark.parametrize("wrong", [1, 2, 3])
 def test_a_wrong_derivative_is_refused_with_its_place(wrong: int, part: int, factor: float) -> None:
     which = ("tip", "axis")[part]
-    name = rf"f\(s, {wrong}\) is not the derivative of f\(s, {wrong - 1}\): at s = [0-9.]+ .* {which} [xy]"
+    name = rf"f\(s, {wrong}\) is not the derivative of f\(s, {wrong - 1}\): at s = [0-9.e-]+ .* {which} [xy]"
     # a wrong middle derivative is no derivative of the one below, and has none above it
-    above = rf"f\(s, {wrong + 1}\) is not the derivative of f\(s, {wrong}\): at s = [0-9.]+ "
+    above = rf"f\(s, {wrong + 1}\) is not the derivative of f\(s, {wrong}\): at s = [0-9.e-]+ "
     with pytest.raises(tp.ToolpaceError, match=f"{name}|{above}") as caught:
         tp.Path.from_callable(spoiled(wrong, part, factor), 0.0, PERIOD)
     assert "\n" not in str(caught.value)

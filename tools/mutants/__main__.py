@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import random
 import shutil
 import sys
@@ -31,7 +32,7 @@ ROOMS = {
 }  # fmt: skip
 """The rooms that keep promises, and where they are below src/toolpace."""
 MOST_SECONDS = 90.0
-"""Of the tests of one change, the quickest of those that run its line."""
+"""Of the tests of one change, the quickest of those that run its line; --seconds sets it."""
 RESULTS = OUT / "results.jsonl"
 
 
@@ -60,6 +61,24 @@ def run(given: argparse.Namespace) -> int:
         share = -(-given.count // len(ROOMS))
         work = [(room, *each) for room in ROOMS for each in chosen(files_of(room), share, given.seed)]
     done = {tuple(json.loads(line)["key"]) for line in RESULTS.read_text().splitlines()} if RESULTS.exists() else set()
+    left = [each for each in work if (each[1], each[2].line, each[2].index, each[2].name) not in done]
+    children = []
+    for k in range(given.workers):
+        child = os.fork()
+        if child == 0:
+            code = 1
+            try:
+                _try_all(lines, left[k :: given.workers], given.seconds)
+                code = 0
+            finally:
+                sys.stdout.flush()
+                os._exit(code)
+        children.append(child)
+    return max(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children)
+
+
+def _try_all(lines: LineMap, work: list[tuple[str, str, Change]], most: float) -> None:
+    """Try changes one after the other in a copy of the tree, and note what came of each."""
     with tempfile.TemporaryDirectory() as folder:
         tree = Path(folder) / "src"
         shutil.copytree("src", tree, ignore=shutil.ignore_patterns("__pycache__"))
@@ -67,24 +86,21 @@ def run(given: argparse.Namespace) -> int:
         sys.dont_write_bytecode = True
         for number, (room, file, change) in enumerate(work, 1):
             key = (file, change.line, change.index, change.name)
-            if key in done:
-                continue
             began = time.perf_counter()
-            outcome, count = _outcome(lines, tree / file, file, change)
+            outcome, count = _outcome(lines, tree / file, file, change, most)
             entry = {"key": key, "room": room, "code": change.code, "outcome": outcome, "tests": count}
             with RESULTS.open("a", encoding="utf-8") as stream:
                 stream.write(json.dumps(entry) + "\n")
             print(f"{number}/{len(work)} {outcome} {file}:{change.line} {change.name}: {change.code}"
                   f" ({count} tests, {time.perf_counter() - began:.0f} s)", flush=True)  # fmt: skip
-    return 0
 
 
-def _outcome(lines: LineMap, path: Path, file: str, change: Change) -> tuple[str, int]:
+def _outcome(lines: LineMap, path: Path, file: str, change: Change, most: float) -> tuple[str, int]:
     """What came of a change, and on how many tests it was tried."""
     tests, seconds = [], 0.0
     for name in lines.tests_of(file, change.line):
         seconds += lines.seconds.get(name, 0.0)
-        if tests and seconds > MOST_SECONDS:
+        if tests and seconds > most:
             break
         tests.append(name)
     if not tests:
@@ -121,6 +137,8 @@ def main() -> int:
     parser.add_argument("command", choices=["map", "try", "table"])
     parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seconds", type=float, default=MOST_SECONDS)
+    parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--seed", type=int, default=20261124)
     given, rest = parser.parse_known_args()
     if given.command == "map":

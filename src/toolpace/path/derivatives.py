@@ -29,6 +29,9 @@ OFF = 1e-3
 """Share of a change by which its derivative's integral may differ from it."""
 ROUNDINGS = 256.0
 """How many roundings of the values may be in a difference."""
+NOISE = 1e-6
+"""Share of the even derivative, range over length to its order, below which one is noise: 1 - tanh(x)^2 is a rounding
+far from its bend, and that over a small width cubed is told as a derivative."""
 
 _X, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 PLACES = np.concatenate([[0.0], 0.5 * (1.0 + _X), [1.0]])
@@ -45,14 +48,16 @@ def check_derivatives(
     length = LENGTH * (s1 - s0)
     golden = np.modf(np.arange(CELLS) * 0.5 * (np.sqrt(5.0) - 1.0))[0]
     starts = s0 + (np.arange(CELLS) + golden) / CELLS * (s1 - s0 - length)
-    off, _, _ = _compared(evaluate, starts, length, name)
+    values = evaluate((starts[:, None] + length * PLACES).ravel())[0]
+    noise = NOISE * np.ptp(values, axis=0) / (s1 - s0) ** np.arange(1, 4)[:, None, None]
+    off, _, _ = _compared(evaluate, starts, length, noise, name)
     for order, column in np.argwhere(off.any(axis=1)):
         cell = int(np.argmax(off[order, :, column]))
         start, width = float(starts[cell]), length
         for _ in range(LEVELS - 1):
             width /= PARTS
             parts = np.asarray(start + width * np.arange(PARTS), dtype=np.float64)
-            still, now_given, now_found = _compared(evaluate, parts, width, name)
+            still, now_given, now_found = _compared(evaluate, parts, width, noise, name)
             bad = still[order, :, column]
             if bad.sum() <= PARTS // 2:
                 break
@@ -68,9 +73,12 @@ def check_derivatives(
 
 
 def _compared(
-    evaluate: Callable[[Floats], Floats], starts: Floats, length: float, name: str
+    evaluate: Callable[[Floats], Floats], starts: Floats, length: float, noise: Floats, name: str
 ) -> tuple[Bools, Floats, Floats]:
-    """Of cells (n,) of one length: which are off (3, n, c); the derivative told, and the one found (3, n, c)."""
+    """Of cells (n,) of one length: which are off (3, n, c); the derivative told, and the one found (3, n, c).
+
+    `noise` (3, 1, c) is what derivatives may be off by.
+    """
     s = starts[:, None] + length * PLACES
     jets = evaluate(s.ravel()).reshape(4, *s.shape, -1)
     if not np.isfinite(jets).all():
@@ -81,5 +89,5 @@ def _compared(
     told, size = (weights * inside).sum(axis=2), (weights * np.abs(inside)).sum(axis=2)
     eps = float(np.finfo(float).eps)
     rounding = eps * (np.abs(jets[:3]).max(axis=2) + np.abs(s).max() * np.abs(jets[1:]).max(axis=2))
-    off = np.abs(change - told) > OFF * np.maximum(np.abs(change), size) + ROUNDINGS * rounding
+    off = np.abs(change - told) > OFF * np.maximum(np.abs(change), size) + ROUNDINGS * rounding + length * noise
     return off, told / length, change / length

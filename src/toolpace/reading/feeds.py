@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import reprlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,6 +57,8 @@ class FeedChange:
     @staticmethod
     def parse(text: str) -> FeedChange:
         """`none`, a factor such as `120%`, or a value such as `3000mm/min`; UsageError otherwise."""
+        if not isinstance(text, str):
+            raise UsageError(f"feed is {reprlib.repr(text)[:40]}; write text with its unit, like '3000mm/min'")
         spec = text.strip().lower()
         if spec == "none":
             return FeedChange(speed=np.inf)

@@ -8,8 +8,8 @@
            |ramp|   even    |ramp|         the same ramps and the same even part
 
 One and the same ramp slows the clock and moves the joints aside, so that the speed of the tip is highest at the ends of
-a ramp. With the pace 0 the tool comes to rest, goes straight to the path, and starts again. Before that the motion may
-go on as it is for a while (`Before`), where its limits leave no room at once.
+a ramp. With the pace 0 the tool comes to rest, goes straight to the path, and starts again. Where the limits leave no
+room at once, all joints stop before that (`Stop`), or the motion goes on as it is for a while (`Before`).
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.course import Course
+from toolpace.deflect.way_back.stop import Stop
 
 MARKS = 8
 """Steps of each ramp, and of the even part, in which the motion is looked at."""
@@ -70,6 +71,11 @@ class Before:
     clocks: tuple[float, float]
     """Of the motion that is rejoined, at the start and at the end [s]."""
 
+    @property
+    def times(self) -> Floats:
+        """(k + 1,) ends of the steps in which it is looked at [s]."""
+        return np.linspace(0.0, self.duration, 4 * MARKS + 1)
+
     def motion(self, t: Floats) -> Floats:
         """(4, n, m) at sorted times (n,)."""
         out = self.current.motion(self.local + t)
@@ -90,7 +96,7 @@ class Aside(Course):
     paces: tuple[float, float, float]
     """Of that clock at the start, in the even part, and at the end."""
     shape: Shape
-    before: Before | None = None
+    before: Before | Stop | None = None
 
     def __post_init__(self) -> None:
         own = np.concatenate(
@@ -98,7 +104,7 @@ class Aside(Course):
         )
         own = np.append(own, self.shape.duration)
         wait = 0.0 if self.before is None else self.before.duration
-        times = own if not wait else np.concatenate([np.linspace(0.0, wait, 4 * MARKS + 1)[:-1], wait + own])
+        times = own if self.before is None else np.concatenate([self.before.times[:-1], wait + own])
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "wait", wait)
         end = float(self._clock(np.array([self.shape.duration]))[0, 0])

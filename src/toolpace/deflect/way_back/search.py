@@ -28,7 +28,7 @@ from toolpace.deflect.way_back.splines import (
     solved,
     with_feed,
 )  # fmt: skip
-from toolpace.deflect.way_back.sure import Standby, sure_way
+from toolpace.deflect.way_back.sure import Standby, fed_time, price, sure_way
 from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
@@ -36,6 +36,8 @@ LONG = 3.0
 """Time of a detour over the first guess from which finer steps are tried too."""
 FED = 0.8
 """Time that the feed asks for, over that of the joints alone, from which no spline is tried: it would hug the feed."""
+ABOVE_FED = 4.0
+"""The same where the tip is above the feed at the start: splines brake it nearly as fast as the joints can."""
 COARSE_TRIES, FINE_TRIES = 6, 3
 """Splines that are tried, of few and of many steps: each costs some 20 to 300 ms of computing."""
 SHORTEST, LONGEST = 1e-5, 60.0
@@ -102,7 +104,8 @@ def way_back_of(problem: Problem, standby: Standby, rejoin: float | None = None,
     binds, and not the joints, the way beside the path is as fast as any.
     """
     found: list[Course | None] = []
-    by_joints = fed_time(problem) <= FED * problem.guess
+    fed = fed_time(problem)
+    by_joints = fed <= FED * problem.guess or (fed <= ABOVE_FED * problem.guess and begins_above_feed(problem))
     if by_joints:
         found.append(with_pieces(problem, rejoin, lag, COARSE_TRIES))
         if found[0] is not None and found[0].duration <= LONG * problem.guess:
@@ -113,18 +116,13 @@ def way_back_of(problem: Problem, standby: Standby, rejoin: float | None = None,
     return min(found, key=price)
 
 
-def price(course: Course | None) -> float:
-    """Time of a way back and what it loses [s]."""
-    return np.inf if course is None else course.duration + course.lost
-
-
-def fed_time(problem: Problem) -> float:
-    """The least time in which the feed lets the tip go aside [s]; 0 where none holds."""
+def begins_above_feed(problem: Problem) -> bool:
+    """Whether the tip is above the feed where it was found, with the joints going on as they were."""
     if problem.machine is None:
-        return 0.0
+        return False
     feed = feed_at(problem.commanded.run, problem.commanded.place(np.array([problem.left])))[0]
-    tips = problem.machine.forward(np.stack([problem.start[0], problem.end(0.0, 0.0)[0]]))[0]
-    return float(np.linalg.norm(tips[0] - tips[1]) / feed) if np.isfinite(feed) else 0.0
+    velocity = tip_velocity(problem.machine, problem.start[:1], problem.start[1:2])
+    return bool(np.linalg.norm(velocity) > DETOUR * feed)
 
 
 def with_pieces(problem: Problem, rejoin: float | None, lag: float, tries: int) -> Detour | None:

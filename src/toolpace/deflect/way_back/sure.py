@@ -1,7 +1,7 @@
 """The way back that is always there: beside the path at a lower pace, at worst from rest, after a while if need be.
 
 sure: an instant of a motion, the motion that shall be rejoined, the limits
-  now, and else from the next instants at which the limits leave room, the last of which is the rest at the end:
+  now; where that is long, also from a stop of all joints, and from the next instants at which the limits leave room:
       for paces from nearly the commanded one to none:
           ramps and an even part as long as feed and joints need by closed forms; longer while a look finds them passed
       the way that takes least time, and loses least of the program's
@@ -21,6 +21,7 @@ from toolpace.deflect.course import Course
 from toolpace.deflect.feed import feed_at, tip_velocity
 from toolpace.deflect.way_back.aside import Aside, Before, Shape
 from toolpace.deflect.way_back.splines import Problem
+from toolpace.deflect.way_back.stop import Stop
 from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
@@ -40,6 +41,8 @@ CLOSER, BETWEEN = 3, 9
 """Closer looks at what lies beside a jump of the jerk, and the instants of each between two."""
 JUMP, NEAR = 0.01, 0.95
 """Change of the jerk between two instants, over its limit, that may hide more where it is so near the limit."""
+ENOUGH = 4.0
+"""Times the shortest that a way back may take and lose before others are tried."""
 WAITS = 14
 """Instants from which the way aside is begun, where it cannot begin at once."""
 NOT_BEGUN = 1e-6
@@ -128,18 +131,52 @@ def at_jumps(course: Course, t: Floats, share: Floats, jerk: Floats) -> float:
 
 def sure_way(problem: Problem, standby: Standby, target: float | None, most: float = np.inf) -> Aside | None:
     """The way back of least time and least time lost; None where none is found in less than `most` of both [s]."""
-    for wait in waits(problem, standby):
-        if wait >= most:
+    best = None
+    for before in befores(problem, standby):
+        if best is not None and price(best) <= ENOUGH * shortest(problem):
             break
-        found = best_aside(problem, standby, wait, target, most)
+        if before is not None and before.duration >= most:
+            continue
+        found = best_aside(problem, standby, before, target, most)
         if found is not None:
-            return found
-    return None
+            best, most = found, price(found)
+    return best
+
+
+def price(course: Course | None) -> float:
+    """Time of a way back and what it loses [s]."""
+    return np.inf if course is None else course.duration + course.lost
+
+
+def shortest(problem: Problem) -> float:
+    """A time [s] in which there may be a way back: that of the joints alone, and of the feed alone."""
+    return problem.guess + fed_time(problem)
+
+
+def fed_time(problem: Problem) -> float:
+    """The least time in which the feed lets the tip go aside [s]; 0 where none holds."""
+    if problem.machine is None:
+        return 0.0
+    feed = feed_at(problem.commanded.run, problem.commanded.place(np.array([problem.left])))[0]
+    tips = problem.machine.forward(np.stack([problem.start[0], problem.end(0.0, 0.0)[0]]))[0]
+    return float(np.linalg.norm(tips[0] - tips[1]) / feed) if np.isfinite(feed) else 0.0
+
+
+def befores(problem: Problem, standby: Standby) -> Iterator[Before | Stop | None]:
+    """What the joints may do before the way aside: nothing, stop, or go on as they were for a while."""
+    yield None
+    stop = Stop(problem.start, problem.limits, problem.left)
+    if stop.duration > 0.0:
+        yield stop
+    for wait in waits(problem, standby):
+        if not wait > 0.0:
+            continue
+        clocks = (problem.left, standby.clock(wait))
+        yield Before(standby.current, standby.local, standby.offset, wait, clocks)
 
 
 def waits(problem: Problem, standby: Standby) -> Iterator[float]:
-    """Times [s] after which a way aside is tried: at once, then where the limits leave room, at last at rest."""
-    yield 0.0
+    """Times [s] after which a way aside is tried: where the limits leave room, at last at rest."""
     rest = standby.current.law.duration - standby.local
     if rest <= 0.0:
         return
@@ -154,18 +191,18 @@ def waits(problem: Problem, standby: Standby) -> Iterator[float]:
     yield rest
 
 
-def best_aside(problem: Problem, standby: Standby, wait: float, target: float | None, most: float) -> Aside | None:
-    """The best way aside after a wait."""
-    best, price = None, most
-    state = standby.state(wait)
-    left = standby.clock(wait) if wait > 0.0 else problem.left
-    before = None
-    if wait > 0.0:
-        before = Before(standby.current, standby.local, standby.offset, wait, (problem.left, left))
-    for pace in PACES:
-        found, cost = with_pace(problem, state, left, pace, target, before, price)
-        if found is not None and cost < price:
-            best, price = found, cost
+def best_aside(
+    problem: Problem, standby: Standby, before: Before | Stop | None, target: float | None, most: float
+) -> Aside | None:
+    """The best way aside after what is before it, in less time and time lost than `most` [s]."""
+    best, state, left = None, problem.start, problem.left
+    if before is not None:
+        state = before.state() if isinstance(before, Stop) else standby.state(before.duration)
+        left = before.clocks[1]
+    for pace in (0.0,) if isinstance(before, Stop) else PACES:
+        found, cost = with_pace(problem, state, left, pace, target, before, most)
+        if found is not None and cost < most:
+            best, most = found, cost
     return best
 
 
@@ -179,7 +216,13 @@ def first_pace(problem: Problem, state: Floats, clock: float) -> float:
 
 
 def with_pace(
-    problem: Problem, state: Floats, clock: float, pace: float, target: float | None, before: Before | None, most: float
+    problem: Problem,
+    state: Floats,
+    clock: float,
+    pace: float,
+    target: float | None,
+    before: Before | Stop | None,
+    most: float,
 ) -> tuple[Aside | None, float]:
     """The way aside at a pace, as short as is found, and its time with what it loses; None where none passes."""
     begin, paces = clock, (first_pace(problem, state, clock), pace, 1.0)
