@@ -149,6 +149,13 @@ class ToolPath(ByValue):
                 if told
                 else np.full((n, *width), np.nan)
             )
+        with np.errstate(over="ignore"):
+            length = np.linalg.norm(taken["normal"], axis=1)
+        if (off := (length <= 0.0) | np.isinf(length)).any():
+            at = int(np.argmax(off))
+            raise UsageError(
+                f"tool path: normal {at} has the length {length[at]:g}; give unit vectors, or nan where none is told"
+            )
         return taken
 
     def _marks(self) -> dict[str, Ints | Bools]:

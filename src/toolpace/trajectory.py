@@ -26,6 +26,8 @@ BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
 CHUNK = 100_000
 """Times that are worked out at once, to keep memory low."""
+INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
+"""Note of a motion that was loaded."""
 
 
 @dataclass(frozen=True)
@@ -248,8 +250,8 @@ class Trajectory:
         """The motion in a folder that `toolpace plan --out` wrote, from its set-points, machine and program.
 
         It passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
-        both, some nanometres from the plan at steps of 1 ms. `usage` and bounds are those that plan.json tells. Raises
-        UsageError where a file is missing, was changed, or is of another plan.
+        both, some nanometres from the plan at steps of 1 ms; where the plan's jerk jumps between two set-points, that of
+        the polynomial exceeds it, and `notes` says so. `usage` and bounds are those that plan.json tells. Raises UsageError where a file is missing, was changed, or is of another plan.
         """
         from toolpace.axispath.plan_folder import read_plan_folder
         from toolpace.laws.clock import ClockLaw
@@ -266,6 +268,7 @@ class Trajectory:
             found.continuous_bound,
             mesh_points=found.mesh_points,
             solve_seconds=found.solve_seconds,
+            notes=(INTERPOLATED,),
             found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk),
         )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number
 from toolpace.errors import PathError, UsageError
 from toolpace.workers import Lock
 
@@ -22,12 +22,9 @@ class SpeedCap:
         """
         if not callable(cap):
             try:
-                figure = float(cap)
-            except (TypeError, ValueError):
-                figure = np.nan
-            if not figure > 0.0:
-                raise UsageError(f"path: speed_cap is {cap!r}; give a positive number, inf, or a function of s")
-            cap = figure
+                cap = number(cap, "path: speed_cap", least=0.0, above=True, endless=True)
+            except UsageError as error:
+                raise UsageError(f"{error}, or a function of s") from None
         self.cap = cap
         self.lock = lock or Lock()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import reprlib
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,6 +42,8 @@ class PlanFolder(NamedTuple):
 
 def read_plan_folder(given: str | os.PathLike[str]) -> PlanFolder:
     """What a folder of `toolpace plan --out` holds. Raises UsageError."""
+    if not isinstance(given, str | os.PathLike):
+        raise UsageError(f"plan: {reprlib.repr(given)[:40]} is no path; give the folder of `toolpace plan --out`")
     folder = Path(given)
     if not is_folder(folder):
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan --out` wrote")

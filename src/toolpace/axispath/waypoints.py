@@ -33,6 +33,8 @@ MISSED = 1e-10
 """The same in the end."""
 FAR = 4.0 * np.pi
 """Position that no slide has [m], and next to no waypoint of a turning joint: two turns [rad]."""
+LARGEST = 1e12
+"""Most of a parameter: its fifth power, and more of it, must stay a number."""
 ROUND = 1e-9
 """Share of a position up to which it counts as one of a decimal."""
 
@@ -127,4 +129,6 @@ def _parameter(s: npt.ArrayLike, count: int) -> Floats:
         raise UsageError(
             f"waypoints: s[{k + 1}] = {parameter[k + 1]:g} does not lie above s[{k}] = {parameter[k]:g}; s must grow"
         )
+    if np.abs(parameter).max() > LARGEST:
+        raise UsageError(f"waypoints: s goes to {np.abs(parameter).max():g}; give values of {LARGEST:g} at most")
     return parameter

@@ -19,7 +19,17 @@ import numpy as np
 
 from toolpace import units
 from toolpace.bending.compliance import Bending
-from toolpace.cuttingtool import FORCES, MILLINGS, Coefficients, Cut, Cutter, CuttingTool, Engagement, Milling
+from toolpace.cuttingtool import (
+    FORCES,
+    MILLINGS,
+    OTHER_WORDS,
+    Coefficients,
+    Cut,
+    Cutter,
+    CuttingTool,
+    Engagement,
+    Milling,
+)
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.files.tables import TableFile, Tables
 
@@ -208,7 +218,9 @@ class _File(Tables):
         for word in known:
             if found == word:
                 return word
-        self.fail(place, f"{key} = {found!r:.40} is not known; {did_you_mean(str(found)[:40], known)}")
+        other = OTHER_WORDS.get(str(found).strip().lower().split(" ")[0]) if key == "milling" else None
+        hint = f"did you mean '{other}'?" if other else did_you_mean(str(found)[:40], known)
+        self.fail(place, f"{key} = {found!r:.40} is not known; {hint}")
 
     def length(self, place: str, table: Table, key: str, usual: float | None = None) -> float:
         """Above zero, but where it is left out or may be nothing."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy.typing as npt
 
+from toolpace.arrays import number
 from toolpace.axispath.follow import FollowRun
 from toolpace.deflect.aim import AimedOffRun
 from toolpace.deflect.commanded import CommandedMotion
@@ -23,6 +24,8 @@ def rejoin_time(
     `rejoin` is "fastest" (free), "projection" (of the deflection on the run, or on the `interval` of it) or a
     parameter of the run.
     """
+    if interval is not None and rejoin != "projection":
+        raise UsageError("replan: an interval is for a projection on it; give rejoin='projection', or leave it out")
     run = commanded.run
     on_path = run.base if isinstance(run, AimedOffRun) else run
     if rejoin == "fastest":
@@ -34,7 +37,7 @@ def rejoin_time(
             raise UsageError("replan: a projection needs a path of tip and axis; give the parameter to rejoin at")
         s = project(Path((on_path.run,)), deflection, interval=interval).s
     else:
-        s = float(rejoin)
+        s = number(rejoin, "replan: rejoin")
         if not run.s0 <= s <= run.s1:
             raise UsageError(f"replan: rejoin at s = {s:g}; the run goes from {run.s0:g} to {run.s1:g}")
     return commanded.law.passing_time(s)

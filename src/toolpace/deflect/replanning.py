@@ -177,12 +177,13 @@ def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt
         raise UsageError(f"replan: unknown cause '{cause}'; {did_you_mean(str(cause), CAUSES)}")
     if cause == "bending" and axis is not None:
         raise UsageError("replan: a bending is made up for at the tip, and the tool axis stays; leave axis out")
-    if not isinstance(time, Real):
+    if not isinstance(time, Real) or isinstance(time, bool):
         raise UsageError(
             f"replan: time is {str(time)[:40]!r}; give seconds: replan(trajectory, time, deflection, machine)"
         )
     if not 0.0 <= time <= trajectory.duration:
-        raise UsageError(f"replan: time {time:g} s is not within the trajectory's {trajectory.duration:.6g} s")
+        shown = max(min(time, 1e300), -1e300)  # a whole number may be too large for a float
+        raise UsageError(f"replan: time {shown:g} s is not within the trajectory's {trajectory.duration:.6g} s")
     if any(law.jumps.size for law in trajectory.laws):
         raise UsageError(
             f"replan: accelerations jump in a plan of planner {trajectory.planner}, so no way back from it can keep to"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import reprlib
 import zlib
 from pathlib import Path
 
@@ -31,6 +32,8 @@ def checksum(piece: Floats) -> float:
 
 def read_law(path: str | os.PathLike[str]) -> Floats:
     """The piece in a file. Raises UsageError where it is none, of another version, cut short or changed."""
+    if not isinstance(path, str | os.PathLike):
+        raise UsageError(f"follower: {reprlib.repr(path)[:40]} is no path; give that of a file of Follower.save")
     if Path(path).is_dir():
         raise UsageError(f"{path}: a folder, not a law; Follower.from_folder takes the folder of a plan")
     try:

@@ -70,6 +70,7 @@ def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None =
     from toolpace.jobs.following import follow_as_planned
     from toolpace.reading import Findings, Source
     from toolpace.reading.languages import with_controller
+    from toolpace.reading.setup_sheet import with_cure_of_zero
     from toolpace.timing.program import figures_for, moves_of
     from toolpace.timing.program_time import of_operations, time_of_moves
 
@@ -87,7 +88,9 @@ def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None =
         if planned:
             best = optimum_of(task, steps)
         else:
-            follow_as_planned(asked.machine, job.read_program(task, steps))
+            toolpath = job.read_program(task, steps)
+            with with_cure_of_zero(toolpath.assumed):
+                follow_as_planned(asked.machine, toolpath)
     change = options.setup.tool_change
     if figures.model == "ideal" and not waits_only:
         time = of_operations(best, moves, change)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, gate_methods
+from toolpace.arrays import Floats, gate_methods, number
 from toolpace.description import one_line
 
 PROBES = 20_000
@@ -87,7 +87,11 @@ class TimeLaw(ABC):
         return times
 
     def passing_time(self, s: float) -> float:
-        """When s is passed [s], by bisection; the start or the end where s is at or beyond it."""
+        """When s is passed [s], by bisection; the start or the end where s is at or beyond it.
+
+        Raises UsageError for what is no number.
+        """
+        s = number(s, f"{type(self).__name__}.passing_time: s", endless=True)
         low, high = 0.0, self.duration
         if s <= self.s0:
             return low

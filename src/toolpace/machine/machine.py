@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -162,8 +162,10 @@ class Machine(ByValue, Posed):
 
     def with_tools(self, lengths: Iterable[float]) -> list[Machine]:
         """The machine with a tool of each of these lengths [m], as `with_tool`; equal ones are one object."""
+        given = list(lengths) if isinstance(lengths, Iterator) else lengths
+        figures = numbers(given, f"machine {self.name}: tool lengths", ("n",), finite=False, unit="m").tolist()
         known: dict[float, Machine] = {}
-        return [known.setdefault(each, known.get(each) or self.with_tool(each)) for each in map(float, lengths)]
+        return [known.setdefault(each, known.get(each) or self.with_tool(each)) for each in figures]
 
     def with_limits(self, limits: Limits) -> Machine:
         """The machine with other limits; `limits` has its joints in the same order."""

@@ -19,9 +19,14 @@ LOOKED_AT = 65
 
 
 def check_count(limits: Limits, path: AxisPath) -> None:
-    """Raise UsageError where there are not as many limits as joints."""
+    """Raise UsageError where there are not as many limits as joints, or where they have the names in another order."""
     count = len(path.joints)
     if len(limits) == count:
+        if limits.joints != path.joints and set(limits.joints) == set(path.joints):
+            raise UsageError(
+                f"plan: limits are of the joints {', '.join(limits.joints)}, the path's are {', '.join(path.joints)}; "
+                "give limits in the order of path.joints"
+            )
         return
     cure = f"give {count} figures of each kind"
     if len(limits) == 1:

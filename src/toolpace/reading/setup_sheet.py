@@ -18,6 +18,8 @@ HEAD = """\
 # Set-up sheet of {program}{machine}.
 # The figures are those that are taken without a sheet: put in those of the machine, and give it with --setup FILE.
 # A table that is taken out has its stand-in again.
+# With work offsets, words where no tool length counts (G49, D0) are those of the spindle nose, as on the control;
+# without them they are those of the machine's own tool.
 
 [units]
 length = "mm"  # or "m", "in"

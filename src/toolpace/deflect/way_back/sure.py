@@ -41,8 +41,9 @@ CLOSER, BETWEEN = 3, 9
 """Closer looks at what lies beside a jump of the jerk, and the instants of each between two."""
 JUMP, NEAR = 0.01, 0.95
 """Change of the jerk between two instants, over its limit, that may hide more where it is so near the limit."""
-ENOUGH = 4.0
-"""Times the shortest that a way back may take and lose before others are tried."""
+ENOUGH, SOON, EASIER = 4.0, 0.05, 1.4
+"""Times the shortest that a way back may take and lose before others are tried, a time [s] up to which none are, and
+the growth of both with each that is tried."""
 WAITS = 14
 """Instants from which the way aside is begun, where it cannot begin at once."""
 NOT_BEGUN = 1e-6
@@ -131,10 +132,11 @@ def at_jumps(course: Course, t: Floats, share: Floats, jerk: Floats) -> float:
 
 def sure_way(problem: Problem, standby: Standby, target: float | None, most: float = np.inf) -> Aside | None:
     """The way back of least time and least time lost; None where none is found in less than `most` of both [s]."""
-    best = None
+    best, enough = None, max(ENOUGH * shortest(problem), SOON)
     for before in befores(problem, standby):
-        if best is not None and price(best) <= ENOUGH * shortest(problem):
+        if before is not None and most <= enough:
             break
+        enough *= EASIER
         if before is not None and before.duration >= most:
             continue
         found = best_aside(problem, standby, before, target, most)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
@@ -58,7 +60,8 @@ def guarded(
       look between the nodes:  (nearly) nothing passed?  ease it, done
       cut the cells that pass a limit by far (unless the mesh is fixed);  put rows where the others pass one
       solve again around them;  keep the law that will be the fastest once it is slowed down to the guarantee
-    slow the best one down to the guarantee: after so many rounds, or where the cells that were cut led astray
+    slow the best one down to the guarantee: after so many rounds, or where the cells that were cut led astray, or the
+    rounds did, and came to a law that is slower than that
     """
     best: tuple[MeshedRun, SplineLaw, Floats] | None = None
     least, at_nodes = np.inf, law.duration
@@ -68,7 +71,9 @@ def guarded(
         if not dips.any() and now <= (1.0 + EASED_BY) * law.duration:
             gently = eased(meshed.look, law, peaks.used, meshed.ramp, workers)
             if gently is not None:
-                return gently
+                if best is None or gently.duration <= (1.0 + EASED_BY) * least:
+                    return gently
+                return at_least_as_fast(gently, *best, workers)
         if best is None or now < least:
             best, least = (meshed, law, peaks.used), now
         if number == most_rounds or (number == REFINE_ROUNDS and not fixed and least > ASTRAY * at_nodes):
@@ -84,6 +89,13 @@ def guarded(
         law = SplineLaw(meshed.nodes, c, meshed.rest)
     assert best is not None
     return within_guarantee(*best, workers)
+
+
+def at_least_as_fast(held: SplineLaw, meshed: MeshedRun, law: SplineLaw, used: Floats, workers: Workers) -> SplineLaw:
+    """A law that is held, or that of an earlier round slowed down to the guarantee, whichever is faster."""
+    with contextlib.suppress(Stalled):
+        return min(held, within_guarantee(meshed, law, used, workers), key=lambda one: one.duration)
+    return held
 
 
 def looked_at(meshed: MeshedRun, law: SplineLaw, number: int, workers: Workers) -> tuple[Peaks, float]:

@@ -11,13 +11,15 @@ repeat while it pays:
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 
 from toolpace.arrays import Bools, Floats
 from toolpace.axispath.run import AxisRun
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
-from toolpace.planning.mesh.guess import quickest_ramp, ramp_time
+from toolpace.planning.mesh.guess import quickest_ramp
 from toolpace.planning.mesh.nodes import DEFAULT_CELLS, STEPS_A_RAMP, UNTOLD_RAMP, cut_cells, graded
 from toolpace.planning.optimal.dips import too_short
 from toolpace.planning.optimal.meshed_run import MeshedRun
@@ -29,6 +31,8 @@ SWITCH = 0.1
 """Change of an acceleration within a cell, as a share of its limit, from which the cell is cut."""
 PARTS, REST_PARTS = 4, 16
 """Into how many such a cell is cut, and how much shorter a cell at rest becomes."""
+FEWER_REST_PARTS = 4
+"""The same where no way was found on the finer mesh: the path itself may stand at an end of the run."""
 SHORTEST = 3e-6
 """Time of a cell, as a share of the duration, below which it is not cut: the loss in all switches is a few of these."""
 LONGEST = 2.0
@@ -53,42 +57,47 @@ def sharpened(meshed: MeshedRun, law: SplineLaw, workers: Workers) -> tuple[Mesh
 
     Where no finer mesh gives a faster one, they are as they were.
     """
+    rest_parts = REST_PARTS
     for _ in range(MOST_ROUNDS):
-        nodes = finer_nodes(meshed, law)
+        nodes = finer_nodes(meshed, law, rest_parts)
         if len(nodes) == len(law.nodes) + sum(rest > 0.0 for rest in law.rest):
             break
         finer = on_nodes(meshed, law, nodes)
         z = law.states_at(finer.nodes)[1] ** 2
         begin = start_from(finer, finer.nodes, z, START_SHARE)
-        try:
+        won = -np.inf
+        with contextlib.suppress(Stalled):
             found = SplineLaw(finer.nodes, solve_run(finer, begin, START_SPREAD, workers), finer.rest)
-        except Stalled:
-            break
-        won = 1.0 - found.duration / law.duration
+            won = 1.0 - found.duration / law.duration
         if won > 0.0:
             meshed, law = finer, found
-        if won < WORTH:
+        if -WORTH <= won < WORTH or (won < 0.0 and rest_parts == FEWER_REST_PARTS):
             break
+        if won < 0.0:
+            rest_parts = FEWER_REST_PARTS
     return meshed, law
 
 
 def on_nodes(meshed: MeshedRun, law: SplineLaw, nodes: Floats) -> MeshedRun:
     """The same run on the nodes (n,) from s0 to s1."""
-    ramp = max(min(ramp_time(meshed.limits), law.duration), LEAST_RAMP * law.duration)
+    ramp = max(min(quickest_ramp(meshed.limits), law.duration), LEAST_RAMP * law.duration)
     return MeshedRun(meshed.run, meshed.limits, nodes, meshed.ends, meshed.highest, (law.nodes, law.times), ramp)
 
 
-def finer_nodes(meshed: MeshedRun, law: SplineLaw) -> Floats:
-    """The nodes from s0 to s1 with those cells cut in which an acceleration switches, or which take long."""
+def finer_nodes(meshed: MeshedRun, law: SplineLaw, rest_parts: int) -> Floats:
+    """The nodes from s0 to s1 with those cells cut in which an acceleration switches, or which take long.
+
+    A cell at rest becomes `rest_parts` times shorter.
+    """
     cut = switching(meshed.run, meshed.limits, law) | (np.diff(law.times) > LONGEST * law.duration / DEFAULT_CELLS)
     nodes = cut_cells(law.nodes, np.where(cut & ~too_short(law.nodes), PARTS, 1))
     before, after = [], []
     least = LONGEST * SHORTEST * law.duration
     if law.rest[0] > 0.0:
-        closer = [law.s0 + law.rest[0] / REST_PARTS] if law.times[0] > least else []
+        closer = [law.s0 + law.rest[0] / rest_parts] if law.times[0] > least else []
         before = [law.s0, *closer]
     if law.rest[1] > 0.0:
-        closer = [law.s1 - law.rest[1] / REST_PARTS] if law.duration - law.times[-1] > least else []
+        closer = [law.s1 - law.rest[1] / rest_parts] if law.duration - law.times[-1] > least else []
         after = [*closer, law.s1]
     finer = np.concatenate([before, nodes, after])
     return graded(finer) if len(finer) > len(law.nodes) + sum(rest > 0.0 for rest in law.rest) else finer

@@ -110,7 +110,7 @@ class Control:
         self.effort.changes += 1
         old, new = self.placement, self.coordinates.placement(self.tool)
         if self.coordinates.reckons and not self.setup.tools and self.poses.machine is not None:
-            self.findings.assumed(NO_SHEET.format(self.datum.own_length * 1e3))
+            self.findings.assumed(NO_SHEET.format(self.datum.own_length * 1e3, self.poses.machine.name))
         if new == old:
             return
         place = old.place(self.words)
@@ -188,6 +188,9 @@ class Control:
         if tool is not None:
             self._know(tool)
         coordinates = self.coordinates
+        coordinates.off = tool is None and (coordinates.off or coordinates.compensated or coordinates.tip_mode)
+        if tool is None and coordinates.named_for != self.tool:
+            coordinates.length_of = ""  # of the tool before
         coordinates.compensated, coordinates.length_of = tool is not None, tool or coordinates.length_of
         coordinates.told, coordinates.oversize, coordinates.named_for = None, oversize, self.tool
         self._replaced()
@@ -196,6 +199,7 @@ class Control:
         """Reckon with a tool of this length [m], whose tip is x and y beside the spindle."""
         coordinates = self.coordinates
         coordinates.compensated, coordinates.told, coordinates.named_for = True, (x, y, length), self.tool
+        coordinates.off = False
         self._replaced()
 
     def _know(self, tool: str) -> None:
@@ -337,6 +341,8 @@ class Control:
     def change_tool(self, tool: str) -> None:
         """Take another tool; the machine stops, and stays where it is."""
         self.stop()
+        if tool != self.tool and not self.coordinates.compensated:
+            self.coordinates.length_of = ""
         self.tool = tool
         self._know(tool)
         self.operations.begin(tool=tool)

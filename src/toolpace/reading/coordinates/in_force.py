@@ -32,6 +32,8 @@ class Coordinates:
     """Tool whose length counts; "" is the one in the spindle."""
     compensated: bool = False
     """Whether the control reckons with that length."""
+    off: bool = False
+    """Whether the program ended the reckoning with a length (G49, D0), which tip mode may outlast."""
     oversize: float = 0.0
     """By how much longer than the table says the program calls the tool [m]."""
     told: tuple[float, float, float] | None = None
@@ -47,6 +49,9 @@ class Coordinates:
 
     def length(self, tool: str) -> float:
         """Of the tool that counts, as the program has it [m]."""
+        if self.off and self.tip_mode:
+            # as of words that are joints: the nose, or the machine's own tool where no sheet tells of offsets
+            return 0.0 if self.datum.setup.offsets else self.datum.own_length
         return self.datum.length(self.length_of or tool) + self.oversize
 
     @property

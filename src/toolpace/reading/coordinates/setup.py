@@ -9,7 +9,7 @@ Position = Mapping[str, float]
 """Machine coordinates by axis letter [m, rad]; an axis that is not there is not known."""
 STAND_IN = "the upper ends of the travel of X, Y and Z"
 """Where machine zero and reference points are, where no sheet tells it."""
-OFFSETS_UNSAID = "without a set-up sheet the origin of the part stands for every work offset (preset)"
+OFFSETS_UNSAID = "no set-up sheet tells work offsets: the origin of the part stands for every work offset (preset)"
 ZERO_UNSAID = f"the set-up sheet does not say where machine zero is: it is taken to be at {STAND_IN}, 1 mm inside"
 ZERO_CURE = (
     "say on a set-up sheet where machine zero and reference points are ([machine_zero]): inspect --write-setup FILE "

@@ -16,8 +16,8 @@ from toolpace.toolpath import Operation
 NOT_LISTED = "tool {} is not on the set-up sheet: it is as long as the machine's own"
 ONLY_TOOL = "the program names no tool: {}, the only one of the set-up sheet, is in the spindle"
 NO_SHEET = (
-    "no set-up sheet tells the lengths of tools: each is as long as the machine's own, {:g} mm ([tools] of --setup "
-    "FILE tells others)"
+    "no set-up sheet tells the lengths of tools: each is as long as the machine's own, {:g} mm on {} ([tools] of "
+    "--setup FILE tells others)"
 )
 NO_TOOL = "the program names no tool, and the set-up sheet has several: it is as long as the machine's own"
 
@@ -47,7 +47,7 @@ class ToolLengths:
         self.findings.used.tools.update(dict.fromkeys(each.tool for each in operations if each.tool))
         if not self.setup.tools:
             if self.machine is not None:
-                self.findings.assumed(NO_SHEET.format(float(self.machine.tool_length) * 1e3))
+                self.findings.assumed(NO_SHEET.format(float(self.machine.tool_length) * 1e3, self.machine.name))
             return None
         lengths = np.array([self._of(each.tool) for each in operations])
         unknown = np.isnan(lengths)[operation]

@@ -84,6 +84,7 @@ class Tools:
 
     def length(self, numbers: Numbers, word: str) -> None:
         """G43: the length of H, or of the tool at hand."""
+        self.control.findings.ignored(word)
         self._length(numbers, word)
         self._tip(self.state.switched_tip_mode, False)
 
@@ -94,7 +95,6 @@ class Tools:
             given, state.length_word = None, None
         if given is not None or not self.h_stays:
             state.length_word = None if given is None else f"{given:g}"
-        control.findings.ignored(word)
         tool = state.length_word or control.tool or ""
         if given is None and (not self.rs274):
             taken = f"that of H{state.length_word} before" if state.length_word else f"that of tool {tool}"
