@@ -250,8 +250,9 @@ class Trajectory:
         """The motion in a folder that `toolpace plan --out` wrote, from its set-points, machine and program.
 
         It passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
-        both, some nanometres from the plan at steps of 1 ms; where the plan's jerk jumps between two set-points, that of
-        the polynomial exceeds it, and `notes` says so. `usage` and bounds are those that plan.json tells. Raises UsageError where a file is missing, was changed, or is of another plan.
+        both, some nanometres from the plan at steps of 1 ms; where the plan's jerk jumps between two set-points, the
+        polynomial's exceeds it, and `notes` says so. `usage` and bounds are those that plan.json tells. Raises
+        UsageError where a file is missing, was changed, or is of another plan.
         """
         from toolpace.axispath.plan_folder import read_plan_folder
         from toolpace.laws.clock import ClockLaw
