@@ -14,7 +14,8 @@ room at once, all joints stop before that (`Stop`), or the motion goes on as it 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -44,6 +45,12 @@ class Shape:
     def duration(self) -> float:
         """[s]"""
         return 2.0 * self.ramp + self.even
+
+    @property
+    def marks(self) -> Floats:
+        """(k,) where its parts begin and end [s]."""
+        ends = np.array([0.0, self.ramp, self.ramp + self.even, self.duration])
+        return ends if self.even > 0.0 else ends[[0, 1, 3]]
 
     def up_and_down(self, t: Floats) -> tuple[Floats, Floats]:
         """(4, n) each at times (n,): integral, value and two derivatives of both ramps, the first and the last."""
@@ -82,6 +89,13 @@ class Before:
         out[0] += self.offset
         return out
 
+    def state(self) -> Floats:
+        """(3, m) at its end: at rest where the motion has come to its own."""
+        found: Floats = self.motion(np.array([self.duration]))[:3, 0]
+        if self.local + self.duration >= self.current.law.duration:
+            found[1:] = 0.0
+        return found
+
 
 @dataclass(frozen=True, eq=False)
 class Aside(Course):
@@ -97,11 +111,16 @@ class Aside(Course):
     """Of that clock at the start, in the even part, and at the end."""
     shape: Shape
     before: Before | Stop | None = None
+    wait: float = field(init=False)
+    """Time of what is before it [s]."""
+    times: Floats = field(init=False)
+    rejoin: float = field(init=False)
+    off: tuple[Floats, Floats, Floats, Floats] = field(init=False)
+    """By how much the joints are off at the start, two time derivatives, and what is left once these have died away."""
 
     def __post_init__(self) -> None:
-        own = np.concatenate(
-            [np.linspace(a, b, MARKS + 1)[:-1] for a, b in zip(self._joints_of_time[:-1], self._joints_of_time[1:])]
-        )
+        marks = self.shape.marks
+        own = np.concatenate([np.linspace(a, b, MARKS + 1)[:-1] for a, b in pairwise(marks)])
         own = np.append(own, self.shape.duration)
         wait = 0.0 if self.before is None else self.before.duration
         times = own if self.before is None else np.concatenate([self.before.times[:-1], wait + own])
@@ -113,13 +132,7 @@ class Aside(Course):
         off, rate, bend = self.start - [q, v, a]
         # the rates die away in the first ramp, and lead on by this
         far = self.shape.ramp * (rate / 2.0 + bend * self.shape.ramp / 12.0)
-        object.__setattr__(self, "_off", (off, rate, bend, off + far))
-
-    @property
-    def _joints_of_time(self) -> Floats:
-        shape = self.shape
-        marks = np.array([0.0, shape.ramp, shape.ramp + shape.even, shape.duration])
-        return marks if shape.even > 0.0 else marks[[0, 1, 3]]
+        object.__setattr__(self, "off", (off, rate, bend, off + far))
 
     def _clock(self, t: Floats) -> Floats:
         """(4, n) clock of the commanded motion and its rates at times since the way aside began."""
@@ -140,7 +153,7 @@ class Aside(Course):
 
     def _beside(self, t: Floats) -> Floats:
         """(4, n, m) by how much the joints are off."""
-        off, rate, bend, whole = self._off  # type: ignore[attr-defined]
+        off, rate, bend, whole = self.off
         up, down = self.shape.up_and_down(t)
         share = (up - down)[:, :, None] / (self.shape.ramp + self.shape.even)
         out = np.stack([whole - whole * share[0], *(-whole * each for each in share[1:])])
@@ -155,7 +168,7 @@ class Aside(Course):
         return out
 
     def clock(self, t: Floats) -> Floats:
-        wait = self.wait  # type: ignore[attr-defined]
+        wait = self.wait
         out = self._clock(np.clip(t - wait, 0.0, self.shape.duration))[0]
         if self.before is not None:
             first, last = self.before.clocks
@@ -164,7 +177,7 @@ class Aside(Course):
         return on
 
     def motion(self, t: Floats) -> Floats:
-        wait = self.wait  # type: ignore[attr-defined]
+        wait = self.wait
         order = np.argsort(t, kind="stable")
         on = np.clip(t[order], 0.0, self.duration)
         m = self.start.shape[1]

@@ -64,14 +64,6 @@ class Standby:
     clock: Callable[[float], float]
     """That of the motion that is rejoined, after a time that it goes on [s]."""
 
-    def state(self, wait: float) -> Floats:
-        """(3, m) after a time [s]."""
-        state: Floats = self.current.motion(np.array([self.local + wait]))[:3, 0]
-        if self.local + wait >= self.current.law.duration:
-            state[1:] = 0.0
-        state[0] += self.offset
-        return state
-
 
 @dataclass(frozen=True, eq=False)
 class Look:
@@ -139,7 +131,7 @@ def sure_way(problem: Problem, standby: Standby, target: float | None, most: flo
         enough *= EASIER
         if before is not None and before.duration >= most:
             continue
-        found = best_aside(problem, standby, before, target, most)
+        found = best_aside(problem, before, target, most)
         if found is not None:
             best, most = found, price(found)
     return best
@@ -171,8 +163,6 @@ def befores(problem: Problem, standby: Standby) -> Iterator[Before | Stop | None
     if stop.duration > 0.0:
         yield stop
     for wait in waits(problem, standby):
-        if not wait > 0.0:
-            continue
         clocks = (problem.left, standby.clock(wait))
         yield Before(standby.current, standby.local, standby.offset, wait, clocks)
 
@@ -182,7 +172,7 @@ def waits(problem: Problem, standby: Standby) -> Iterator[float]:
     rest = standby.current.law.duration - standby.local
     if rest <= 0.0:
         return
-    t = np.unique(np.concatenate([np.geomspace(min(1e-3, rest), rest, 200), np.linspace(0.0, rest, 200)]))
+    t = np.unique(np.concatenate([np.geomspace(min(1e-3, rest), rest, 200), np.linspace(0.0, rest, 200)[1:]]))
     rates = standby.current.motion(standby.local + t)[1:]
     limits = [getattr(problem.limits, kind) for kind in KINDS]
     used = np.max([(np.abs(rate) / limit).max(axis=1) for rate, limit in zip(rates, limits)], axis=0)
@@ -193,14 +183,11 @@ def waits(problem: Problem, standby: Standby) -> Iterator[float]:
     yield rest
 
 
-def best_aside(
-    problem: Problem, standby: Standby, before: Before | Stop | None, target: float | None, most: float
-) -> Aside | None:
+def best_aside(problem: Problem, before: Before | Stop | None, target: float | None, most: float) -> Aside | None:
     """The best way aside after what is before it, in less time and time lost than `most` [s]."""
     best, state, left = None, problem.start, problem.left
     if before is not None:
-        state = before.state() if isinstance(before, Stop) else standby.state(before.duration)
-        left = before.clocks[1]
+        state, left = before.state(), before.clocks[1]
     for pace in (0.0,) if isinstance(before, Stop) else PACES:
         found, cost = with_pace(problem, state, left, pace, target, before, most)
         if found is not None and cost < most:
