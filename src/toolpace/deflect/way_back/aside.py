@@ -22,7 +22,7 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.course import Course
-from toolpace.deflect.way_back.stop import Stop
+from toolpace.deflect.way_back.stop import Stop, dying
 
 MARKS = 8
 """Steps of each ramp, and of the even part, in which the motion is looked at."""
@@ -157,14 +157,8 @@ class Aside(Course):
         up, down = self.shape.up_and_down(t)
         share = (up - down)[:, :, None] / (self.shape.ramp + self.shape.even)
         out = np.stack([whole - whole * share[0], *(-whole * each for each in share[1:])])
-        h = self.shape.ramp
-        u = np.clip(t / h, 0.0, 1.0)[:, None]
-        on = (t < h)[:, None]
-        turned = bend * h * u * u * (0.5 - 2.0 / 3.0 * u + u * u / 4.0)
-        out[0] += off - whole + h * (rate * (u - u**3 + u**4 / 2.0) + turned)
-        out[1] += on * (rate * (1.0 - 3.0 * u * u + 2.0 * u**3) + bend * h * (u - 2.0 * u * u + u**3))
-        out[2] += on * (rate * (6.0 * u * u - 6.0 * u) / h + bend * (1.0 - 4.0 * u + 3.0 * u * u))
-        out[3] += on * (rate * (12.0 * u - 6.0) / h**2 + bend * (6.0 * u - 4.0) / h)
+        out += dying(rate, bend, self.shape.ramp, t)
+        out[0] += off - whole
         return out
 
     def clock(self, t: Floats) -> Floats:

@@ -21,7 +21,7 @@ from toolpace.deflect.course import Course
 from toolpace.deflect.feed import feed_at, tip_velocity
 from toolpace.deflect.way_back.aside import Aside, Before, Shape
 from toolpace.deflect.way_back.splines import Problem
-from toolpace.deflect.way_back.stop import Stop
+from toolpace.deflect.way_back.stop import Stop, StopAlone, StopTogether
 from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
@@ -48,6 +48,8 @@ WAITS = 14
 """Instants from which the way aside is begun, where it cannot begin at once."""
 NOT_BEGUN = 1e-6
 """Time of a run up to which it has not been begun [s]."""
+RISE = 1.1
+"""Times the feed to which the acceleration of the start may carry the tip while all joints brake in proportion."""
 ROUNDING = 1e-9
 """Of positions against travel [m or rad]."""
 
@@ -82,7 +84,7 @@ class Look:
         return self.inside and self.joints <= DETOUR and self.feed <= DETOUR
 
 
-def look(problem: Problem, course: Course, looks: int) -> Look:
+def look(problem: Problem, course: Aside, looks: int) -> Look:
     """At a way, so many times in each step."""
     inner = np.arange(looks) / looks
     t = np.append((course.times[:-1, None] + np.diff(course.times)[:, None] * inner).ravel(), course.duration)
@@ -101,9 +103,12 @@ def look(problem: Problem, course: Course, looks: int) -> Look:
             # what the start is above the feed by cannot be changed at once: it may not rise, but for its acceleration
             over = np.logical_and.accumulate(ratio > DETOUR)
             most = ratio[0] * 1.05 if over[0] else 1.0
-            if over[0]:
-                above = float(t[min(int(np.count_nonzero(over)), len(t) - 1)])
-            feed = float(np.where(over & (ratio <= most), 0.0, ratio).max())
+            excused = over & (ratio <= most)
+            if isinstance(course.before, StopTogether):
+                excused |= (t < course.wait) & (ratio > DETOUR) & (ratio <= RISE)
+            if excused.any():
+                above = float(t[min(int(np.flatnonzero(excused)[-1]) + 1, len(t) - 1)])
+            feed = float(np.where(excused, 0.0, ratio).max())
     return Look(joints, feed, inside, above)
 
 
@@ -159,9 +164,10 @@ def fed_time(problem: Problem) -> float:
 def befores(problem: Problem, standby: Standby) -> Iterator[Before | Stop | None]:
     """What the joints may do before the way aside: nothing, stop, or go on as they were for a while."""
     yield None
-    stop = Stop(problem.start, problem.limits, problem.left)
-    if stop.duration > 0.0:
-        yield stop
+    for kind in (StopAlone, StopTogether):
+        stop = kind(problem.start, problem.limits, problem.left)
+        if stop.duration > 0.0:
+            yield stop
     for wait in waits(problem, standby):
         clocks = (problem.left, standby.clock(wait))
         yield Before(standby.current, standby.local, standby.offset, wait, clocks)
