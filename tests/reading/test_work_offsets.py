@@ -31,9 +31,9 @@ def test_in_g91_what_g10_sets_is_added():
 def test_it_is_said_that_a_sheet_is_missing_where_it_is():
     """One sentence for all offsets without a sheet; none with it."""
     body = START + "G54\nG0 X0 Y0 Z0\nG1 X1.\nG55\nX2."
-    said = [s for s in read_for("fanuc", body).assumed if "without a set-up sheet" in s]
+    said = [s for s in read_for("fanuc", body).assumed if "no set-up sheet tells work offsets" in s]
     assert len(said) == 1
-    assert not [s for s in read_for("fanuc", body, setup=SHEET).assumed if "without a set-up sheet" in s]
+    assert not [s for s in read_for("fanuc", body, setup=SHEET).assumed if "no set-up sheet tells work offsets" in s]
 
 
 def test_an_offset_of_an_axis_that_is_not_there_is_refused_unless_it_is_zero():
