@@ -53,7 +53,6 @@ def chosen(files: list[str], count: int, seed: int) -> list[tuple[str, Change]]:
 
 def run(given: argparse.Namespace) -> int:
     """Try changes, and note what came of each."""
-    lines = LineMap()
     if given.files:
         files = [path.resolve().relative_to(Path("src").resolve()).as_posix() for path in given.files]
         work = [("named", *each) for each in chosen(files, given.count, given.seed)]
@@ -68,7 +67,7 @@ def run(given: argparse.Namespace) -> int:
         if child == 0:
             code = 1
             try:
-                _try_all(lines, left[k :: given.workers], given.seconds)
+                _try_all(left[k :: given.workers], given.seconds)
                 code = 0
             finally:
                 sys.stdout.flush()
@@ -77,8 +76,9 @@ def run(given: argparse.Namespace) -> int:
     return max(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children)
 
 
-def _try_all(lines: LineMap, work: list[tuple[str, str, Change]], most: float) -> None:
+def _try_all(work: list[tuple[str, str, Change]], most: float) -> None:
     """Try changes one after the other in a copy of the tree, and note what came of each."""
+    lines = LineMap()  # not before the fork: it is forgotten, file and all, by a process that did not open it
     with tempfile.TemporaryDirectory() as folder:
         tree = Path(folder) / "src"
         shutil.copytree("src", tree, ignore=shutil.ignore_patterns("__pycache__"))
