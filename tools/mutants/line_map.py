@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 OUT = Path("out/mutants")
 TIMES = OUT / "seconds.json"
 DATA = OUT / "coverage"
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class Recorder:
@@ -46,6 +49,18 @@ def record(arguments: list[str]) -> int:
     return subprocess.call([*run, str(script), *arguments], env=environment)
 
 
+@cache
+def function_lines(file: Path) -> frozenset[int]:
+    """Lines of the bodies of all functions of a module."""
+    functions = (each for each in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(each, FUNCTIONS))
+    return frozenset(k for each in functions for k in range(each.body[0].lineno, (each.end_lineno or 0) + 1))
+
+
+def in_function(file: Path, line: int) -> bool:
+    """Whether a line runs where something is called; else it runs on import, in whatever test comes first."""
+    return line in function_lines(file)
+
+
 class LineMap:
     """What `record` found."""
 
@@ -67,6 +82,6 @@ class LineMap:
             self.known[file] = self.data.contexts_by_lineno(self.files[file])
         lines = self.known[file]
         tests = [each for each in lines.get(line, []) if each]
-        if not tests and line in lines:
+        if line in lines and not in_function(Path("src") / file, line):
             tests = list({each for some in lines.values() for each in some if each})
         return sorted(tests, key=lambda name: self.seconds.get(name, 0.0))
