@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbed import replans
-from toolpace.deflect.way_back.stop import StopAlone, StopTogether, stop_of_joint
+from toolpace.deflect.way_back.stop import StopAlone, StopTogether, dying, stop_of_joint
 from toolpace.machine.limits import Limits
 
 LIMITS = Limits([2.0, 0.5, 10.0], [8.0, 1.0, 50.0], [80.0, 40.0, 300.0])
@@ -55,6 +55,18 @@ def test_joints_in_proportion_end_at_rest_on_their_line_within_the_limits():
             assert (change / step**order <= limit * (1.0 + 1e-6)).all()
         assert (np.abs(np.diff(q, axis=0)[-1]) <= LIMITS.jerk * step**3).all()
         assert (stop.state()[1:] == 0.0).all()
+
+
+def test_what_dies_away_is_one_motion():
+    """Each row is the derivative of the one before, by central differences; from the rates at first to none."""
+    rate, bend, time, h = np.array([0.3, -1.0]), np.array([2.0, 0.7]), 0.8, 1e-6
+    t = np.linspace(0.05, 0.75, 15)
+    rows, later, sooner = dying(rate, bend, time, t), dying(rate, bend, time, t + h), dying(rate, bend, time, t - h)
+    for order in (1, 2, 3):
+        assert (later[order - 1] - sooner[order - 1]) / (2.0 * h) == pytest.approx(rows[order], rel=1e-7, abs=1e-7)
+    first, last = dying(rate, bend, time, np.array([0.0, time]))[:3].swapaxes(0, 1)
+    assert first == pytest.approx(np.stack([0.0 * rate, rate, bend]))
+    assert last[1:] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_no_jerk_of_one_sign_and_back_stops_a_joint_sooner():
