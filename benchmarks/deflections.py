@@ -120,7 +120,9 @@ def shortest(old: Trajectory, new: Trajectory, limits: Limits) -> float:
     # a start may use what a plan may
     for name, limit in (("velocity", limits.velocity), ("acceleration", limits.acceleration), ("jerk", limits.jerk)):
         setattr(given, f"max_{name}", np.minimum(1.0001 * limit, 1e6).tolist())
-    given.current_position, given.current_velocity, given.current_acceleration = detour.knots[:, 0].tolist()
+    given.current_position, given.current_velocity, given.current_acceleration = detour.motion(np.zeros(1))[
+        :3, 0
+    ].tolist()
     least = np.inf
     for k in range(len(clock)):
         given.target_position, given.target_velocity, given.target_acceleration = states[:3, k].tolist()

@@ -41,6 +41,14 @@ class CommandedMotion:
         moving = joint_motion(self.run.evaluate(state[0]), state)
         return np.stack([moving.q, moving.qd, moving.qdd, moving.qddd])
 
+    def paced(self, clock: Floats) -> Floats:
+        """(4, n, m) the same on a clock (4, n) with its rates; at rest before the law's start and behind its end."""
+        q, v, a, j = self.motion(clock[0])
+        rest = (clock[0] >= self.law.duration) | (clock[0] < 0.0)
+        v[rest], a[rest], j[rest] = 0.0, 0.0, 0.0
+        r, r1, r2 = clock[1:, :, None]
+        return np.stack([q, r * v, r * r * a + r1 * v, r**3 * j + 3.0 * r * r1 * a + r2 * v])
+
     def still(self, speed: Floats) -> Bools:
         """(n,) whether these speeds of the parameter are those of rest, but for rounding."""
         resting: Bools = np.abs(speed) <= STILL * (self.run.s1 - self.run.s0) / self.law.duration

@@ -128,7 +128,7 @@ class Aside(Course):
         object.__setattr__(self, "wait", wait)
         end = float(self._clock(np.array([self.shape.duration]))[0, 0])
         object.__setattr__(self, "rejoin", min(end, self.commanded.law.duration))
-        q, v, a = self._base(self._clock(np.zeros(1)))[:3, 0]
+        q, v, a = self.commanded.paced(self._clock(np.zeros(1)))[:3, 0]
         off, rate, bend = self.start - [q, v, a]
         # the rates die away in the first ramp, and lead on by this
         far = self.shape.ramp * (rate / 2.0 + bend * self.shape.ramp / 12.0)
@@ -142,14 +142,6 @@ class Aside(Course):
         out[0] += self.begin + first * t
         out[1] += first
         return out
-
-    def _base(self, c: Floats) -> Floats:
-        """(4, n, m) of the commanded motion on a clock (4, n); at rest before its start and behind its end."""
-        q, v, a, j = self.commanded.motion(c[0])
-        rest = (c[0] >= self.commanded.law.duration) | (c[0] < 0.0)
-        v[rest], a[rest], j[rest] = 0.0, 0.0, 0.0
-        r, r1, r2 = c[1:, :, None]
-        return np.stack([q, r * v, r * r * a + r1 * v, r**3 * j + 3.0 * r * r1 * a + r2 * v])
 
     def _beside(self, t: Floats) -> Floats:
         """(4, n, m) by how much the joints are off."""
@@ -179,5 +171,5 @@ class Aside(Course):
         if cut and self.before is not None:
             out[:, order[:cut]] = self.before.motion(on[:cut])
         own = on[cut:] - wait
-        out[:, order[cut:]] = self._base(self._clock(own)) + self._beside(own)
+        out[:, order[cut:]] = self.commanded.paced(self._clock(own)) + self._beside(own)
         return out

@@ -4,6 +4,7 @@ sure: an instant of a motion, the motion that shall be rejoined, the limits
   now; where that is long, also from a stop of all joints, and from the next instants at which the limits leave room:
       for paces from nearly the commanded one to none:
           ramps and an even part as long as feed and joints need by closed forms; longer while a look finds them passed
+      where none passes, to rest on the path, and from there on by a clock that always passes
       the way that takes least time, and loses least of the program's
 """
 
@@ -20,6 +21,7 @@ from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.course import Course
 from toolpace.deflect.feed import feed_at, tip_velocity
 from toolpace.deflect.way_back.aside import Aside, Before, Shape
+from toolpace.deflect.way_back.restart import Restart, Rise, steepest
 from toolpace.deflect.way_back.splines import Problem
 from toolpace.deflect.way_back.stop import Stop, StopAlone, StopTogether
 from toolpace.machine.limits import KINDS
@@ -46,12 +48,18 @@ ENOUGH, SOON, EASIER = 4.0, 0.05, 1.4
 the growth of both with each that is tried."""
 WAITS = 14
 """Instants from which the way aside is begun, where it cannot begin at once."""
+STEEPER = (8.0, 4.0, 2.0, 1.0)
+"""Times the sure steepness with which a pace is tried to rise again."""
 NOT_BEGUN = 1e-6
 """Time of a run up to which it has not been begun [s]."""
 RISE = 1.1
 """Times the feed to which the acceleration of the start may carry the tip while all joints brake in proportion."""
 ROUNDING = 1e-9
 """Of positions against travel [m or rad]."""
+
+
+Placed = tuple[Shape, float, tuple[float, float, float]]
+"""A shape, the clock of the commanded law at its start [s], and the paces of that clock."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +92,7 @@ class Look:
         return self.inside and self.joints <= DETOUR and self.feed <= DETOUR
 
 
-def look(problem: Problem, course: Aside, looks: int) -> Look:
+def look(problem: Problem, course: Aside | Restart, looks: int) -> Look:
     """At a way, so many times in each step."""
     inner = np.arange(looks) / looks
     t = np.append((course.times[:-1, None] + np.diff(course.times)[:, None] * inner).ravel(), course.duration)
@@ -104,8 +112,9 @@ def look(problem: Problem, course: Aside, looks: int) -> Look:
             over = np.logical_and.accumulate(ratio > DETOUR)
             most = ratio[0] * 1.05 if over[0] else 1.0
             excused = over & (ratio <= most)
-            if isinstance(course.before, StopTogether):
-                excused |= (t < course.wait) & (ratio > DETOUR) & (ratio <= RISE)
+            aside = course.to_rest if isinstance(course, Restart) else course
+            if isinstance(aside.before, StopTogether):
+                excused |= (t < aside.wait) & (ratio > DETOUR) & (ratio <= RISE)
             if excused.any():
                 above = float(t[min(int(np.flatnonzero(excused)[-1]) + 1, len(t) - 1)])
             feed = float(np.where(excused, 0.0, ratio).max())
@@ -127,16 +136,19 @@ def at_jumps(course: Course, t: Floats, share: Floats, jerk: Floats) -> float:
     return worst
 
 
-def sure_way(problem: Problem, standby: Standby, target: float | None, most: float = np.inf) -> Aside | None:
+def sure_way(problem: Problem, standby: Standby, target: float | None, most: float = np.inf) -> Aside | Restart | None:
     """The way back of least time and least time lost; None where none is found in less than `most` of both [s]."""
-    best, enough = None, max(ENOUGH * shortest(problem), SOON)
+    best: Aside | Restart | None = None
+    enough = max(ENOUGH * shortest(problem), SOON)
     for before in befores(problem, standby):
         if before is not None and most <= enough:
             break
         enough *= EASIER
         if before is not None and before.duration >= most:
             continue
-        found = best_aside(problem, before, target, most)
+        found: Aside | Restart | None = best_aside(problem, before, target, most)
+        if found is None and best is None and not isinstance(before, Before):
+            found = restarted(problem, before, problem.left if target is None else target, most)
         if found is not None:
             best, most = found, price(found)
     return best
@@ -201,6 +213,24 @@ def best_aside(problem: Problem, before: Before | Stop | None, target: float | N
     return best
 
 
+def restarted(problem: Problem, before: Stop | None, place: float, most: float) -> Restart | None:
+    """To rest at a place of the path, on the clock of its law, and on from there, in less than `most` [s].
+
+    None where already the way to the path passes feed or travel.
+    """
+    state, paces = problem.start if before is None else before.state(), (0.0, 0.0, 0.0)
+    shape = guessed(problem, state, place, paces)
+    to_rest, _ = lengthened(problem, state, shape, lambda shape: (shape, place, paces), before, most)
+    if to_rest is None:
+        return None
+    sure = steepest(problem.commanded, place, problem.limits)
+    for steeper in STEEPER:
+        way = Restart(to_rest, Rise(steeper * sure))
+        if look(problem, way, FINAL).passes:
+            return way if price(way) < most else None
+    return None
+
+
 def first_pace(problem: Problem, state: Floats, clock: float) -> float:
     """The pace of the commanded motion that comes nearest to a state (3, m)."""
     rate = problem.end(clock - problem.left, 0.0)[1] / problem.limits.velocity
@@ -220,16 +250,28 @@ def with_pace(
     most: float,
 ) -> tuple[Aside | None, float]:
     """The way aside at a pace, as short as is found, and its time with what it loses; None where none passes."""
-    begin, paces = clock, (first_pace(problem, state, clock), pace, 1.0)
-    shape = guessed(problem, state, begin, paces[0], pace)
+    paces = (first_pace(problem, state, clock), pace, 1.0)
+
+    def placed(shape: Shape) -> Placed | None:
+        return (shape, clock, paces) if target is None else to_place(shape, clock, paces, target)
+
+    return lengthened(problem, state, guessed(problem, state, clock, paces), placed, before, most)
+
+
+def lengthened(
+    problem: Problem,
+    state: Floats,
+    shape: Shape | None,
+    placed: Callable[[Shape], Placed | None],
+    before: Before | Stop | None,
+    most: float,
+) -> tuple[Aside | None, float]:
+    """The first way that passes, of a shape that is stretched by and by, and its time with what it loses."""
     for _ in range(TRIES):
-        if shape is None:
+        there = placed(shape) if shape is not None else None
+        if there is None:
             break
-        if target is not None:
-            there = to_place(shape, clock, paces, target)
-            if there is None:
-                break
-            shape, begin, paces = there
+        shape, begin, paces = there
         way = Aside(problem.commanded, problem.left, state, begin, paces, shape, before)
         cost = way.duration + way.lost
         if cost >= most:
@@ -243,9 +285,7 @@ def with_pace(
     return None, np.inf
 
 
-def to_place(
-    shape: Shape, clock: float, paces: tuple[float, float, float], target: float
-) -> tuple[Shape, float, tuple[float, float, float]] | None:
+def to_place(shape: Shape, clock: float, paces: tuple[float, float, float], target: float) -> Placed | None:
     """The shape, the clock at its start and the paces with which it ends at a time of the commanded law.
 
     None where it never comes there. With a lower pace where the time to there is too short or too long for the shape,
@@ -275,12 +315,13 @@ def stretched(shape: Shape, seen: Look) -> Shape:
     return Shape(ramps, max(even - ramps, 0.0))
 
 
-def guessed(problem: Problem, state: Floats, clock: float, first: float, pace: float) -> Shape | None:
+def guessed(problem: Problem, state: Floats, clock: float, paces: tuple[float, float, float]) -> Shape | None:
     """Ramps and even part by closed forms; None where the feed leaves nothing for a way aside at the pace."""
+    first, pace, last = paces
     q, v, _, _ = problem.end(clock - problem.left, 0.0)
     velocity, acceleration, jerk = (getattr(problem.limits, kind) for kind in KINDS)
     off = np.abs(state[0] - q)
-    slower = np.abs((first - pace) * v) + (1.0 - pace) * np.abs(v)
+    slower = np.abs((first - pace) * v) + np.abs((last - pace) * v)
     with np.errstate(divide="ignore", invalid="ignore"):
         ramps = max(
             LEAST, float((1.5 * slower / (SHARE * acceleration)).max()), sqrt((6.0 * slower / (SHARE * jerk)).max())
