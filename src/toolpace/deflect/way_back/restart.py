@@ -1,19 +1,15 @@
-"""To rest on the path, and from there on by a clock that no limit can hold up: the way back that always passes.
+"""To rest on the path, and from there on by a clock that no limit can hinder: the last resort, which always passes.
 
-    dc/dt   1            .------ 1 - e:  e' = -k e
-              \\        /
-               \\      /  k^2 t
-    stop        '----'   straight to the path, at rest there
+    stop, straight to the path, rest       dc/dt:  k^2 t^2 / 2,  then 1 - e with e' = -k e,  at last 1
 
-A motion Q(c) that keeps to velocities V, accelerations A and jerks J keeps to them on a clock c of pace r = 1 - e, too,
-where  k V <= A  and  k^2 V + 3 k A <= J  for each joint:
+A motion Q(c) that keeps to velocities V, accelerations A and jerks J keeps to them on a clock c of the rate r = 1 - e,
+too, where  k V <= A  and  k^2 V + 3 k A <= J  for each joint:
 
     acceleration    r^2 Q'' + r' Q'                     <= (1 - e)^2 A + k e V                    <= A
     jerk            r^3 Q''' + 3 r r' Q'' + r'' Q'      <= (1 - e)^3 J + 3 k e A + k^2 e V        <= J
 
-for (1 - e)^2 <= 1 - e and (1 - e)^3 <= 1 - e. The tip is no faster than on the path. An exponential never comes to its
-end: what is left of e at last is a ten-thousandth of a percent, which a parabola takes to nothing within the rounding
-of the limits.
+for (1 - e)^2 and (1 - e)^3 are at most 1 - e. The tip is no faster than on the path. An exponential never comes to its
+end: the last 1e-5 of the rate are a parabola, by which limits are passed by no more than 1e-5 of themselves.
 """
 
 from __future__ import annotations
