@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -129,3 +130,27 @@ def test_the_share_of_what_binds_is_that_of_its_set_points():
         assert {name: share for name, share in shares.items() if share} == {
             "feed": 2.0 / n, f"acceleration {last}": binds.sum() / n
         }  # fmt: skip
+
+
+def test_where_no_feed_is_asked_for_none_is_used():
+    """A program of rapids uses none of its feed; with times of its blocks it may use all of them, and no more."""
+    free = motions.program(feed=np.inf)
+    timed = replace(free, least_time=np.full(len(free), 1e-3))
+    for program, said, good in ((free, 0.0, True), (free, 0.5, False), (timed, 1.0, True), (timed, 1.01, False)):
+        found = UsageFigures({"usage": {"feed": said}}, POINTS, motions.machine(), program, None, 1e-3).of_feed()
+        assert (not found) == good, said
+
+
+@pytest.mark.parametrize(
+    ("rounds", "good"),
+    [
+        ([(2.0, True)], True), ([(2.0, True), (1.5, True), (1.8, False)], True), ([(2.0, False)], False),
+        ([(2.0, True), (1.5, True), (1.8, True)], False), ([(2.0, True), (1.5, False)], False),
+        ([(2.0, True), (-1.0, True)], False), ([(np.inf, True)], False),
+    ],
+)  # fmt: skip
+def test_a_round_is_kept_where_it_is_the_fastest_so_far(rounds, good):
+    said = [{"duration_s": duration, "kept": kept} for duration, kept in rounds]
+    shares = {"tip_at_tolerance": 0.5, "axis_at_tolerance": None}
+    (check,) = figures(effort="normal", rounds=said, **shares).of_rounds()
+    assert check.ok == good

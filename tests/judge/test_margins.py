@@ -13,6 +13,7 @@ from toolpace.judge import verify
 from toolpace.judge.motion import largest_difference, position_noise
 from toolpace.machine.limits import Limits
 from toolpace.setpoints import SetPoints
+from toolpace.tolerances.tolerances import Tolerances
 
 DT = 1e-3
 POINTS = motions.set_points()
@@ -198,3 +199,26 @@ def test_the_tolerance_of_the_axis_is_that_tolerance(over, wrong):
     turned = np.cos(over * 1e-3) * program.axis + np.sin(over * 1e-3) * side
     found = set(failed(points, program=replace(program, axis=turned, rotary=None, rotary_joints=())))
     assert found == ({"axis, set-points to program", "axis, program to set-points"} if wrong else set())
+
+
+@pytest.mark.parametrize(("over", "wrong"), [(1.003, True), (1.0, False)])
+def test_each_block_has_all_of_its_own_tolerance(over, wrong):
+    """A wide one beside a narrow one, used to the full: the matching grants it as the check does."""
+    narrow, wide = 5e-6, 100e-6
+    points, program = motions.set_points(spacing=5e-5), motions.program(spacing=5e-5)
+    first, last = 200, 800
+    tip, along = program.tip.copy(), np.linspace(0.0, np.pi, last - first)
+    tip[first:last, 2] += over * wide * np.sin(along) ** 2
+    tolerance = Tolerances(narrow, {f"{program.block[first]}-{program.block[last]}": wide})
+    result = verify(points, MACHINE, replace(program, tip=tip), tip_tolerance=tolerance)
+    assert any(check.what.startswith("tip") for check in result.findings) == wrong
+
+
+@pytest.mark.parametrize("far", [0.0, 100.0, -100.0])
+def test_rest_is_not_denied_for_the_rounding_of_a_position_far_off(far):
+    """A double near 100 cannot say how far the jerk lets the joint go in the first step; near 0 it can."""
+    t = np.arange(50) * 1e-5
+    q = np.full(len(t), far)
+    q[0] += np.spacing(100.0)
+    limits = Limits([1.0], [1e9], [1.0], ("X",))
+    assert ("rest at the start" in failed(joint(t, q), limits)) == (far == 0.0)

@@ -45,3 +45,8 @@ def test_a_right_plan_with_a_wait_anywhere_is_right(dwells):
 def test_time_at_feed_that_was_time_at_rapid_is_found(point, moved):
     checks = operation({point: 0.5}, WAYS[0] + WAYS[2] + moved, WAYS[1] - moved).checks()
     assert [check.ok for check in checks] == [True, False]
+
+
+def test_a_part_of_less_than_no_time_is_found_although_the_sums_are_right():
+    checks = operation({1: 0.5}, WAYS[0] + WAYS[1] + WAYS[2] + 1.0, -1.0).checks()
+    assert not checks[0].ok

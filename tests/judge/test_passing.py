@@ -53,7 +53,7 @@ def test_a_least_time_is_known_to_a_hundredth_of_a_step(more, wrong):
     assert [check.what for check in found] == (["least time"] if wrong else [])
 
 
-@pytest.mark.parametrize(("steps", "wrong"), [(2.5, True), (1.5, False)])
+@pytest.mark.parametrize(("steps", "wrong"), [(2.5, True), (2.0, False), (1.5, False)])
 def test_sampling_may_hide_two_steps_of_a_dwell(steps, wrong):
     """Where the motion waits from set-point to set-point."""
     program, walk = along_x([0.0, 4e-3, 8e-3], [0.0, 0.1, 0.0])

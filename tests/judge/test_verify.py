@@ -9,8 +9,10 @@ import pytest
 
 from tests.support import motions
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
+from tests.support.tool_paths import toolpath_through
 from toolpace.errors import UsageError, VerificationError
-from toolpace.judge import verify
+from toolpace.judge import verify, verify_plan
+from toolpace.judge.tool_lengths import length_checks, tool_table
 from toolpace.machine.limits import Limits
 from toolpace.setpoints import SetPoints
 
@@ -304,3 +306,21 @@ def test_the_tolerance_is_that_tolerance():
     points, program = motions.set_points(spacing=5e-5), motions.program(spacing=5e-5)
     assert near <= failed(moved_tip(points.tip + 1.003 * 10e-6 * UP, points), program=program)
     assert not near & failed(moved_tip(points.tip + 0.997 * 10e-6 * UP, points), program=program)
+
+
+def test_figures_of_a_motion_that_cannot_be_judged_are_not_looked_at():
+    """What is no motion is said alone; one that is has its figures judged."""
+    q = POINTS.q.copy()
+    q[500] = np.nan
+    result = verify_plan(replace(POINTS, q=q), MACHINE, PROGRAM, {}, 10e-6, 1e-3)
+    assert [check.what for check in result.findings] == ["set-points"]
+    with pytest.raises(KeyError):
+        verify_plan(POINTS, MACHINE, PROGRAM, {}, 10e-6, 1e-3)
+
+
+def test_a_program_of_one_move_is_held_against_its_sheet():
+    path = toolpath_through([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]], [UP, UP])
+    for length, good in ((MACHINE.tool_length, True), (MACHINE.tool_length + 1e-3, False)):
+        sheet = tool_table(f'[tools.1]\nlength = {length * 1e3!r}\n')
+        (check,) = length_checks(POINTS, MACHINE, path, sheet)
+        assert check.ok == good and check.block == path.block[1]
