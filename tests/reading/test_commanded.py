@@ -10,7 +10,7 @@ import pytest
 from toolpace import Machine
 from toolpace.commanded import BLENDED, EXACT_PATH, EXACT_STOP, Commanded
 from toolpace.errors import ProgramError, UsageError
-from toolpace.reading import ReadOptions, SetUp, Source, read_commanded, read_source
+from toolpace.reading import Controller, ReadOptions, SetUp, Source, read_commanded, read_source
 
 MACHINE = Machine.load("xyzac-trunnion")
 HEAD = "G21 G90 G17 G94 M428\nG0 X0 Y0 Z10 A0 C0\n"
@@ -96,3 +96,14 @@ def test_where_the_machine_stands_is_on_the_sheet_and_the_first_percent_opens_th
     source = Source.from_text("%\nG21 G90 G94\nG1 X10 F600\nG1 X20\nM30\n%\nG1 X99\n", "part.ngc")
     moves = read_commanded(source, MACHINE, None, options)
     assert moves.words[:, 0] == pytest.approx([0.0, 0.01, 0.02])
+
+
+@pytest.mark.parametrize(("controller", "within"), [("linuxcnc", EXACT_PATH), ("fanuc", BLENDED)])
+def test_how_the_moves_of_a_cycle_meet(controller: str, within: int) -> None:
+    """LinuxCNC's interpreter has canned cycles on the exact path, whatever is in force; others go on as they did."""
+    text = "G21 G90 G94 G17 F100\nG64\nG0 X0 Y0 Z5\nG99 G81 X1 Z-1 R2\nX2\nG80\nG0 X9\nG1 X10\nM2\n"
+    told = ReadOptions(controller=Controller.load(controller))
+    moves = read_commanded(Source.from_text(text, "part.ngc"), options=told)
+    of_cycle = (moves.line == 4) | (moves.line == 5)
+    assert of_cycle.any() and set(moves.joining[of_cycle].tolist()) == {within}
+    assert moves.joining[-1] == BLENDED

@@ -126,3 +126,13 @@ def test_every_block_costs_the_same_however_many_there_are():
     assert len(p) == 3_000 and not p.tip.flags.writeable
     calls = [python_calls(lambda text=text: read_text(text, MACHINE, "gcode")) for text in (few, many)]
     assert (calls[1] - calls[0]) / 2_700 < 150 and calls[1] < 10.1 * calls[0]
+
+
+def test_a_file_of_exactly_the_largest_size_is_read(tmp_path, monkeypatch):
+    """And one of a byte more is refused."""
+    monkeypatch.setattr("toolpace.reading.source.LARGEST", len(GCODE))
+    (tmp_path / "a.nc").write_text(GCODE)
+    assert len(read(tmp_path / "a.nc")) == 2
+    (tmp_path / "a.nc").write_text(GCODE + "\n")
+    with pytest.raises(ProgramError, match="the file has more than"):
+        read(tmp_path / "a.nc")

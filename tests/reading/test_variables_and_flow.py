@@ -42,7 +42,7 @@ def xs(controller: str, body: str, **options) -> list[float]:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("1+2*3", 7), ("[1+2]*3", 9), ("2**3", 8), ("10-4-3", 3), ("7 MOD 4", 3), ("-3+5", 2), ("8/4/2", 1),
+        ("1+2*3", 7), ("[1+2]*3", 9), ("2**3", 8), ("10-4-3", 3), ("11 MOD 4", 3), ("-7 MOD 4", 1), ("-3+5", 2), ("8/4/2", 1),
         ("SIN[30]", 0.5), ("COS[60]", 0.5), ("TAN[45]", 1), ("ASIN[1]", 90), ("ACOS[0]", 90),
         ("ATAN[1]/[1]", 45), ("ATAN[1]/[-1]", 135), ("SQRT[16]", 4), ("ABS[-2.5]", 2.5), ("LN[EXP[2]]", 2),
         ("FIX[2.8]", 2), ("FUP[2.1]", 3), ("ROUND[2.5]", 3), ("FIX[-2.8]", -3), ("FUP[-2.8]", -2),
@@ -55,7 +55,7 @@ def test_expressions_of_linuxcnc(text, wanted):
     assert value(text) == pytest.approx(wanted)
 
 
-@pytest.mark.parametrize(("text", "wanted"), [("FIX[-2.8]", -2), ("FUP[-2.1]", -3), ("6 AND 3", 2), ("4 OR 1+1", 6)])
+@pytest.mark.parametrize(("text", "wanted"), [("11 MOD 4", 3), ("FIX[-2.8]", -2), ("FUP[-2.1]", -3), ("6 AND 3", 2), ("4 OR 1+1", 6)])
 def test_expressions_of_fanuc(text, wanted):
     """Fanuc 16i operator's manual, 15.3: FIX and FUP by magnitude, AND binds like *, OR like +, on bits."""
     assert value(text, bits=True) == wanted
@@ -213,12 +213,17 @@ def test_machine_coordinates_that_are_read_are_those_that_g53_goes_to():
     [
         ("fanuc", "", 4005, 94), ("fanuc", "G93", 4005, 93), ("fanuc", "G55", 4014, 55), ("haas", "G56", 4012, 56),
         ("fanuc", "F250", 4109, 250), ("fanuc", "S800", 4119, 800), ("fanuc", "G80", 4009, 80),
-        ("fanuc", "G54.1 P3", 4014, 54),
+        ("fanuc", "G54.1 P3", 4014, 54), ("fanuc", "G21", 4006, 21),
     ],
 )  # fmt: skip
 def test_codes_and_words_in_force_are_read(controller, words, number, value):
     text = START + f"{words}\n#100=#{number}\nG94 G54 F100\nG1 X[#100-{value}+7]\nM30"
     assert read_for(controller, text).tip[-1, 0] == pytest.approx(0.007)
+
+
+def test_the_unit_in_force_is_read():
+    """B-63944EN, custom macro: #4006 is 20 in inches and 21 in millimetres."""
+    assert xs("fanuc", "G20\n#100=#4006\nG21 G1 X#100\nM30")[-1] == 20
 
 
 def test_the_set_up_sheet_sets_variables():
@@ -239,8 +244,10 @@ def test_the_set_up_sheet_sets_variables():
         ("linuxcnc", "o1 if [1 GT 2]\nX1", "has no endif"), ("linuxcnc", "o1 break", "stands in no loop"),
         ("linuxcnc", "o1 while [1]\no1 endwhile", "a loop without end"),
         ("linuxcnc", "o1 if\no1 endif", "takes one value"),
+        ("linuxcnc", "o1 repeat [2] @9\no1 endrepeat", "'@9' has no meaning behind REPEAT: remove it"),
         ("linuxcnc", "#1=[1/0]", "division by zero"), ("linuxcnc", "#1 5", "write = and a value"),
         ("fanuc", "G65 A1", "needs the macro's number"),
+        ("fanuc", "G65 P2000 A1 ,R5\nM30\nO2000\nM99", ",R is no argument of a macro: remove it"),
     ],
 )  # fmt: skip
 def test_flow_that_cannot_be_ends_in_one_clear_error(controller, body, says):

@@ -188,6 +188,7 @@ def test_thread_milling():
     assert turned[-1] - turned[0] == pytest.approx(-8 * math.pi)
     assert helix[:, 2] == pytest.approx(np.interp(-turned, [0, 8 * math.pi], [0, -8]), abs=1e-6)
     assert tip[-1] == pytest.approx([10, 20, 5])
+    assert tip[0] == pytest.approx([0, 0, 5])  # where the program positions all axes, the way to the thread is its own
     with pytest.raises(ProgramError, match="CYCLE90 is not read: it needs the radius of the tool"):
         read(text, start="G54\nG0 X0 Y0 Z5\n")
 

@@ -218,3 +218,12 @@ def test_variables_of_the_control():
 
 def test_ends_lists_the_ends_of_blocks():
     assert ends("G1 X1\nY2").tolist() == [[0, 0, 0], [1, 0, 0], [1, 2, 0]]
+
+
+@pytest.mark.parametrize(("angle", "turns"), [(20, 1), (40, 2), (70, 3), (50, 5), (10, 1)])
+def test_an_axis_that_stands_there_up_to_rounding_does_not_turn(angle, turns):
+    """ACP() and ACN() to the angle at which it is, some turns on: no turn, neither up nor down."""
+    stands = angle + 360 * turns
+    for form in ("ACP", "ACN", "DC"):
+        path = read(f"G1 X1 C={form}({angle})", "xyzac-trunnion", start=f"{START}G0 A0 C{stands}\n")
+        assert np.rad2deg(path.rotary[-1, path.rotary_joints.index("C")]) == pytest.approx(stands), form
