@@ -184,10 +184,18 @@ def test_a_text_is_written_as_it_was(data):
 
 @pytest.mark.parametrize(
     "value, decimals, right",
-    [(1234.5678, 4, "1234.57"), (0.000012, 4, "0.0001"), (900.0, 3, "900"), (1e6, 4, "1000000")],
+    [(1234.5678, 4, "1234.57"), (0.000012, 4, "0.0001"), (900.0, 3, "900"), (1e6, 4, "1000000"), (123456.7, 4, "123457")],
 )
 def test_feeds_have_six_figures(value, decimals, right):
     assert figure(value, decimals) == right
+
+
+def test_passes_are_at_rapid_at_feed_or_of_both():
+    """A cycle has both; a rapid has no feeds, and a feed no rapids."""
+    text = "G21 G90 G94 F100\nG0 X0 Y0 Z5\nG0 X1\nG1 X2\nG99 G81 X3 Z-1 R2\nG80\nG0 Z9\nM2\n"
+    passes = Passes.of(read_source(Source.from_bytes(text.encode(), "part.ngc"), None, None, ReadOptions()))
+    kinds = dict(zip(passes.block.tolist(), zip(passes.rapid.tolist(), passes.mixed.tolist()), strict=True))
+    assert kinds == {3: (True, False), 4: (False, False), 5: (False, True), 7: (True, False)}
 
 
 def test_blanks_within_a_number_belong_to_it():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,12 @@ def test_the_command_refuses_it_in_one_line_and_writes_nothing(plan, tmp_path, c
     said = capsys.readouterr().err
     assert said.startswith(f"error: {option}") and said.count("\n") == 1 and len(said) < 250
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_plan_that_was_never_written_has_the_tolerances_that_are_usual(motion):
+    """Those of `toolpace plan` where none are given."""
+    assert motion.record is not None and motion.tolerances == pytest.approx((10e-6, np.radians(0.05)))
+    assert replace(motion, record=None).tolerances == pytest.approx(motion.tolerances)
 
 
 def test_increments_coarser_than_the_tolerance_are_refused_with_the_figure(motion, tmp_path):

@@ -23,6 +23,14 @@ def test_whole_periods_are_the_plans_own_set_points(motion):
     assert np.array_equal(rows.points.q[-1], motion.setpoints.q[-1])
 
 
+def test_the_last_row_is_the_plans_where_the_period_meets_its_end(brief):
+    """All of it: a plan that is cut off in motion still moves in its last set-point."""
+    rows, last = rows_every(brief, 4e-3).points, brief.setpoints
+    assert len(last) % 4 == 1 and last.qddd[-1].any()
+    for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block"):
+        np.testing.assert_allclose(getattr(rows, name), getattr(last, name)[::4], rtol=0.0, atol=1e-12)
+
+
 def test_behind_the_end_it_rests(motion):
     rows = rows_every(motion, 7e-3).points
     assert rows.t[-1] > motion.setpoints.t[-1]

@@ -163,6 +163,18 @@ class TestInverseTime:
         assert re.search(asked + r".*PLANNER_TYPE is not 0\)\n(?:.*\n){4}o\1 endif\n", text)
         assert "SERVO_PERIOD must be 1000000 ns" in text and "PLANNER_TYPE must be 0" in text and "limits.hal" in text
 
+    def test_each_gate_of_the_guard_has_as_many_inputs_as_are_wired_and_the_output_that_is(self, brief, tmp_path):
+        """logic(9): the personality has the number of inputs in its low byte; a bit stands for each output."""
+        InverseTime().write(brief, tmp_path)
+        text = (tmp_path / "guard.hal").read_text()
+        names, personalities = re.search(r"loadrt logic names=(\S+) personality=(\S+)", text).groups()
+        outputs = {"and": 0x100, "or": 0x200, "xor": 0x400, "nand": 0x800, "nor": 0x1000}
+        for name, personality in zip(names.split(","), personalities.split(","), strict=True):
+            wired = set(re.findall(rf"{name}\.in-(\d\d)\b", text))
+            used = sum(outputs[each] for each in set(re.findall(rf"{name}\.({'|'.join(outputs)})\b", text)))
+            assert int(personality, 16) == used + len(wired), name
+            assert wired == {f"{k:02d}" for k in range(len(wired))}
+
     @pytest.mark.parametrize(
         "name, change, message",
         [
