@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from testbed.jets import harmonics, path_of
+from tests.planning.test_narrow_features import bend, limits_of
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.planning.path_at_probes import BENT, caps_between
-from toolpace.planning.peaks import Look
+from toolpace.planning.peaks import CLOSELY, VAGUE_ABOVE, Look, between
 
 INSIDE = np.linspace(0.0, 1.0, 17)
 
@@ -47,3 +48,21 @@ def test_a_feed_of_a_smooth_cap_is_used_as_it_is():
     np.testing.assert_allclose(told.used[:, 0], asked.used[:, 0], rtol=1e-6)
     middle = (nodes[:-1] + nodes[1:]) / 2.0
     np.testing.assert_allclose(told.used[:, 0], np.sqrt(0.5) / speed_cap(middle), rtol=0.05)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_is_confirmed_is_nowhere_less_than_many_probes_show(seed):
+    """In cells in which the path bends unseen and a limit is nearly used, or passed: the look that the guard trusts."""
+    random = np.random.default_rng(seed)
+    run, limits = bend(random, 10.0 ** random.uniform(-4.0, -2.0), 2)[0].runs[0], limits_of(random, 2)
+    nodes = np.linspace(0.01, 0.99, 30)
+    law = SplineLaw(nodes, np.full(32, 0.05), (0.0, 0.0))
+    look = Look(run, limits, nodes)
+    peaks = look.peaks(law)
+    used = look.confirmed(law, peaks).used
+    near = np.flatnonzero(look.path.unlike & (peaks.used.max(axis=1) > VAGUE_ABOVE))
+    assert len(near)
+    probed = SplineLaw(law.nodes, law.c, law.rest)
+    probed.inside = between(CLOSELY)
+    assert (used[near] >= look.peaks_in(probed, near).used * (1.0 - 1e-9)).all()
+    assert (used >= peaks.used).all()

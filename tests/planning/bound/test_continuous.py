@@ -13,6 +13,7 @@ from tests.support.random_paths import harmonics, random_limits
 from tests.support.straight_line import line, s_curve
 from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
+from toolpace.planning.bound import continuous
 from toolpace.planning.bound.continuous import continuous_bound, gauss, widest_at_breaks
 from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import fastest_law
@@ -86,6 +87,15 @@ def test_a_proved_trajectory_has_it():
     assert trajectory.continuous_bound == 0.0
     proved = tp.prove(trajectory)
     assert 0.999 * proved.duration < proved.continuous_bound <= proved.duration
+
+
+def test_none_where_the_integral_is_no_number(monkeypatch):
+    """Whatever went wrong with the multipliers: no bound is said, least of all one that could be too high."""
+    run, limits = line().runs[0], Limits([1.0], [1.0], [10.0])
+    law, _ = fastest_law(run, limits)
+    for bad in (np.nan, np.inf, -np.inf):
+        monkeypatch.setattr(continuous, "dual_integral", lambda *_, bad=bad: bad)
+        assert continuous_bound(run, limits, law) == 0.0
 
 
 def test_none_for_ends_in_motion():

@@ -11,14 +11,16 @@ import toolpace as tp
 from testbed.cases import all_cases, flank
 from tests.support.conic import conic_optimum
 from tests.support.mesh_problems import mesh_time, small, solved
+from tests.support.straight_line import line
 from toolpace.errors import UsageError
 from toolpace.laws.spline import SplineLaw
+from toolpace.machine.limits import Limits
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.branch_and_bound import Box, Neighbourhood, Part, close
-from toolpace.planning.bound.open_places import losses_by_knot, settled
+from toolpace.planning.bound.open_places import Place, losses_by_knot, settled
 from toolpace.planning.bound.problem import PADDING, Knots
-from toolpace.planning.bound.prove import prove_run
-from toolpace.planning.bound.relaxation import bound_run, relaxed
+from toolpace.planning.bound.prove import end_states, prove_run, to_gain
+from toolpace.planning.bound.relaxation import bound_run, highest_speed, relaxed
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.solve import solve
 from toolpace.workers import UNTOLD, Progress, Workers
@@ -211,6 +213,38 @@ def test_nothing_is_solved_for_a_proof_of_what_is_proved_already(monkeypatch):
     law, _ = fastest_law(case.run, case.limits, cells=200, guard=False)
     monkeypatch.delattr("toolpace.planning.bound.prove.solve")
     assert prove_run(case.run, case.limits, law, 0.5, Allowance(time.monotonic() + FAR)).gap < 0.5
+
+
+def test_what_a_slower_plan_loses_to_the_best_is_what_it_takes_longer():
+    """A proof aims at that much less at each place; a plan that is the best already loses nothing."""
+    problem, c = solved(1, cells=40)
+    nodes = len(problem.nodes)
+    place = Place(0, nodes - 1, nodes // 3, nodes // 2, 0.0)
+    best = mesh_time(Knots(problem), c)
+    assert to_gain(problem, c, place) == pytest.approx(0.0, abs=1e-5 * best)
+    assert to_gain(problem, c / 1.1, place) == pytest.approx(best * (1.1**0.5 - 1.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("rest", [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)])
+def test_a_plan_is_proved_between_the_states_that_it_has(rest):
+    """A law that speeds up: at rest where it is at rest, in motion where it begins or ends in motion."""
+    law = SplineLaw(np.linspace(0.2, 0.8, 21), np.linspace(0.5, 1.5, 23), rest)
+    times = np.array([0.0, law.duration])
+    _, speed, acceleration, _ = law.at(times)
+    for k, state in enumerate(end_states(law)):
+        assert state.at_rest == (rest[k] > 0.0)
+        if not state.at_rest:
+            assert (state.speed, state.acceleration) == (speed[k], acceleration[k]) and state.acceleration > 0.0
+
+
+def test_no_cap_is_below_the_speed_of_an_end_in_motion():
+    """A motion may be given that is above its limit there by what is promised, and slows down."""
+    run, limits = line().runs[0], Limits([1.0], [1e3], [1e6])
+    law = SplineLaw(np.linspace(0.0, 1.0, 21), np.linspace(1.0004, 0.5, 23) ** 2, (0.0, 0.0))
+    z = law.z_at_nodes()
+    assert z[0] > 1.0 and highest_speed(run, limits, law, law.nodes) == z[0]
+    back = SplineLaw(law.nodes, law.c[::-1].copy(), (0.0, 0.0))
+    assert highest_speed(run, limits, back, back.nodes) == pytest.approx(z[0])
 
 
 def test_no_time_no_proof():

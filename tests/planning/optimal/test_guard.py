@@ -24,7 +24,7 @@ from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.solve import LIMITS, Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.peaks import Look, Peaks
-from toolpace.workers import UNTOLD, Workers
+from toolpace.workers import UNTOLD, Progress, Workers
 
 WORKERS = Workers()
 LOOSE = Limits([1.0], [1e6], [1e12])
@@ -89,6 +89,23 @@ def test_after_the_rounds_that_are_given_what_is_left_is_slowed_down(monkeypatch
     assert len(looks) <= most + 1
     assert most > 0 or found.duration > law.duration
     assert Look(run, limits, found.nodes).peaks(found).used.max() <= GUARANTEE
+
+
+def test_progress_runs_forward_from_round_to_round_and_not_to_the_end_of_all(monkeypatch):
+    """How many rounds there will be nobody knows; each tells of a part of what is left."""
+    true = guard.resolve
+
+    def resolve(meshed, c, wrong, used, workers, progress):
+        for share in (0.0, 0.5, 1.0):
+            progress(share)
+        return true(meshed, c, wrong, used, workers)
+
+    monkeypatch.setattr(guard, "resolve", resolve)
+    run, limits, _, _ = small(1)
+    meshed, law = meshed_and_solved(run, limits, 12)
+    told: list[float] = []
+    guarded(meshed, law, True, WORKERS, Progress(told.append))
+    assert len(told) >= 3 and told == sorted(told) and told[0] >= 0.0 and told[-1] < 1.0
 
 
 def test_a_law_that_dips_is_never_handed_back():
