@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from testbed.jets import harmonics, path_of, straight
+from tests.support.narrow_features import bend, limits_of
 from toolpace.errors import PathError
 from toolpace.machine.limits import Limits
 from toolpace.planning.guarantee import PROMISED
@@ -14,21 +15,6 @@ from toolpace.trajectory import Trajectory
 
 PLANNED, SHOWN = 1.0 / 1000.0, 1.0 / 1500.0
 """Width, as a share of the run, from which a blip that changes nothing beyond it is planned for, and shows in usage."""
-
-
-def bend(random: np.random.Generator, width: float, joints: int):
-    """A smooth path with a step of tanh somewhere, whose curvature would pass the limits by far at full speed."""
-    place = random.uniform(0.05, 0.95)
-    base = straight(random.normal(size=joints)) if random.random() < 0.5 else harmonics(random, joints, 3)
-    height = random.normal(size=joints) * width * 10.0 ** random.uniform(-2.0, 0.3)
-
-    def jets(s):
-        y = np.tanh((s - place) / width)
-        g = 1.0 - y * y
-        step = np.stack([y, g / width, -2 * y * g / width**2, (6 * y * y - 2) * g / width**3])
-        return base(s) + step[:, :, None] * height
-
-    return path_of(jets), place
 
 
 def blip(random: np.random.Generator, width: float, joints: int):
@@ -60,12 +46,6 @@ def used_about(trajectory: Trajectory, place: float, width: float) -> float:
     motion = trajectory.at(np.linspace(low, high, 4001))
     shares = (motion.qd / limits.velocity, motion.qdd / limits.acceleration, motion.qddd / limits.jerk)
     return float(max(np.abs(share).max() for share in shares))
-
-
-def limits_of(random: np.random.Generator, joints: int) -> Limits:
-    return Limits(
-        random.uniform(0.5, 2.0, joints), random.uniform(2.0, 8.0, joints), random.uniform(20.0, 80.0, joints)
-    )
 
 
 @pytest.mark.parametrize("mesh", [30, 300, None])
