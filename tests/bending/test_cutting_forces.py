@@ -104,6 +104,17 @@ def test_the_peak_points_as_the_mean_and_is_as_large_as_any():
     np.testing.assert_array_equal(peak[0], 0.0)
 
 
+def test_the_judges_peak_of_a_straight_tooth_is_where_it_leaves_the_thickest_chip():
+    """Up milling with half the tool: at its end the chip is as thick as the feed per tooth, all of the edge cuts."""
+    depth, chip = 5e-3, 5e-5
+    one = replace(
+        CUT, cutter=replace(CUTTER, teeth=1, helix=0.0), engagement=tp.Engagement("up", depth, 0.5 * CUTTER.diameter)
+    )
+    peak = ForceTable(one, "peak", chip).at(np.array([chip]))[0]
+    largest = depth * np.hypot(K.tangential * chip + K.tangential_edge, K.radial * chip + K.radial_edge)
+    assert np.hypot(*peak[:2]) == pytest.approx(largest, rel=1e-9)
+
+
 def test_without_a_feed_there_is_no_force():
     forces = tp.CuttingForces(cut())
     np.testing.assert_array_equal(forces.at(np.linspace(0.0, 7.0, 50), 0.0), 0.0)

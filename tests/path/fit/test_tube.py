@@ -14,6 +14,7 @@ from toolpace import workers
 from toolpace.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit import fit as fitting
+from toolpace.path.fit.polyline import great_circle
 from toolpace.path.path import Path
 
 TIP, AXIS = 10e-6, 1e-3
@@ -181,6 +182,19 @@ def test_an_axis_that_turns_half_round_is_named():
     toolpath = toolpath_through([[0, 0, 0], [0.01, 0, 0]], [[0, 0, 1], [0, 0, -1]])
     with pytest.raises(PathError, match="tool path:2"):
         Path.fit(toolpath)
+    steps = np.arange(4)[:, None] * [[0.01, 0.0, 0.0]]
+    with pytest.raises(PathError, match="tool path:3: the tool axis turns by half a turn in one block"):
+        Path.fit(toolpath_through(steps, [[0, 0, 1], [0, 0.1, 1], [0, -0.1, -1], [0, 0, -1]]))
+
+
+@pytest.mark.parametrize("angle", [1e-9, 1e-7, 9e-7, 1.1e-6, 1e-3, 1.0, 3.0])
+def test_a_share_of_the_way_from_axis_to_axis_is_that_share_of_the_turn(angle):
+    """However small the turn is."""
+    share = np.array([[0.0], [0.25], [0.5], [1.0]])
+    low, high = np.tile([0.0, 0.0, 1.0], (4, 1)), np.tile([np.sin(angle), 0.0, np.cos(angle)], (4, 1))
+    between = great_circle(low, high, share)
+    assert np.arctan2(between[:, 0], between[:, 2]) == pytest.approx(share[:, 0] * angle, rel=1e-9, abs=1e-15)
+    assert np.linalg.norm(between, axis=1) == pytest.approx(1.0, rel=1e-15)
 
 
 @pytest.mark.parametrize("seed", [2, 5, 7])
@@ -216,6 +230,28 @@ def test_a_curve_of_nan_is_never_taken(monkeypatch):
     path = Path.fit(toolpath, TIP, AXIS)
     assert np.all(np.isfinite(path.runs[0].coefficients))
     assert_in_tube(path, toolpath)
+
+
+def test_a_curve_that_came_to_no_end_outside_the_tube_is_not_taken(monkeypatch):
+    """It strays at one place of a window alone; the curve before it stays as it was, and is checked as ever."""
+    from toolpace.kernels.fit import smoothest as kernel
+
+    true, kept = fitting.tighten, []
+
+    def endless(rough, samples, tube, moved, free, floor, accuracy, steps):
+        moved[len(moved) // 2] += 100.0
+        return steps, 0.0, 0.0
+
+    def tighten(spline, *others):
+        before = spline.tip.copy(), spline.turn.copy()
+        true(spline, *others)
+        kept.append(np.array_equal(before[0], spline.tip) and np.array_equal(before[1], spline.turn))
+
+    monkeypatch.setattr(kernel, "smoothest", endless)
+    monkeypatch.setattr(fitting, "tighten", tighten)
+    toolpath = spiral(300)
+    assert_in_tube(Path.fit(toolpath, TIP, AXIS), toolpath)
+    assert kept and all(kept)
 
 
 def test_smoothing_gives_up_on_nan():
