@@ -260,6 +260,18 @@ def test_only_plans_with_a_mesh_can_be_proved():
         tp.prove(slow)
 
 
+@pytest.mark.parametrize("seed", [1, 5])
+def test_a_place_where_nothing_is_gained_is_left_with_most_of_the_allowance(seed):
+    """A plan that is the best, taken for one that loses a tenth: other places need what is not spent here."""
+    problem, c = solved(seed, cells=40)
+    knots = Knots(problem)
+    part, _ = whole(knots, c)
+    best, allowance = mesh_time(knots, c), Allowance(knots=60_000)
+    gain = close(part, 0.1 * best, FAR, allowance, 1.0, Workers(), UNTOLD)
+    assert 0.0 <= gain <= best - part.found.value + 1e-7 * best
+    assert allowance.knots > 40_000
+
+
 def test_nothing_to_close_ends_at_once():
     problem, c = solved(1, cells=40)
     part, _ = whole(Knots(problem), c)
