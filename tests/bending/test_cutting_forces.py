@@ -105,7 +105,7 @@ def test_the_peak_points_as_the_mean_and_is_as_large_as_any():
 
 
 def test_the_judges_peak_of_a_straight_tooth_is_where_it_leaves_the_thickest_chip():
-    """Up milling with half the tool: at its end the chip is as thick as the feed per tooth, all of the edge cuts."""
+    """Up milling with half the tool: at its end the chip is as thick as the feed per tooth, and all the edge cuts."""
     depth, chip = 5e-3, 5e-5
     one = replace(
         CUT, cutter=replace(CUTTER, teeth=1, helix=0.0), engagement=tp.Engagement("up", depth, 0.5 * CUTTER.diameter)

@@ -188,7 +188,7 @@ def test_a_text_is_written_as_it_was(data):
         (1234.5678, 4, "1234.57"), (0.000012, 4, "0.0001"), (900.0, 3, "900"), (1e6, 4, "1000000"),
         (123456.7, 4, "123457"),
     ],
-)
+)  # fmt: skip
 def test_feeds_have_six_figures(value, decimals, right):
     assert figure(value, decimals) == right
 

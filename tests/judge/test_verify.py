@@ -321,6 +321,6 @@ def test_figures_of_a_motion_that_cannot_be_judged_are_not_looked_at():
 def test_a_program_of_one_move_is_held_against_its_sheet():
     path = toolpath_through([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]], [UP, UP])
     for length, good in ((MACHINE.tool_length, True), (MACHINE.tool_length + 1e-3, False)):
-        sheet = tool_table(f'[tools.1]\nlength = {length * 1e3!r}\n')
+        sheet = tool_table(f"[tools.1]\nlength = {length * 1e3!r}\n")
         (check,) = length_checks(POINTS, MACHINE, path, sheet)
         assert check.ok == good and check.block == path.block[1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbed.jets import harmonics, path_of, straight
-from tests.support.narrow_features import bend, limits_of
+from tests.support.bends import bend, limits_of
 from toolpace.errors import PathError
 from toolpace.machine.limits import Limits
 from toolpace.planning.guarantee import PROMISED

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbed.jets import harmonics, path_of
-from tests.support.narrow_features import bend, limits_of
+from tests.support.bends import bend, limits_of
 from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.planning.path_at_probes import BENT, caps_between

@@ -109,6 +109,12 @@ def _outcome(lines: LineMap, path: Path, file: str, change: Change, most: float)
         return tried(tests, 10.0 * seconds + 120.0), len(tests)
 
 
+def _line(file: str, number: int) -> str:
+    """The text of a line as it is now; empty where the file has become shorter."""
+    lines = (Path("src") / file).read_text(encoding="utf-8").splitlines()
+    return lines[number - 1] if number <= len(lines) else ""
+
+
 def table() -> int:
     """The results by room, and every change that is left with the reason why it does no harm."""
     entries = [json.loads(line) for line in RESULTS.read_text(encoding="utf-8").splitlines()]
@@ -116,7 +122,7 @@ def table() -> int:
     left = []
     for entry in entries:
         lives = entry["outcome"] in (SURVIVED, "run by no test")
-        reason = reason_of(entry["key"][0], entry["code"], entry["key"][3]) if lives else ""
+        reason = reason_of(entry["key"][0], entry["code"], entry["key"][3], _line(*entry["key"][:2])) if lives else ""
         kind = ("harmless" if reason else "left") if lives else "killed"
         counts[entry["room"]][kind] += 1
         if lives:

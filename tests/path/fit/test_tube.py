@@ -14,7 +14,9 @@ from toolpace import workers
 from toolpace.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit import fit as fitting
-from toolpace.path.fit.polyline import great_circle
+from toolpace.path.fit import samples as sampling
+from toolpace.path.fit.knots import first_breaks
+from toolpace.path.fit.polyline import PlaceTolerances, great_circle, polylines
 from toolpace.path.path import Path
 
 TIP, AXIS = 10e-6, 1e-3
@@ -217,6 +219,25 @@ def test_the_same_bits_on_one_core_and_on_many(monkeypatch):
     for other in curves[1:]:
         assert np.array_equal(curves[0].breaks, other.breaks)
         assert np.array_equal(curves[0].coefficients, other.coefficients)
+
+
+def test_what_is_known_of_a_sample_is_not_worked_out_again(monkeypatch):
+    """Only the samples that are new are, and what comes of it is the same."""
+    toolpath = spiral(60)
+    (line,) = polylines(toolpath, PlaceTolerances.of(toolpath, TIP, AXIS), None)
+    breaks = first_breaks(line)
+    known, finer = sampling.sample(line, breaks, AXIS, None), np.union1d(breaks, breaks[:-1] + 0.3 * np.diff(breaks))
+    fresh = sampling.sample(line, finer, AXIS, None)
+    true, asked = sampling.turn_metric, []
+
+    def turn_metric(turn, *others):
+        asked.append(len(turn))
+        return true(turn, *others)
+
+    monkeypatch.setattr(sampling, "turn_metric", turn_metric)
+    again = sampling.sample(line, finer, AXIS, None, known=known)
+    assert asked == [len(np.setdiff1d(again.s, known.s))] and 0 < asked[0] < len(again.s)
+    assert np.array_equal(again.s, fresh.s) and np.array_equal(again.metric, fresh.metric)
 
 
 def test_a_curve_of_nan_is_never_taken(monkeypatch):

@@ -85,6 +85,22 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
         solve_whole(problem, c, 1.0)
 
 
+@pytest.mark.parametrize(("missing", "found"), [(0, True), (-1, True), (1, False)])
+def test_as_many_solves_may_be_in_vain_as_are_granted(monkeypatch, missing, found):
+    """Before one finds the way; whatever more would cost, there is hardly one left."""
+    problem, c = moving(3)
+    vain = slower_ends.MOST_IN_VAIN - 1 + missing
+    asked = []
+
+    def found_at(problem, speed, start, first_gap):
+        asked.append(speed)
+        return None if 1 < len(asked) <= 1 + vain else start
+
+    monkeypatch.setattr(slower_ends, "found_at", found_at)
+    assert (from_slower_ends(problem, c) is not None) == found
+    assert asked[-1] == 1.0 or not found
+
+
 def test_where_there_is_no_way_few_tries_are_made(monkeypatch):
     """Ends ten times as fast as a motion that is at its limits."""
     problem, c = moving(3)

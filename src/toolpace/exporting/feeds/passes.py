@@ -82,7 +82,7 @@ class Passes:
     def _last_rows(self, points: SetPoints) -> Ints:
         """(k,) the last set-point of each pass; of a pass that has none, that of the one before."""
         heads = np.flatnonzero(np.diff(points.block, prepend=points.block[0] - 1))
-        tails = np.append(heads[1:] - 1, len(points) - 1)
+        tails = np.append(heads[1:], len(points)) - 1
         named = points.block[heads]
         rows = np.zeros(len(self.block), dtype=np.int64)
         run, row = 0, 0

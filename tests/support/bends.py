@@ -1,4 +1,4 @@
-"""Paths that bend unseen, within less than a cell, and limits for them."""
+"""Paths with a bend narrower than any grid, and limits for them, by a generator."""
 
 from __future__ import annotations
 
