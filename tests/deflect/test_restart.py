@@ -60,8 +60,10 @@ def test_from_any_place_no_limit_is_passed_by_positions_alone(place):
             change = np.abs(np.diff(q, order, axis=0)) - 2.0**order * 1e-15
             assert (change / step**order <= limit * 1.0001).all()
         # it ends on the clock and with the rates of the motion that it rejoins
-        there = old.at(way.rejoin)
-        assert q[-1] == pytest.approx(there.q, abs=1e-9)
+        there, end = old.at(way.rejoin), way.motion(t[-1:])[:3, 0]
+        sizes = (1.0, old.limits.velocity, old.limits.acceleration)
+        for value, wanted, size in zip(end, (there.q, there.qd, there.qdd), sizes, strict=True):
+            assert value == pytest.approx(wanted, abs=1e-9 * float(np.max(size)))
 
 
 def test_where_the_run_ends_before_the_full_pace_it_ends_at_rest():

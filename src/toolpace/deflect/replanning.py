@@ -81,8 +81,9 @@ def replan(
     feed is that of the block which the tool is abreast of; what the tip is above it by at the start, for the joints'
     velocities cannot change at once, is braked as fast as jerk allows and told in the `notes`, and by
     `axis_path.runs[0].above`. The tool rejoins the path as soon as it can ("fastest"), at the parameter `rejoin`, or,
-    as in the paper, at the "projection" of the deflection on the path or on the `interval` (from s, to s) of it. A
-    motion that was replanned before goes back to what was planned first.
+    as in the paper, at the "projection" of the deflection on the path or on the `interval` (from s, to s) of it; where
+    no motion rejoins it at full pace there, it rests there and comes to that pace behind. A motion that was replanned
+    before goes back to what was planned first.
 
     `planner` is an object, or in short the name of one with its `options`, as for `plan`: "optimal" times detour and
     the way on anew where the detour costs time, as far as the rejoining needs, and so does a planner of one's own;

@@ -23,7 +23,8 @@ from scipy.optimize import brentq
 from toolpace.arrays import Floats
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.course import Course
-from toolpace.deflect.way_back.aside import Aside
+from toolpace.deflect.way_back.aside import Aside, Before
+from toolpace.deflect.way_back.stop import Stop
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.planning.guarantee import ALLOWED, DETOUR
 
@@ -81,7 +82,10 @@ class Rise:
 
 
 def steepest(commanded: CommandedMotion, begin: float, limits: Limits) -> float:
-    """The largest k [1/s] of the proof, for a motion from a time on its clock."""
+    """The largest k [1/s] of the proof, for a motion from a time on its clock.
+
+    Where a joint has no limit of a kind, twice what the motion is seen to use takes its place.
+    """
     v, a, j = (getattr(limits, kind) for kind in KINDS)
     rates = np.abs(commanded.motion(np.linspace(begin, commanded.law.duration, PROBES))).max(axis=1)[1:]
     v, a = (np.where(np.isfinite(limit), limit, 2.0 * rate) for limit, rate in zip((v, a), rates))
@@ -94,7 +98,10 @@ def steepest(commanded: CommandedMotion, begin: float, limits: Limits) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Restart(Course):
-    """A way to rest on the path, and the rise of the pace from there."""
+    """A way to rest on the path, and the rise of the pace from there.
+
+    The tool is on the path from the end of `to_rest` on; `rejoin` is where the pace is that of the commanded law.
+    """
 
     to_rest: Aside
     rise: Rise
@@ -115,6 +122,16 @@ class Restart(Course):
         object.__setattr__(self, "left", aside.left)
         object.__setattr__(self, "times", np.append(aside.times, aside.duration + own))
         object.__setattr__(self, "rejoin", rejoin)
+
+    @property
+    def before(self) -> Before | Stop | None:
+        """What the joints do before they go to the path."""
+        return self.to_rest.before
+
+    @property
+    def wait(self) -> float:
+        """Time of that [s]."""
+        return self.to_rest.wait
 
     def clock(self, t: Floats) -> Floats:
         out = np.where(t < self.to_rest.duration, self.to_rest.clock(t), self._rising(t)[0])

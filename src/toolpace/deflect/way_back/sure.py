@@ -112,9 +112,8 @@ def look(problem: Problem, course: Aside | Restart, looks: int) -> Look:
             over = np.logical_and.accumulate(ratio > DETOUR)
             most = ratio[0] * 1.05 if over[0] else 1.0
             excused = over & (ratio <= most)
-            aside = course.to_rest if isinstance(course, Restart) else course
-            if isinstance(aside.before, StopTogether):
-                excused |= (t < aside.wait) & (ratio > DETOUR) & (ratio <= RISE)
+            if isinstance(course.before, StopTogether):
+                excused |= (t < course.wait) & (ratio > DETOUR) & (ratio <= RISE)
             if excused.any():
                 above = float(t[min(int(np.flatnonzero(excused)[-1]) + 1, len(t) - 1)])
             feed = float(np.where(excused, 0.0, ratio).max())
