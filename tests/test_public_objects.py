@@ -149,6 +149,14 @@ def test_the_line_holds_what_matters() -> None:
     assert "FAILED in 1 check" in repr(tp.Verification((tp.Check("jerk", 2.0, 1.0, "m/s^3", False),), 1e-3, 10))
     assert repr(tp.Verification((), 1e-3, 0)) == "<Verification VERIFIED, 0 checks of 0 set-points>"
     assert "program: " in repr(ONE["tool path"])
+    usage = tp.Usage(0.5, {"X": 0.25, "Y": 0.75}, {"X": 0.875, "Y": 0.125}, {"X": 0.0, "Y": 1.0})
+    assert repr(usage) == "<Usage of feed 0.5, velocity 0.75, acceleration 0.875, jerk 1>"
+
+
+def test_without_a_bound_no_gap_is_shown() -> None:
+    path = tp.AxisPath.from_callable(wave)
+    assert "gap" not in repr(plan(path, LIMITS, mesh=50, bound=False))
+    assert "gap" in repr(plan(path, LIMITS, mesh=50))
 
 
 def test_a_line_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -40,6 +40,22 @@ def test_shapes_are_checked():
         )
 
 
+def test_lists_are_taken_for_arrays():
+    """A block number among them: whole numbers of 8 bytes that nobody writes to, as all that is read takes them."""
+    q = [[0.0], [1.0], [2.0]]
+    points = SetPoints([0.0, 1.0, 2.0], q, q, q, q, np.zeros((0, 3)), np.zeros((0, 3)), [7.0, 8.0, 8.0], ("X",))
+    assert points.q.dtype == np.float64 and points.block.dtype == np.int64
+    assert points.block.tolist() == [7, 8, 8] and not points.block.flags.writeable
+
+
+def test_one_set_point_has_a_tool_where_its_tip_is_told():
+    assert still(1).has_tool and "with the tool" in repr(still(1))
+    none = np.zeros((0, 3))
+    one = np.zeros((1, 5))
+    bare = SetPoints(np.zeros(1), one, one, one, one, none, none, np.zeros(1, dtype=np.int64), tuple("XYZAC"))
+    assert not bare.has_tool and "without a tool" in repr(bare)
+
+
 def damaged(path, kind):
     """A file that is no set-points file."""
     if kind == "missing":

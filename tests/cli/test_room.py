@@ -31,6 +31,13 @@ def test_memory_is_that_of_the_set_points_as_often_as_they_are_held(monkeypatch,
         refuse_too_many(1.0, 1e-3, 5)
 
 
+def test_memory_is_told_in_gigabytes(monkeypatch):
+    """An hour of microseconds, 3.6e9 rows of 28 numbers, three times: 2419 GB."""
+    monkeypatch.setattr("toolpace.setpoints.free_memory", lambda: 8e9)
+    with pytest.raises(UsageError, match=r"and 2\.42e\+03 GB of memory, of which 8 GB are free"):
+        refuse_too_many(3600.0, 1e-6, 5)
+
+
 @pytest.mark.parametrize("csv", [False, True])
 @pytest.mark.parametrize(("share", "fine"), [(0.99, True), (1.01, False)])
 def test_disk_is_that_of_the_files(monkeypatch, csv, share, fine):

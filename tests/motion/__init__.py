@@ -1,0 +1,1 @@
+"""Tests of joint motion over time, and of what it uses."""
