@@ -52,6 +52,9 @@ def test_a_law_of_limits_is_the_same_from_its_file(tmp_path):
     again = Follower.load(tmp_path / "three.law")
     for _ in range(100):
         assert np.array_equal(again.step(feed=0.5).q, follower.step(feed=0.5).q)
+    # how far the path leaves the plan is known of a plan only; of either the line says how long it is
+    assert 0.0 < follower.off_the_plan < 1e-6 and np.isnan(again.off_the_plan)
+    assert repr(again) == f"<Follower {follower.duration:.6g} s, a set-point every 0.001 s>"
 
 
 def test_names_of_limits_are_those_of_the_joints_or_none():

@@ -141,5 +141,8 @@ def test_figures_that_make_no_sense_are_one_line(planned, figures, words: str):
 
 def test_figures_may_be_numbers_of_any_kind(planned):
     assert Follower(*planned, reserve=np.float32(0.1), fade=np.int64(1)).period == 1e-3
+    soft = [[1e-6, 0, 0], [0, 2e-6, 0], [0, 0, 0]]
+    by_list, by_array = (Follower(*planned, compliance=each).piece for each in (soft, np.array(soft)))
+    assert np.array_equal(by_list, by_array) and (by_list == 2e-6).any()
     with pytest.raises(UsageError, match="NoneType in place of a trajectory"):
         Follower(None, planned[1])
