@@ -1,0 +1,38 @@
+"""The search for a way back by splines: it ends where it shall, and a tool that is ahead need not wait for its time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from testbed import replans
+from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.way_back.search import joints_alone
+from toolpace.deflect.way_back.splines import Problem, detour_of
+
+
+@pytest.mark.parametrize("ahead", [0.02, 0.3, 1.1])
+@pytest.mark.parametrize("period", [0.1, 0.8])
+def test_the_joints_alone_come_to_the_place_that_is_given(ahead: float, period: float):
+    old = replans.planned("line", 600.0)
+    motion, left = CommandedMotion.of(old, 0), 0.4 * old.duration
+    start = motion.motion(np.array([left]))[:3, 0]
+    start[0] += [2e-4, -3e-4, 1e-4, 1e-3, -2e-3]
+    problem = Problem(motion, left, start, old.limits, replans.machine_of("line"))
+    found = detour_of(joints_alone(problem, period, left + ahead, 0.0, 0.0))
+    assert found.duration == period
+    assert found.motion(np.array([period]))[0, 0] == pytest.approx(old.at(left + ahead).q, abs=1e-9)
+
+
+def test_a_tool_found_ahead_goes_on_and_wins_the_time():
+    """By 1 mm at 100 mm/s, 10 ms: to wait for them would take the joints four times as long."""
+    old = replans.planned("line", 6000.0)
+    time, ahead = 0.4 * old.duration, np.array([1e-3, 0.0, 0.0])
+    case = replans.tried(replans.Case("line", 6000.0, "displaced", "direct", 1e-3, time), ahead / 1e-3)
+    assert not case.faults, case.told()
+    assert -0.01 <= case.lost < -0.009
+    new = tp.replan(old, time, old.tip(time)[0] + ahead, planner="direct")
+    detour = new.axis_path.runs[0].detour
+    assert detour.duration < 0.05
+    assert new.at(detour.duration).q == pytest.approx(old.at(time + detour.duration - case.lost).q, abs=1e-9)
