@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -110,7 +111,7 @@ def test_the_use_of_a_limit_is_that_of_the_positions(kind: int):
         detour = Detour(problem.commanded, problem.left, problem.left, times, knots_of(start, jerks, times), jerks)
         limits = [np.full(5, 1e9) for _ in KINDS]
         limits[kind] = random.uniform(0.5, 2.0, 5)
-        t = np.concatenate([np.linspace(low, high, 2001) for low, high in zip(times, times[1:])]).reshape(4, -1)
+        t = np.concatenate([np.linspace(low, high, 2001) for low, high in pairwise(times)]).reshape(4, -1)
         q = np.stack([detour.motion(each - 1e-15)[0] for each in t])
         q = q - q.mean(axis=1, keepdims=True)
         step = np.diff(times)[:, None, None] / 2000.0

@@ -107,7 +107,6 @@ class DetourRun(AxisRun):
         return on
 
     def evaluate(self, s: Floats) -> Floats:
-        s = np.asarray(s, dtype=float)
         on = self.on_detour(s)
         out = np.empty((4, len(s), self.joints))
         if not on.all():
@@ -126,7 +125,6 @@ class DetourRun(AxisRun):
         return out
 
     def speed_cap(self, s: Floats) -> Floats:
-        s = np.asarray(s, dtype=float)
         on = self.on_detour(s)
         out = np.full(len(s), np.inf)
         if not on.all():
@@ -146,6 +144,5 @@ class DetourRun(AxisRun):
         return out
 
     def block_at(self, s: Floats) -> Ints:
-        s = np.asarray(s, dtype=float)
         on = self.on_detour(s)
         return self.rest_of.block_at(np.where(on, self.detour.abreast(self.time_at(s)), s))
