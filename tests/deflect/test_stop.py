@@ -57,6 +57,23 @@ def test_joints_in_proportion_end_at_rest_on_their_line_within_the_limits():
         assert (stop.state()[1:] == 0.0).all()
 
 
+def test_what_is_beside_the_line_dies_away_with_all_of_its_share_of_the_jerk():
+    """A fortieth for the velocities, and for the accelerations: less would take longer. By third differences."""
+    random, by_rate = np.random.default_rng(3), 0
+    for _ in range(100):
+        way = random.uniform(-1.0, 1.0, 3) * LIMITS.velocity / 2.0
+        start = np.stack([np.zeros(3), way, 10.0 ** random.uniform(-4.0, -1.0) * random.normal(size=3)])
+        rate, bend, time = StopTogether(start, LIMITS, 0.0).beside
+        t = np.linspace(0.0, time * (1.0 - 1e-12), 3001)
+        shares = [
+            (np.abs(np.diff(dying(*each, time, t)[0], 3, axis=0)).max(axis=0) / t[1] ** 3 / LIMITS.jerk).max()
+            for each in ((rate, 0.0 * bend), (0.0 * rate, bend))
+        ]
+        assert max(shares) == pytest.approx(0.025, rel=1e-2)
+        by_rate += shares[0] > shares[1]
+    assert 20 < by_rate < 80
+
+
 def test_what_dies_away_is_one_motion():
     """Each row is the derivative of the one before, by central differences; from the rates at first to none."""
     rate, bend, time, h = np.array([0.3, -1.0]), np.array([2.0, 0.7]), 0.8, 1e-6

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,8 +11,13 @@ import toolpace as tp
 from testbed import replans
 from testbed.true_tip.cases import BUILTIN
 from testbed.true_tip.chain import Chain
+from toolpace.arrays import Floats
+from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.detour import DetourRun
 from toolpace.deflect.feed import fastest_braking
+from toolpace.deflect.way_back.aside import Aside
+from toolpace.deflect.way_back.splines import Problem
+from toolpace.deflect.way_back.sure import Standby, best_aside, guessed, price, waits, with_pace
 from toolpace.errors import InfeasibleError
 from toolpace.machine.limits import Limits
 
@@ -89,6 +96,60 @@ def test_the_fastest_braking_is_that_of_a_jerk_then_an_acceleration(accelerating
     np.testing.assert_allclose(found, np.interp(times, grid, v), atol=1e-6)
     backwards = fastest_braking(-rates, start, times, limits, 1.0)
     np.testing.assert_allclose(backwards, np.interp(times, grid, v), atol=1e-6)
+
+
+def problem_at(kind: str, feed: float, share: float, offset: Floats) -> Problem:
+    """The joints off by an offset (m,) at a share of a plan."""
+    old = replans.planned(kind, feed)
+    motion, left = CommandedMotion.of(old, 0), share * old.laws[0].duration
+    start = motion.motion(np.array([left]))[:3, 0]
+    start[0] += offset
+    return Problem(motion, left, start, old.limits, replans.machine_of(kind))
+
+
+@pytest.mark.parametrize("seed", [5, 7, 20, 27, 28])
+def test_no_other_pace_is_much_sooner_than_those_that_are_tried(seed: int):
+    """Where joints and feed leave least choice: a gap among the paces costs up to five times as much there."""
+    random = np.random.default_rng(seed)
+    offset = 10.0 ** random.uniform(-5.0, -2.3) * random.normal(size=5) * [1.0, 1.0, 1.0, 0.0, 0.0]
+    problem = problem_at("five 2", 1800.0, random.uniform(0.05, 0.9), offset)
+    given = problem, problem.start, problem.left
+    best = min(with_pace(*given, pace, None, None, np.inf)[1] for pace in np.linspace(0.0, 1.0, 11))
+    assert price(best_aside(problem, None, None, np.inf)) <= 1.25 * best
+
+
+@pytest.mark.parametrize("pace", [0.0, 0.5, 0.95])
+def test_the_first_guess_of_an_even_part_uses_all_of_the_velocity(pace: float):
+    """Of a joint that is 5 mm behind on a line at 10 mm/s, with no other limit; by differences of positions."""
+    ample, most = np.full(5, 1e9), np.full(5, 0.02)
+    whole = problem_at("line", 600.0, 0.4, np.array([-5e-3, 1e-4, 0.0, 0.0, 0.0]))
+    problem = replace(whole, machine=None, limits=Limits(velocity=most, acceleration=ample, jerk=ample))
+    paces = (1.0, pace, 1.0)
+    shape = guessed(problem, problem.start, problem.left, paces)
+    assert shape is not None
+    way = Aside(problem.commanded, problem.left, problem.start, problem.left, paces, shape)
+    q = way.motion(shape.ramp + shape.even * np.array([0.3, 0.7]))[0]
+    assert np.abs(q[1] - q[0]).max() / (0.4 * shape.even) == pytest.approx(0.02, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["arc", "spline", "five 1"])
+def test_a_motion_that_goes_on_is_left_where_the_limits_leave_room_or_at_its_end(kind: str):
+    """By differences of positions about each instant: no more than 0.9 of any limit."""
+    old, asked = replans.planned(kind, 6000.0), 0
+    motion, whole = CommandedMotion.of(old, 0), old.laws[0].duration
+    step = 1e-5 * whole
+    for share in (0.0, 0.2, 0.5, 0.8):
+        problem = problem_at(kind, 6000.0, share, np.zeros(5))
+        standby = Standby(motion, problem.left, np.zeros(5), lambda wait, left=problem.left: left + wait)
+        *some, last = waits(problem, standby)
+        assert last == pytest.approx(whole - problem.left)
+        asked += len(some)
+        for wait in some:
+            q = old.at(np.clip(problem.left + wait + step * np.arange(-1.5, 2.0), 0.0, whole)).q
+            for order, limit in enumerate((old.limits.velocity, old.limits.acceleration, old.limits.jerk), start=1):
+                used = np.abs(np.diff(q, order, axis=0)) - 2.0**order * 1e-15
+                assert (used / step**order <= 0.905 * limit).all()
+    assert asked > 5
 
 
 def of_two_tools(lengths: tuple[float, float]) -> tuple[tp.Trajectory, Chain]:
