@@ -8,6 +8,7 @@ import pytest
 import toolpace as tp
 from testbed import replans
 from toolpace.deflect.commanded import CommandedMotion
+from toolpace.deflect.course import Detour
 from toolpace.deflect.way_back.search import joints_alone
 from toolpace.deflect.way_back.splines import Problem, detour_of
 
@@ -36,3 +37,17 @@ def test_a_tool_found_ahead_goes_on_and_wins_the_time():
     detour = new.axis_path.runs[0].detour
     assert detour.duration < 0.05
     assert new.at(detour.duration).q == pytest.approx(old.at(time + detour.duration - case.lost).q, abs=1e-9)
+
+
+@pytest.mark.parametrize("later", [0.05, 0.15])
+def test_a_place_to_rejoin_is_come_to_at_speed(later: float):
+    """By joint splines, on a line at 100 mm/s; the positions there are those of the plan."""
+    old = replans.planned("line", 6000.0)
+    time = 0.3 * old.duration
+    place = float(old.parameter(time + later))
+    new = tp.replan(old, time, old.tip(time)[0] + [0.0, 1e-3, 0.0], planner="direct", rejoin=place)
+    run = new.axis_path.runs[0]
+    assert isinstance(run.detour, Detour) and run.join == pytest.approx(place, abs=1e-9)
+    assert new.at(run.detour.duration).q == pytest.approx(old.at(time + later).q, abs=1e-9)
+    assert run.detour.duration < 0.35
+    assert new.usage().worst <= 1.0001
