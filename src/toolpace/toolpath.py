@@ -108,6 +108,9 @@ class ToolPath(ByValue):
     tool_length: Floats = field(default_factory=untold)
     """(n,) length of the tool in the spindle on the way to the point, whose tip `tip` is [m]; nan everywhere where all
     are as long as the machine's own. It changes at stops only: the joints stay, and the other tip is elsewhere."""
+    bow: Floats = field(default_factory=untold)
+    """(n,) most distance of the program's own way to the point from the straight one [m]: arcs, splines, and the ways
+    of the tip that words of joints tell are read as points close together. 0 where it is straight."""
 
     def __post_init__(self) -> None:
         taken = self._figures() | self._marks()
@@ -149,6 +152,8 @@ class ToolPath(ByValue):
                 if told
                 else np.full((n, *width), np.nan)
             )
+        bow = numbers(self.bow, "tool path: bow", ("n",), unit="m")
+        taken["bow"] = numbers(bow, "tool path: bow", (n,), (0,), unit="m") if bow.any() else np.zeros(n)
         with np.errstate(over="ignore"):
             length = np.linalg.norm(taken["normal"], axis=1)
         if (off := (length <= 0.0) | np.isinf(length)).any():

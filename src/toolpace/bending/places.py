@@ -51,6 +51,7 @@ class Places:
             tip_tolerance=path.tip_tolerance[kept],
             axis_tolerance=path.axis_tolerance[kept],
             tool_length=path.tool_length[kept],
+            bow=path.bow[kept],
         )
 
 
@@ -122,6 +123,7 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         tip_tolerance=toolpath.tip_tolerance[origin],
         axis_tolerance=toolpath.axis_tolerance[origin],
         tool_length=toolpath.tool_length[origin],
+        bow=toolpath.bow[origin],
         rotary=rotary,
         rotary_joints=() if rotary is None else tuple(machine.geometry.rotary_joints),
     )

@@ -59,7 +59,7 @@ def program_checks(
     program says; feeds are those of the tip itself.
     """
     asked = (
-        Tolerances.of(tip_tolerance, "tip_tolerance").tip_along(toolpath),
+        Tolerances.of(tip_tolerance, "tip_tolerance").tip_beside_chords(toolpath),
         Tolerances.of(axis_tolerance, "axis_tolerance").axis_along(toolpath),
     )
     tolerances = ProgramTolerances(np.stack(asked, axis=1))

@@ -40,6 +40,8 @@ class ProgramPoints:
     """(n, 2) how far tip [m] and axis [rad] may stray by the program's words, nan where it tells nothing."""
     tool_length: Floats | None = None
     """(n,) of the tool whose tip is meant [m]; None: of the machine's own."""
+    bow: Floats | None = None
+    """(n,) most distance of the way to the point from the straight one [m]; None: all are straight."""
 
     def of_one_tool(self, axis: Floats) -> Floats:
         """(n, 3) the tips as they would be with the first tool at unit axes (n, 3): what joints move shows in them."""
@@ -109,6 +111,7 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
         tip_tolerance=np.ascontiguousarray(asked[:, 0]),
         axis_tolerance=np.ascontiguousarray(asked[:, 1]),
         tool_length=tool_length,
+        bow=np.zeros(len(kept)) if points.bow is None else points.bow[kept],
         normal=no_normals() if points.normal is None else np.ascontiguousarray(points.normal[kept]),
     )
 

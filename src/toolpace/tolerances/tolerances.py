@@ -16,6 +16,8 @@ from toolpace.toolpath import ToolPath
 SIDES = ("both", "outside", "above")
 """On which the tip may leave the program: both; out of the part, by the normals that the program tells; up along the
 tool."""
+LEAST_LEFT = 0.5
+"""Share of a tolerance that is left at least where the program's way bows: of 1 um and less."""
 PROGRAM = "program"
 """What says that the tolerances hold that the program tells itself."""
 
@@ -143,6 +145,15 @@ class Tolerances:
     def tip_along(self, toolpath: ToolPath) -> Floats:
         """(n,) of the tip on the way to each point [m]. Raises UsageError where there is no such place."""
         return self._along(toolpath, toolpath.tip_tolerance)
+
+    def tip_beside_chords(self, toolpath: ToolPath) -> Floats:
+        """(n,) how far the tip may be from the straight way to each point [m], to be within the tolerance of the
+        program's own way, which bows away from it (`ToolPath.bow`). Raises UsageError."""
+        along, bow = self.tip_along(toolpath), toolpath.bow
+        if self.one_sided and len(bow):
+            bow = bow.max()  # a side goes with one tolerance
+        left: Floats = np.maximum(along - bow, LEAST_LEFT * along)
+        return left
 
     def axis_along(self, toolpath: ToolPath) -> Floats:
         """(n,) of the tool axis on the way to each point [rad]. Raises UsageError where there is no such place."""

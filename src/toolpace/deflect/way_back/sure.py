@@ -48,6 +48,8 @@ ENOUGH, SOON, EASIER = 4.0, 0.05, 1.4
 the growth of both with each that is tried."""
 WAITS = 14
 """Instants from which the way aside is begun, where it cannot begin at once."""
+IN_VAIN = 5
+"""Starts that bring nothing better, one after the other, after which what was found is taken."""
 STEEPER = (8.0, 4.0, 2.0, 1.0)
 """Times the sure steepness with which a pace is tried to rise again."""
 NOT_BEGUN = 1e-6
@@ -138,9 +140,9 @@ def at_jumps(course: Course, t: Floats, share: Floats, jerk: Floats) -> float:
 def sure_way(problem: Problem, standby: Standby, target: float | None, most: float = np.inf) -> Aside | Restart | None:
     """The way back of least time and least time lost; None where none is found in less than `most` of both [s]."""
     best: Aside | Restart | None = None
-    enough = max(ENOUGH * shortest(problem), SOON)
+    enough, in_vain = max(ENOUGH * shortest(problem), SOON), 0
     for before in befores(problem, standby):
-        if before is not None and most <= enough:
+        if before is not None and (most <= enough or (best is not None and in_vain >= IN_VAIN)):
             break
         enough *= EASIER
         if before is not None and before.duration >= most:
@@ -148,8 +150,9 @@ def sure_way(problem: Problem, standby: Standby, target: float | None, most: flo
         found: Aside | Restart | None = best_aside(problem, before, target, most)
         if found is None and best is None and not isinstance(before, Before):
             found = restarted(problem, before, problem.left if target is None else target, most)
+        in_vain += 1
         if found is not None:
-            best, most = found, price(found)
+            best, most, in_vain = found, price(found), 0
     return best
 
 
@@ -193,8 +196,10 @@ def waits(problem: Problem, standby: Standby) -> Iterator[float]:
     rates = standby.current.motion(standby.local + t)[1:]
     limits = [getattr(problem.limits, kind) for kind in KINDS]
     used = np.max([(np.abs(rate) / limit).max(axis=1) for rate, limit in zip(rates, limits)], axis=0)
+    ahead = np.minimum(np.searchsorted(t, t + shortest(problem), side="right"), len(t) - 1)
+    used = np.array([used[k : last + 1].max() for k, last in enumerate(ahead)])
     for room in (0.5, 0.9):
-        # the first instants of some stretches that leave room
+        # the first instants of some stretches that leave room for as long as a way may take
         free = np.flatnonzero((used < room) & np.append(True, used[:-1] >= room))
         yield from t[free[np.unique(np.geomspace(1, len(free), WAITS // 2).astype(int) - 1)]] if len(free) else ()
     yield rest

@@ -49,7 +49,7 @@ class PlaceTolerances:
     def of(cls, toolpath: ToolPath, tip: float | Tolerances, axis: float | Tolerances) -> PlaceTolerances:
         """Those of the points of a tool path. Raises UsageError."""
         tips, axes = Tolerances.of(tip, "tip_tolerance"), Tolerances.of(axis, "axis_tolerance")
-        along = np.stack([tips.tip_along(toolpath), axes.axis_along(toolpath)], axis=1)
+        along = np.stack([tips.tip_beside_chords(toolpath), axes.axis_along(toolpath)], axis=1)
         least = along.min(axis=0)
         return cls(float(least[0]), float(least[1]), along / least, tips.outward_along(toolpath))
 
@@ -273,6 +273,7 @@ def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, In
         tip_tolerance=toolpath.tip_tolerance[origin],
         axis_tolerance=toolpath.axis_tolerance[origin],
         tool_length=toolpath.tool_length[origin],
+        bow=toolpath.bow[origin],
     )
     return dense, entry[origin]
 

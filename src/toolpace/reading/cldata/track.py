@@ -10,7 +10,7 @@ from toolpace.arrays import Floats, Ints
 from toolpace.reading.cldata.feed import Caps
 from toolpace.reading.control.unroll import slerp
 from toolpace.reading.coordinates.tool_lengths import ToolLengths
-from toolpace.reading.curves.arcs import Arc, ArcTable
+from toolpace.reading.curves.arcs import SAG, Arc, ArcTable
 from toolpace.reading.curves.splines import Spline
 from toolpace.reading.points import ProgramFacts, ProgramPoints, assemble, unit_axes
 from toolpace.reading.source import Source
@@ -111,6 +111,7 @@ class Track:
         stop[last[sorted(self._stops)]] = True
         for row, seconds in self._dwells.items():
             dwell[last[row]] = seconds
+        curved = np.isin(move, [*self._arcs, *self._splines])
         operations, operation = tuple(self._operations), table[move, 9].astype(np.int64)
         points = ProgramPoints(
             tip,
@@ -123,6 +124,7 @@ class Track:
             rapid=table[move, 10] > 0,
             operation=operation,
             tool_length=lengths.along(operations, operation, line[move]) if operations else None,
+            bow=np.where(curved, SAG, 0.0),
         )
         return assemble(self.source, points, ProgramFacts.of(lengths.findings, blocks, operations))
 

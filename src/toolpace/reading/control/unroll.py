@@ -99,28 +99,41 @@ class Unroll:
 
     def _excess(self, moves: Ints) -> Floats:
         """Largest gap of each move over what is allowed, as a ratio."""
-        excess = np.zeros(len(moves))
-        bounds = np.cumsum(self.pieces[moves])
-        first = 0
-        while first < len(moves):
-            done = bounds[first - 1] if first else 0
-            last = max(first + 1, int(np.searchsorted(bounds, done + CHUNK, side="right")))
-            excess[first:last] = self._excess_at_once(moves[first:last])
-            first = last
-        return excess
+        tip, axis = self._gaps(moves).T
+        starts = np.concatenate([[0], np.cumsum(self.pieces[moves])[:-1]])
+        return np.asarray(np.maximum.reduceat(np.maximum(tip / TIP_GAP, axis / AXIS_GAP), starts))
 
-    def _excess_at_once(self, moves: Ints) -> Floats:
+    def _gaps(self, moves: Ints) -> Floats:
+        """(k, 2) most distance of the tip from the chord [m] and of the axis from the great circle [rad], each piece
+        of the moves."""
+        pieces, found, first = np.cumsum(self.pieces[moves]), [np.zeros((0, 2))], 0
+        while first < len(moves):
+            done = pieces[first - 1] if first else 0
+            last = max(first + 1, int(np.searchsorted(pieces, done + CHUNK, side="right")))
+            found.append(self._gaps_at_once(moves[first:last]))
+            first = last
+        return np.concatenate(found)
+
+    def _gaps_at_once(self, moves: Ints) -> Floats:
         move, piece, count = _pieces_of(moves, self.pieces[moves])
         tip0, axis0, _ = self.evaluate(move, piece / count)
         tip1, axis1, _ = self.evaluate(move, (piece + 1) / count)
-        worst = np.zeros(len(move))
+        worst = np.zeros((len(move), 2))
         for inside in INSIDE:
             tip, axis, _ = self.evaluate(move, (piece + inside) / count)
             gap = np.linalg.norm(tip - tip0 - inside * (tip1 - tip0), axis=1)
             turn = np.linalg.norm(axis - slerp(axis0, axis1, float(inside)), axis=1)
-            worst = np.maximum(worst, np.maximum(gap / TIP_GAP, turn / AXIS_GAP))
-        starts = np.concatenate([[0], np.cumsum(self.pieces[moves])[:-1]])
-        return np.asarray(np.maximum.reduceat(worst, starts))
+            worst = np.maximum(worst, np.stack([gap, turn], axis=1))
+        return worst
+
+    def bows(self, move: Ints) -> Floats:
+        """(n,) how far the tip leaves the chord of each piece [m]; `move` (n,) is that of each piece of all moves."""
+        turning = (self.rotation > SAME) & ~self.tip_mode & (self.poses.machine is not None)
+        curved = (self.arc >= 0) | (self.curve >= 0) | turning
+        bow = np.zeros(len(move))
+        gap = self._gaps(np.flatnonzero(curved))[:, 0]
+        bow[curved[move]] = np.where(gap > SAME, gap, 0.0)
+        return bow
 
     def _refuse_endless(self, pieces: Floats | Ints) -> None:
         worst = int(np.argmax(pieces))
@@ -179,6 +192,7 @@ class Unroll:
             rotary=None if self.poses.machine is None else rotary,
             rotary_joints=self.poses.rotary_names,
             tool_length=told_lengths(self.tool_length[move], self.poses.machine),
+            bow=self.bows(move),
         )
         return assemble(self.source, points, facts)
 
