@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 
@@ -73,6 +74,12 @@ def bounded(value: float) -> float:
     if not -LARGEST <= value <= LARGEST:
         raise WordError(f"the number {value:g} is too large for any meaning: correct it")
     return value
+
+
+def near_whole(value: float, near: float) -> float:
+    """The whole number that a value is nearer to than `near`, as posts round; else the value."""
+    whole = math.floor(value + 0.5) if abs(value) <= LARGEST else value
+    return float(whole) if abs(value - whole) < near else value
 
 
 def plain_words(block: str) -> list[tuple[str, str]] | None:
