@@ -22,6 +22,7 @@ def reading_record(options: ReadOptions) -> ReadingRecord:
         controller_file=CONTROLLER if options.controller is not None else "",
         setup_file=SETUP if has_setup(options.setup) else "",
         skip_unknown=options.skip_unknown,
+        lenient=options.lenient,
         compensation=options.compensation,
         max_blocks=options.most_blocks,
     )
@@ -59,4 +60,5 @@ def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
         True,
         record.compensation,
         record.max_blocks,
+        record.lenient,
     )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.functions import Functions
 from toolpace.reading.gcode.actions.holes import Holes
 from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
@@ -17,11 +19,13 @@ from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
+from toolpace.reading.gcode.program import alarms
 from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded
+from toolpace.reading.gcode.program.meanings import GROUP_OF
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -66,6 +70,7 @@ class Executor:
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self.places.handlers()
+            | Functions(control, state, flow.variables).handlers()
             | SurfaceHoles(control, state, self.motion).handlers()
             | {
                 "hole circle": self._hole_circle,
@@ -87,6 +92,8 @@ class Executor:
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         numbers = self._numbers(block)
+        if self.rs274:
+            self._refuse_unused(block, numbers)
         if actions:
             if self.splines.opened is not None:
                 self.splines.close()
@@ -95,7 +102,9 @@ class Executor:
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
-        if number is not None:
+        if number == 0.0 and control.feed.mode != INVERSE:
+            control.feed.value = None  # an error of the first motion at feed only
+        elif number is not None:
             control.feed.set(number, state.unit, control.line)
         if "S" in numbers:
             if self.rs274 and numbers["S"] < 0.0:
@@ -103,8 +112,10 @@ class Executor:
             control.feed.spindle = numbers["S"] / 60.0
             control.moves.switch()
         if "T" in numbers:
-            if self.rs274 and not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):
-                raise WordError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
+            if self.rs274:
+                numbers["T"] = near_whole(numbers["T"], 1e-4)
+                if not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):
+                    raise WordError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
             state.next_tool = f"{numbers['T']:g}"
         self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
@@ -125,6 +136,18 @@ class Executor:
             control.moves.stop_by_mode()
         if self.after is not None:
             self.after()
+
+    def _refuse_unused(self, block: Block, numbers: Numbers) -> None:
+        """Take letters that no word uses out of a block of LinuxCNC, each with an alarm; and see what is in force."""
+        state = self.state
+        if not numbers.keys() <= alarms.PLAIN or not alarms.NEEDED.keys().isdisjoint(block.words):
+            for letter, alarm in alarms.of_letters(numbers.keys(), block.words, state.motion_word):
+                numbers.pop(letter, None)
+                self.control.findings.stops(alarm.what, self.control.line, alarm.cure)
+        alarms.refuse_motionless(numbers.keys(), block.words, state.motion_word)
+        for meaning, word in block.actions:
+            if GROUP_OF[meaning] in ("motion", "end of cycle"):
+                state.motion_word = word
 
     def _numbers(self, block: Block) -> Numbers:
         """The words of a block with their values."""
@@ -154,8 +177,6 @@ class Executor:
         state, control, slots = self.state, self.control, self.control.slots
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
-                if self.rs274 and letter in "HD" and not free:
-                    raise WordError(f"{letter} stands without the word that it belongs to, G43, G41 or G42: remove it")
                 control.findings.ignored(letter)
         if state.in_machine:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))

@@ -50,7 +50,7 @@ class ArcReader:
             raise WordError(f"P{turns:g} of an arc counts its turns: write a whole number from 1 to {MOST_TURNS}")
         if "R" in arc_words:
             radius = arc_words.pop("R") * state.unit
-            if any(arc_words.values()):
+            if any(arc_words.values()) or (self.full and arc_words):
                 raise WordError("an arc has R, or I, J, K, not both: remove one")
             self._refuse_far(radius, "R")
             centre = centre_of_radius(start, target, radius, plane, clockwise, self.reach)

@@ -24,7 +24,7 @@ MOST_NESTED = 60
 EQUAL = 1e-4
 """Difference of two numbers that EQ takes for none (LinuxCNC, "Binary Operators")."""
 _TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<]))")
-_NAME = re.compile(r"[^>\[\]#]{1,200}>")
+_NAME = re.compile(r"(?:_(?:HAL|INI)\[[^>\[\]#]{1,100}\][^>\[\]#]{0,100}|[^>\[\]#]{1,200})>")
 
 
 class Reference:
@@ -71,11 +71,14 @@ def _function(node: Node) -> Callable[[Variables], float]:
 class Parser:
     """Reads values and expressions of one block from a place on."""
 
-    def __init__(self, text: str, at: int = 0, *, bits: bool = False, letter: str = "") -> None:
+    def __init__(
+        self, text: str, at: int = 0, *, bits: bool = False, letter: str = "", strict: bool = False
+    ) -> None:
         """bits: AND, OR and XOR work on bits and bind like * and + (Fanuc); else on truth, last of all (LinuxCNC).
 
-        letter: with a number behind it it is a variable too (E254 of MillPlus).
+        letter: with a number behind it it is a variable too (E254 of MillPlus). strict: ATAN takes two values.
         """
+        self.strict = strict
         self.text, self.at, self.bits, self.letter = text, at, bits, letter
         self.operations = OPERATIONS | (BITS if bits else TRUTH)
         self.functions = FUNCTIONS | TOWARDS_ZERO if bits else FUNCTIONS
@@ -133,7 +136,7 @@ class Parser:
         """Values joined by operations that bind at least so strongly."""
         left = self.value()
         while True:
-            _, text = self.peek()
+            text = self._operator()
             power, operation = self.operations.get(text, (0, None))
             if operation is None or power <= least:
                 return left
@@ -143,6 +146,16 @@ class Parser:
                 left = _equal(text, left, right) if self.bits else _near(text, left, right)
             else:
                 left = _combined(operation, left, right)
+
+    def _operator(self) -> str:
+        """The next token; of letters that begin with an operation that operation, since no blank need follow it."""
+        kind, text = self.peek()
+        if kind == "name" and text not in self.operations:
+            for name in self.operations:
+                if text.startswith(name) and name.isalpha():
+                    self.end -= len(text) - len(name)
+                    return name
+        return text
 
     def _named(self, name: str) -> Node:
         self.at = self.end
@@ -154,7 +167,7 @@ class Parser:
             self.take("[")
             first = self.expression()
             self.take("]")
-            if self.peek() != ("mark", "/"):
+            if self.peek() != ("mark", "/") and not self.strict:
                 return _applied(lambda a: math.degrees(math.atan(a)), first)
             self.take("/")
             self.take("[")

@@ -9,11 +9,16 @@ from toolpace.reading.gcode.program.words import RefusedError, WordError, bounde
 Key = int | str
 
 
+_ELSEWHERE = {"#<_hal[": "HAL of the machine", "#<_ini[": "the INI file of the machine"}
+
+
 class UnsetError(RefusedError):
     """A variable is read that nothing has set."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(name, "set it before it is read, or give it in [variables] of the set-up sheet")
+        where = next((where for sign, where in _ELSEWHERE.items() if name.startswith(sign)), "")
+        set_it = f"{where} has it, and the program is read without: " if where else "set it before it is read, or "
+        super().__init__(name, f"{set_it}give it in [variables] of the set-up sheet")
 
 
 class Variables:
@@ -33,8 +38,10 @@ class Variables:
         empty_locals: bool,
         system_from: int,
         letter: str = "#",
+        free: frozenset[int] = frozenset(),
     ) -> None:
-        self.system, self.letter = system, letter
+        """free: numbers of the controller's own that a program may set nevertheless."""
+        self.system, self.letter, self.free = system, letter, free
         self.locals_to, self.empty_locals, self.system_from = locals_to, empty_locals, system_from
         self.common: dict[Key, float | None] = {0: None} if empty_locals else {}
         for name, value in given.items():
@@ -74,8 +81,10 @@ class Variables:
             return False
 
     def is_system(self, key: Key) -> bool:
-        """Whether it is the controller's own."""
-        return isinstance(key, int) and self.system_from <= key < 10_000
+        """Whether it is the controller's own, and not to be set."""
+        if isinstance(key, str):
+            return key.startswith("_") and self.system(key) is not None
+        return self.system_from <= key < 10_000 and key not in self.free
 
     def set(self, key: Key, value: float | None) -> None:
         """Give it a value. Raises WordError."""

@@ -20,8 +20,8 @@ Handler = Callable[[Numbers, str], None]
 """Carries out a word: takes what belongs to it out of the numbers of the block."""
 
 
-LARGEST = 1e15
-"""Most of a number: more is a slip, and would end as infinity."""
+LARGEST = 1e17
+"""Most of a number: more is a slip, and would end as infinity; the tangent of 90 degrees is less."""
 
 
 class WordError(ValueError):
