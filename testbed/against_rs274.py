@@ -10,33 +10,72 @@ from __future__ import annotations
 
 import argparse
 import sys
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from testbed.linuxcnc.canon import INCH, Motion
 from testbed.linuxcnc.job import Cartesian, Job
 from testbed.linuxcnc.programs import random_job
-from testbed.linuxcnc.rs274 import judged
+from testbed.linuxcnc.rs274 import copy_called, judged
 from testbed.linuxcnc.walk import Walk
 from toolpace.errors import ToolpaceError
-from toolpace.reading import read_text
+from toolpace.reading import read, read_text
+from toolpace.toolpath import ToolPath
+
+
+SAME, BOTH, OURS, THEIRS, DIFFERENT, UNTOLD = (
+    "same", "refused by both", "refused by us only", "refused by rs274 only", "different", "not told by rs274",
+)  # fmt: skip
+
+
+class Verdict(NamedTuple):
+    """What came of one program, read by both."""
+
+    kind: str
+    said: str = ""
+    """What is different, or why it is refused."""
+
+
+def compared(job: Job) -> Verdict:
+    """Our reading of a program beside LinuxCNC's."""
+    try:
+        tools = {n: length / INCH for n, length in job.tools.items()}
+        theirs = judged(job.text, job.parameters(), tools, beside=job.beside)
+    except ValueError as error:
+        return Verdict(UNTOLD, str(error))
+    moving = any(_moves(motion) for motion in theirs.motions)
+    try:
+        ours = _read(job)
+    except ToolpaceError as error:
+        if not moving and not theirs.error and "there is no motion" in str(error):
+            return Verdict(SAME)
+        return Verdict(BOTH, theirs.error) if theirs.error else Verdict(OURS, str(error))
+    if theirs.error:
+        return Verdict(THEIRS, theirs.error)
+    found = Walk(ours, theirs).difference()
+    return Verdict(DIFFERENT, found) if found else Verdict(SAME)
 
 
 def difference(job: Job) -> str:
     """What tells our reading from LinuxCNC's; empty where nothing does."""
-    theirs = judged(job.text, job.parameters(), {n: length / INCH for n, length in job.tools.items()})
-    moving = any(_moves(motion) for motion in theirs.motions)
-    try:
-        ours = read_text(job.text, Cartesian(), controller="linuxcnc", setup=job.setup(), name="part.ngc")
-    except ToolpaceError as error:
-        if theirs.error or (not moving and "there is no motion" in str(error)):
-            return ""
-        return f"refused by us only: {error}"
-    if theirs.error:
-        return f"refused by rs274 only: {theirs.error}"
-    return Walk(ours, theirs).difference()
+    kind, said = compared(job)
+    if kind == UNTOLD:
+        raise ValueError(said)
+    return "" if kind in (SAME, BOTH) else said if kind == DIFFERENT else f"{kind}: {said}"
+
+
+def _read(job: Job) -> ToolPath:
+    if job.beside is None:
+        return read_text(job.text, Cartesian(), controller="linuxcnc", setup=job.setup(), name="part.ngc")
+    with tempfile.TemporaryDirectory(prefix="suite.") as folder:
+        copy_called(job.beside, Path(folder))
+        program = Path(folder) / "part.ngc"
+        program.write_text(job.text, encoding="utf-8")
+        return read(program, Cartesian(), controller="linuxcnc", setup=job.setup())
 
 
 def _moves(motion: Motion) -> bool:

@@ -77,12 +77,13 @@ class WordAddressReader:
             empty_locals=by("empty_variables", True),
             system_from=int(by("system_variables_from", 1000.0)),
             letter=by("variable_letter", "#"),
+            last=int(by("last_variable", 999_999.0)),
             free=FREE if by("named_system_variables", False) else frozenset(),
         )
         if by("local_variables_begin_at_zero", False):
             self.variables.local = dict.fromkeys(range(1, self.variables.locals_to + 1), 0.0)
-        self.flow = Flow(source, self.variables, by("deepest_calls", 64.0))
         self.rs274 = by("rs274_checks", False)
+        self.flow = Flow(source, self.variables, by("deepest_calls", 64.0), to_tape_end=self.rs274)
         self.control.effort.lines_beside = self.flow.files.lines_beside
         self.compiler = Compiler(controller, deletes=options.block_delete)
         self.executor = Executor(self.control, self.state, self.flow, controller, options)

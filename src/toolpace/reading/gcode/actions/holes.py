@@ -156,9 +156,15 @@ class Holes:
         return place, words["IJK"[axis]] * unit + (0.0 if self.state.absolute else bottom)
 
     def _refuse_in_rs274(self, plane: list[str], drills: bool) -> None:
-        """Words on which its interpreter ends: "All axes missing", "Cannot put an A in canned cycle"."""
+        """Words on which its interpreter ends: "All axes missing", "Cannot put an A in canned cycle"; and on which
+        it moves elsewhere than its manual says."""
         if self.state.cycle_word and not drills:
             raise WordError("a cycle without an axis drills nothing: write where, like G81 X1 Y1 Z-5 R2")
+        if self.state.cycle == "tap" and self.state.drill_axis != 2:
+            raise WordError(
+                f"{self.state.motion_word} outside the plane of G17: LinuxCNC's interpreter moves other axes than the "
+                "manual says; write the strokes out"
+            )
         turned = next((axis for axis in plane if axis in "ABC"), None)
         if turned is not None:
             raise WordError(f"{turned} in a block of a cycle: turn the axis in a block before it")

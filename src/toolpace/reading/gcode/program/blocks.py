@@ -22,6 +22,8 @@ from toolpace.reading.gcode.program.words import (
 )
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
+_NUMBERED_BY_PARTS = re.compile(r"N[ \t]*+[0-9]{1,9}(?:\.[0-9]{1,9})?+[ \t]*+(?![0-9.])")
+"""LinuxCNC: "N10.5"."""
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
 _COMPUTES = re.compile(r"[\[#=<]")
 _LATE = re.compile(r"(?<=[0-9.])[ \t]*+/[1-9]?[ \t]*+(?=[A-Z])")
@@ -104,7 +106,7 @@ class Compiler:
         if text.startswith("/"):
             block.deleted, text = True, text.lstrip("/0123456789 \t")
         if text.startswith("N"):
-            match = _NUMBERED.match(text)
+            match = (_NUMBERED_BY_PARTS if self.rs274 else _NUMBERED).match(text)
             text = text[match.end() :] if match else text
             if text.startswith("/"):
                 block.deleted, text = True, text.lstrip("/0123456789 \t")

@@ -179,8 +179,7 @@ class Parser:
             self.take("#")
             reference = self._reference()
             self.take("]")
-            # numbered ones are always there
-            return lambda variables: float(isinstance(key := reference.key(variables), int) or variables.known(key))
+            return lambda variables: float(variables.exists(reference.key(variables)))
         function = self.functions.get(name)
         if function is None:
             raise WordError(f"'{name[:20]}' is no function that is known here: write the value out")

@@ -46,9 +46,10 @@ class Frame:
 class Flow:
     """The stack of frames."""
 
-    def __init__(self, source: Source, variables: Variables, deepest: float = DEEPEST) -> None:
+    def __init__(self, source: Source, variables: Variables, deepest: float = DEEPEST, *, to_tape_end: bool = False) -> None:
+        """deepest: calls within each other. to_tape_end: what stands behind a second % is not looked for."""
         self.variables, self.deepest = variables, int(deepest)
-        self.files = Files(source)
+        self.files = Files(source, to_tape_end)
         self.main = self.files.main
         self.frames = [Frame(self.main)]
         self.defined: set[tuple[Text, int]] = set()

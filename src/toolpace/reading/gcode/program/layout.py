@@ -22,7 +22,8 @@ _CLOSES = {"ENDSUB": "SUB", "ENDWHILE": "WHILE", "ENDREPEAT": "REPEAT", "ENDIF":
 class Layout:
     """Indices of lines, from 0."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: Source, to_tape_end: bool = False) -> None:
+        """to_tape_end: nothing stands behind a second line with % alone."""
         self.labels: dict[int, list[int]] = defaultdict(list)
         self.programs: dict[str, int] = {}
         self.subs: dict[str, int] = {}
@@ -41,7 +42,12 @@ class Layout:
         self._labels: dict[tuple[str, str], int] = {}
         self._open: dict[str, list[list[int | str]]] = defaultdict(list)
         dos: dict[str, list[int]] = defaultdict(list)
+        tapes = 0
         for index, text in enumerate(source.lines):
+            if to_tape_end and text.strip() == "%":
+                tapes += 1
+                if tapes > 1:
+                    break
             text = text.upper()
             label = _LABEL.match(text) if "N" in text else None
             if label:

@@ -39,9 +39,10 @@ class Variables:
         system_from: int,
         letter: str = "#",
         free: frozenset[int] = frozenset(),
+        last: int = 999_999,
     ) -> None:
-        """free: numbers of the controller's own that a program may set nevertheless."""
-        self.system, self.letter, self.free = system, letter, free
+        """free: numbers of the controller's own that a program may set nevertheless. last: highest number."""
+        self.system, self.letter, self.free, self.last = system, letter, free, last
         self.locals_to, self.empty_locals, self.system_from = locals_to, empty_locals, system_from
         self.common: dict[Key, float | None] = {0: None} if empty_locals else {}
         for name, value in given.items():
@@ -61,6 +62,8 @@ class Variables:
 
     def get(self, key: Key) -> float | None:
         """The value. Raises UnsetError."""
+        if isinstance(key, int) and key > self.last:
+            raise WordError(f"{self.text(key)} is beyond the last variable, {self.text(self.last)}: choose another")
         place = self._place(key)
         if key in place:
             return place[key]
@@ -80,6 +83,10 @@ class Variables:
         except UnsetError:
             return False
 
+    def exists(self, key: Key) -> bool:
+        """Whether there is such a variable: a number always, a name where it has a value."""
+        return 0 < key <= self.last if isinstance(key, int) else self.known(key)
+
     def is_system(self, key: Key) -> bool:
         """Whether it is the controller's own, and not to be set."""
         if isinstance(key, str):
@@ -88,6 +95,6 @@ class Variables:
 
     def set(self, key: Key, value: float | None) -> None:
         """Give it a value. Raises WordError."""
-        if key == 0 or (isinstance(key, int) and not 0 < key < 1_000_000):
+        if isinstance(key, int) and not 0 < key <= self.last:
             raise WordError(f"{self.text(key)} cannot be set: choose another variable")
         self._place(key)[key] = None if value is None else bounded(value)
