@@ -46,6 +46,8 @@ class Job:
     """Of G28 (1) and G30 (2)."""
     tools: dict[int, float] = field(default_factory=dict)
     """Lengths [mm] by number."""
+    numbered: bool = True
+    """Whether N words are the numbers of their lines."""
     beside: Path | None = None
     """A folder with the files that the program calls."""
 

@@ -55,7 +55,7 @@ def verdict(path: Path) -> Verdict:
     """What came of one program."""
     text = path.read_bytes().decode("utf-8", errors="replace")
     try:
-        return compared(Job(text, tools=tools(path.parent), beside=path.parent))
+        return compared(Job(text, tools=tools(path.parent), numbered=False, beside=path.parent))
     except (RuntimeError, subprocess.TimeoutExpired) as error:
         return Verdict(UNTOLD, f"{type(error).__name__}: {error}")
 

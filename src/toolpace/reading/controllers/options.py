@@ -10,7 +10,7 @@ from toolpace.errors import did_you_mean
 Kind = bool | float | str | tuple[str, ...]
 """A value of the kind: a switch, a number, a text; or the texts that it may be."""
 SWITCH, NUMBER, TEXT = False, 0.0, ""
-MOST = 1e6
+MOST = 10_000.0
 """Of a number: seconds, millimetres, and numbers of variables."""
 TURNING = ("xyz", "vector")
 
@@ -34,7 +34,8 @@ WORD_ADDRESS: dict[str, Kind] = {
         (
             *("arc_radii_inch", "arc_radii_mm", "arc_radii_percent", "arc_radii_times", "arc_radius_least_mm"),
             *("arc_reach_mm", "chip_break_mm", "deepest_calls", "dwell_point_s", "dwell_whole_s"),
-            *("last_variable", "local_variables", "offset_group", "peck_clearance_mm", "scale_of_whole", "system_variables_from"),
+            *("last_variable", "local_variables", "offset_group", "peck_clearance_mm", "scale_of_whole"),
+            "system_variables_from",
         ),
         NUMBER,
     ),

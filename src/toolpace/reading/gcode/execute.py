@@ -35,6 +35,8 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
+WHOLE = frozenset("HLT")
+"""Letters of which LinuxCNC takes what is next to a whole number for it."""
 WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
@@ -112,10 +114,8 @@ class Executor:
             control.feed.spindle = numbers["S"] / 60.0
             control.moves.switch()
         if "T" in numbers:
-            if self.rs274:
-                numbers["T"] = near_whole(numbers["T"], 1e-4)
-                if not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):
-                    raise WordError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
+            if self.rs274 and not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):
+                raise WordError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
             state.next_tool = f"{numbers['T']:g}"
         self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
@@ -140,6 +140,8 @@ class Executor:
     def _refuse_unused(self, block: Block, numbers: Numbers) -> None:
         """Take letters that no word uses out of a block of LinuxCNC, each with an alarm; and see what is in force."""
         state = self.state
+        for letter in numbers.keys() & WHOLE | ({"P"} if "G10" in block.words and "P" in numbers else set()):
+            numbers[letter] = near_whole(numbers[letter], 1e-4)
         if not numbers.keys() <= alarms.PLAIN or not alarms.NEEDED.keys().isdisjoint(block.words):
             for letter, alarm in alarms.of_letters(numbers.keys(), block.words, state.motion_word):
                 numbers.pop(letter, None)

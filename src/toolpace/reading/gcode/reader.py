@@ -122,11 +122,14 @@ class WordAddressReader:
         return self.control
 
     def _first_line(self) -> int:
-        """Index of the line with which the program begins: text before the first % is none of it."""
+        """Index of the line with which the program begins: text before the first % is none of it.
+
+        To LinuxCNC only a % in the first line that is not empty begins a program.
+        """
+        if self.rs274:
+            return next((index for index, text in enumerate(self.source.lines) if text.strip()), 0)
         for index, text in enumerate(self.source.lines):
             if text.lstrip().startswith("%"):
-                if self.rs274 and any(line.strip() for line in self.source.lines[:index]):
-                    self.findings.stops("text before the first %", 1, "write it behind, as a comment")
                 return index
             if _CODE.match(text):
                 return 0
@@ -142,6 +145,8 @@ class WordAddressReader:
                 self.findings.stops("% that ends what none begins", frame.next, "write M2, or % before the program too")
         else:
             self.tape_line = frame.next
+            if self.rs274 and any(line.strip() for line in self.source.lines[: frame.next - 1]):
+                self.findings.stops("a comment before %", 1, "write it behind: % begins the program")
 
     def _line(self, frame: Frame, text: str) -> None:
         line = frame.called_at or frame.next

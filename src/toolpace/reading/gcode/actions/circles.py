@@ -21,7 +21,7 @@ SPIRAL = (
     "where the radius of an arc at its end is another than at its start, within what the control allows, it changes "
     "evenly with the angle"
 )
-SAID = 1e-5
+SAID = 5e-6
 """Difference of radii [m] from which that is said: more than decimals explain."""
 _CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
 

@@ -109,6 +109,8 @@ class Holes:
             if name in numbers:
                 self.words[name] = numbers.pop(name)
                 self.absolute[name] = state.absolute
+        if dwell is not None and dwell < 0.0:
+            raise WordError(f"the dwell P of a cycle is {dwell:g} s: write it from zero")
         if dwell is not None:
             self.words["P"] = dwell
         if not drills:

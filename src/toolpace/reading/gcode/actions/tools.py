@@ -5,7 +5,7 @@ from __future__ import annotations
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, near_whole
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.reading.options import PROGRAM, ReadOptions
 
 
@@ -92,10 +92,8 @@ class Tools:
     def _length(self, numbers: Numbers, word: str) -> None:
         control, state = self.control, self.state
         given = numbers.pop("H", None)
-        if given is not None and self.rs274:
-            given = near_whole(given, 1e-4)
-            if given < 0.0 or given != int(given):
-                raise WordError(f"H{given:g} is no number of a tool: write a whole one, from 0")
+        if given is not None and self.rs274 and (given < 0.0 or given != int(given)):
+            raise WordError(f"H{given:g} is no number of a tool: write a whole one, from 0")
         if given == 0.0 and self.rs274:
             given, state.length_word = None, None
         if given is not None or not self.h_stays:

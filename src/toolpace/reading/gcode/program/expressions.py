@@ -11,7 +11,15 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from toolpace.reading.gcode.program.operations import BITS, FUNCTIONS, OPERATIONS, TOWARDS_ZERO, TRUTH
+from toolpace.reading.gcode.program.operations import (
+    BITS,
+    FUNCTIONS,
+    LONG,
+    OPERATIONS,
+    TOWARDS_ZERO,
+    TRUTH,
+    long_degrees,
+)
 from toolpace.reading.gcode.program.words import WordError, bounded
 
 if TYPE_CHECKING:
@@ -76,12 +84,13 @@ class Parser:
     ) -> None:
         """bits: AND, OR and XOR work on bits and bind like * and + (Fanuc); else on truth, last of all (LinuxCNC).
 
-        letter: with a number behind it it is a variable too (E254 of MillPlus). strict: ATAN takes two values.
+        letter: with a number behind it it is a variable too (E254 of MillPlus). strict: expressions are
+        those of LinuxCNC's interpreter, whose ATAN takes two values.
         """
         self.strict = strict
         self.text, self.at, self.bits, self.letter = text, at, bits, letter
         self.operations = OPERATIONS | (BITS if bits else TRUTH)
-        self.functions = FUNCTIONS | TOWARDS_ZERO if bits else FUNCTIONS
+        self.functions = FUNCTIONS | (TOWARDS_ZERO if bits else {}) | (LONG if strict else {})
         self.depth = 0
         self.end = at
         """Where the token that was looked at last ends."""
@@ -173,7 +182,8 @@ class Parser:
             self.take("[")
             second = self.expression()
             self.take("]")
-            return _combined(lambda a, b: math.degrees(math.atan2(a, b)), first, second)
+            degrees = long_degrees if self.strict else math.degrees
+            return _combined(lambda a, b: degrees(math.atan2(a, b)), first, second)
         if name == "EXISTS":
             self.take("[")
             self.take("#")

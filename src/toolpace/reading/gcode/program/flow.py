@@ -46,7 +46,9 @@ class Frame:
 class Flow:
     """The stack of frames."""
 
-    def __init__(self, source: Source, variables: Variables, deepest: float = DEEPEST, *, to_tape_end: bool = False) -> None:
+    def __init__(
+        self, source: Source, variables: Variables, deepest: float = DEEPEST, *, to_tape_end: bool = False
+    ) -> None:
         """deepest: calls within each other. to_tape_end: what stands behind a second % is not looked for."""
         self.variables, self.deepest = variables, int(deepest)
         self.files = Files(source, to_tape_end)
@@ -180,11 +182,11 @@ class Flow:
             self._loop(statement, line)
 
     def _times(self, node: Node | None) -> int:
-        """How often `repeat` goes round: to the nearest number, halves up (LinuxCNC's `round_to_int`)."""
+        """How often `repeat` goes round: to the nearest number, halves to the even one (LinuxCNC's `round_to_int`)."""
         value = self.value(node)
-        if not value <= MOST_REPEATS:
+        if not -MOST_REPEATS <= value <= MOST_REPEATS:
             self.fail(f"repeat [{value:g}]: {MOST_REPEATS} rounds are the most")
-        return max(0, int(value + 0.5))
+        return max(0, round(value))
 
     def _partner(self, line: int) -> int:
         found = self.frame.text.layout.partner.get(line)

@@ -20,7 +20,7 @@ Handler = Callable[[Numbers, str], None]
 """Carries out a word: takes what belongs to it out of the numbers of the block."""
 
 
-LARGEST = 1e17
+LARGEST = 1e21
 """Most of a number: more is a slip, and would end as infinity; the tangent of 90 degrees is less."""
 
 
