@@ -56,6 +56,7 @@ class Walk:
             return ""
         if not math.isclose(self.waited, motion.waited, abs_tol=1e-3):
             return f"we waited {self.waited:g} s before it, rs274 {motion.waited:g} s"
+        self._finish_motion_before(motion, near)
         way = _Way(motion)
         spent, first = 0.0, self.at + 1
         while not way.done(self.points[self.at], near) or self.at < first:
@@ -73,6 +74,18 @@ class Walk:
             spent += float(self.times[self.at])
             self.waited += float(self.ours.dwell[self.at])
         return "" if motion.rapid else self._of_time(motion, spent, near)
+
+    def _finish_motion_before(self, motion: Motion, near: float) -> None:
+        """Pass over points that are of the motion before, which ended by the printed decimals: all are at its end."""
+        while self.at + 2 < len(self.points):
+            at = self.at + 1
+            other = bool(self.ours.rapid[at]) != motion.rapid or (
+                self.numbered and motion.line and int(self.ours.block[at]) != motion.line
+            )
+            if not other or np.abs(self.points[at] - motion.start).max() > 2 * near:
+                return
+            self.at = at
+            self.waited += float(self.ours.dwell[at])
 
     @staticmethod
     def _of_time(motion: Motion, spent: float, near: float) -> str:
