@@ -13,8 +13,14 @@ from toolpace.arrays import Floats
 CYCLES = {
     "drill": "G81", "dwell": "G82", "peck": "G83", "break": "G73", "tap": "G84", "bore": "G85", "bore and dwell": "G89",
 }  # fmt: skip
-RANK = {"shift": 0, "turn": 1, "plane": 1, "scale": 2, "mirror": 3}
-"""The order in which frames act, whatever the order of the program."""
+WITHIN = {
+    "shift": (),
+    "plane": ("shift",),
+    "mirror": ("shift", "plane"),
+    "scale": ("shift", "plane", "mirror"),
+    "turn": ("shift", "mirror", "scale"),
+}
+"""Kinds of frames, and those within which each may begin: "G51.1, G51 and G68 in this order" (Fanuc)."""
 
 
 class WordAddress(Words):
@@ -24,7 +30,7 @@ class WordAddress(Words):
 
     def fits(self, kind: str) -> bool:
         """Whether a frame acts inside those that are there."""
-        return all(RANK[other] < RANK[kind] for other, _ in self.native)
+        return all(other in WITHIN[kind] for other, _ in self.native)
 
     def begin_frame(self, node: Frame, matrix: Floats) -> bool:
         kind = node.kind

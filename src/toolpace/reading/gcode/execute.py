@@ -13,6 +13,7 @@ from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.actions.modes import Modes
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.actions.places import Places
+from toolpace.reading.gcode.actions.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
@@ -58,7 +59,8 @@ class Executor:
         self.pattern = ""
         """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by)
-        self.places = Places(control, state, self.motion, frames, self.variables, by)
+        self.places = Places(control, state, self.motion, frames, by)
+        self.planes = Planes(control, state, frames, self.variables, by)
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
             | Tools(control, state, options, by).handlers()
@@ -66,6 +68,7 @@ class Executor:
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self.places.handlers()
+            | self.planes.handlers()
             | SurfaceHoles(control, state, self.motion).handlers()
             | {
                 "hole circle": self._hole_circle,
@@ -86,6 +89,8 @@ class Executor:
         """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
+        if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
+            self.planes.need_whole()
         numbers = self._numbers(block)
         if actions:
             if self.splines.opened is not None:
@@ -217,6 +222,7 @@ class Executor:
     def close(self) -> None:
         """The program ends: what waits for a further block is not to come."""
         self.splines.close()
+        self.planes.need_whole()
         self.motion.corners.refuse()
 
     def _spline(self, meaning: str) -> Handler:

@@ -16,7 +16,7 @@ from toolpace.reading.coordinates import affine
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.units import DEGREE
 
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
@@ -122,10 +122,27 @@ class MotionReader:
                 if absolute and abs(turned - present) > HALF:
                     turned = self._rotary(turned, present, value)
                 target[slot] = turned
+        if state.not_alone is not None and named:
+            self._need_both(named)
         if state.stands or along or state.along:
             self.stated, state.along = target[:3], along
             target[:3] = self._moved(target)
         return target, named
+
+    def _need_both(self, named: int) -> None:
+        """Refuse to move one axis of a plane that was turned (G68) beside its centre, before both are named."""
+        assert self.state.not_alone is not None
+        first, second = self.state.not_alone
+        both = named >> first & named >> second & 1
+        if not both and self.state.absolute and named & (1 << first | 1 << second):
+            letters = "XYZ"[first], "XYZ"[second]
+            raise RefusedError(
+                "one axis alone behind G68",
+                "controls differ in where the other is then: name both axes of the plane in the first motion behind G68 "
+                f"({letters[0]} and {letters[1]})",
+            )
+        if both:
+            self.state.not_alone = None
 
     def _rotary(self, turned: float, present: float, value: float) -> float:
         """A rotary position more than half a turn away, by the rule of the controller."""

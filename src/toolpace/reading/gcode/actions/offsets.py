@@ -43,6 +43,8 @@ class Offsets:
         """By how much it has turned each about Z [rad]."""
         self.shifted: Callable[[], bool] = lambda: False
         """Whether the program shifts its coordinates within the offset."""
+        self.need_plain: Callable[[str], None] = lambda word: None
+        """Refuses to move the offset in force where other coordinates stand in it."""
         self.external = [0.0] * len(control.words)
         """By how much it has moved all of them (3 + rotary) [m, rad]."""
         self.base: dict[str, float] = {}
@@ -70,7 +72,10 @@ class Offsets:
 
     def take(self, name: str) -> None:
         """Put an offset in force."""
-        self.offset = self._on_sheet(name)
+        name = self._on_sheet(name)
+        if name != self.offset:
+            self.need_plain(name)
+        self.offset = name
         self.control.set_offset(self.offset)
         self.changed()
 
@@ -103,6 +108,8 @@ class Offsets:
             name = self._offset_name(int(number), kind) if number else self.offset or "G54"
         if self.offset == "":
             self.offset = name
+        if name == self.offset:
+            self.need_plain(word)
         if "R" in numbers:
             self._turn(name, numbers.pop("R"), kind, word)
         self._put(name, kind, numbers, word)
@@ -135,6 +142,7 @@ class Offsets:
 
     def _move_all(self, numbers: Numbers, word: str) -> None:
         """P0: the offset that is added to all others; before, it is zero."""
+        self.need_plain(word)
         for letter, value in given_axes(self.control, self.state, numbers).items():
             slot = self.control.slots[letter]
             self.external[slot] = value if self.state.absolute else self.external[slot] + value
