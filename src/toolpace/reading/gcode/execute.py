@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.frames.frames import Frames
+from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.holes import Holes
 from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.actions.modes import Modes
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.actions.places import Places
-from toolpace.reading.gcode.actions.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles

@@ -135,11 +135,9 @@ class MotionReader:
         first, second = self.state.not_alone
         both = named >> first & named >> second & 1
         if not both and self.state.absolute and named & (1 << first | 1 << second):
-            letters = "XYZ"[first], "XYZ"[second]
             raise RefusedError(
                 "one axis alone behind G68",
-                "controls differ in where the other is then: name both axes of the plane in the first motion behind G68 "
-                f"({letters[0]} and {letters[1]})",
+                f"controls differ in where the other is: name {'XYZ'[first]} and {'XYZ'[second]} in the first motion",
             )
         if both:
             self.state.not_alone = None

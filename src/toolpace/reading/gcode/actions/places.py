@@ -5,7 +5,7 @@ from __future__ import annotations
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.joint_moves import reference, straight_in_machine
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.program.words import Handler, Numbers, WordError

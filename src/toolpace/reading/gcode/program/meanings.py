@@ -32,8 +32,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
     ),
     "action": (
         "dwell", "reference", "second reference", "from reference", "set offset", "local shift", "set position",
-        "clear position", "suspend position", "restore position", "turn to plane", "turn to plane about tip", "macro call",
-        "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
+        "clear position", "suspend position", "restore position", "turn to plane", "turn to plane about tip",
+        "macro call", "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
         "end of data", "limits",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",

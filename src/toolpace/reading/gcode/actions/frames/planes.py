@@ -12,9 +12,9 @@ from toolpace.reading.control.tool_axis import plane_axis, rotary_for, turn_to_p
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
-from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.frames.frames import Frames
+from toolpace.reading.gcode.actions.frames.plane_geometry import plane_of_points, plane_of_tool, plane_of_vectors
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.actions.plane_geometry import plane_of_points, plane_of_tool, plane_of_vectors
 from toolpace.reading.gcode.program.variables import Variables
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
@@ -71,7 +71,7 @@ class Planes:
         present = self.frames.plane
         if present is None:
             numbers.clear()
-            raise RefusedError(f"{word} without a plane in force", "it lays a plane upon another: write G68.2 before it")
+            raise RefusedError(f"{word} without a plane in force", "it lays one upon another: write G68.2 before it")
         plane = self._plane(numbers, word)
         if plane is not None:
             self.frames.tilt(affine.product(present, plane), word)
@@ -132,20 +132,23 @@ class Planes:
             return None
         told, self.told = self.told, {}
         if kind == 3.0:
-            (at, _), (first, second) = self._places(told, (1.0, 2.0)), ([told[q].get(x, 0.0) for x in "IJK"] for q in wanted)
-            if "R" in told[1.0] or "R" in told[2.0]:
-                raise RefusedError(f"{word} P3 with R", "write the direction of X so that no turn is needed")
-            return plane_of_vectors(at, first, second, word)
+            return self._of_vectors(told, word)
+        made = plane_of_points([self._place(told[q]) for q in wanted], word)
         beside = told.get(0.0, {})
-        shift = self._place(dict(beside))
-        if any(shift) or beside.get("R"):
+        turn, shift = beside.pop("R", 0.0), self._place(beside)
+        if any(shift) or turn:
             self.control.findings.assumed(
-                f"X, Y, Z of {word} P2 Q0 are in the coordinates of the plane, from its first point, and R turns it about "
-                "its Z"
+                f"X, Y, Z of {word} P2 Q0 are in the coordinates of the plane, from its first point, and R turns it "
+                "about its Z"
             )
-        points = self._places(told, (1.0, 2.0, 3.0))
-        made = plane_of_points(points, word)
-        return affine.product(affine.product(made, affine.shift(shift)), affine.rotation(2, beside.get("R", 0.0) * DEGREE))
+        return affine.product(affine.product(made, affine.shift(shift)), affine.rotation(2, turn * DEGREE))
+
+    def _of_vectors(self, told: dict[float, Numbers], word: str) -> Matrix:
+        """P3: Q1 tells the origin and the direction of X, Q2 that of Z."""
+        if any("R" in words for words in told.values()):
+            raise RefusedError(f"{word} P3 with R", "write the direction of X so that no turn is needed")
+        x, z = ([told[q].get(letter, 0.0) for letter in "IJK"] for q in STEPS[3.0])
+        return plane_of_vectors(self._place(told[1.0]), x, z, word)
 
     def plane_of_tool(self, numbers: Numbers, word: str) -> None:
         """G68.3 X Y Z R: the plane on which the tool stands upright (A-79976E)."""
@@ -235,14 +238,14 @@ class Planes:
         if which:
             raise RefusedError(
                 f"{word} P{which:g}",
-                "it chooses between two positions of the rotary axes, by parameters of the machine: turn the axes near the "
-                f"one that is meant before, and write {word} without P",
+                "it chooses between two positions of the rotary axes: turn them near the one that is meant before, and "
+                f"write {word} without P",
             )
         if self.frames.plane is None:
             numbers.clear()
-            raise RefusedError(f"{word} without a tilted plane in force", "tell the plane before it: write G68.2, or G268")
+            raise RefusedError(f"{word} without a tilted plane in force", "tell it before: write G68.2, or G268")
 
-    def _first(self) -> tuple[int, int] | None:
+    def _first(self) -> tuple[int, int]:
         """The order in which the rotary axes turn as little as they can (16i operator's manual, "Angle of rotation
         axis"): of a head the first from the bed, of two of a table likewise, else that of the table."""
         poses = self.control.poses
@@ -254,10 +257,6 @@ class Planes:
     def _place(self, numbers: Numbers) -> list[float]:
         """X, Y, Z [m], which are absolute under G91 too."""
         return [numbers.pop(letter, 0.0) * self.state.unit for letter in "XYZ"]
-
-    def _places(self, told: dict[float, Numbers], steps: tuple[float, ...]) -> list[list[float]]:
-        return [self._place(dict(told[step])) for step in steps]
-
     def _need_machine(self, word: str) -> None:
         if self.control.poses.machine is None:
             raise WordError(f"{word} needs the machine: give --machine NAME (machine= in Python)")

@@ -6,9 +6,9 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
+from toolpace.reading.gcode.actions.frames.offsets import Offsets, given_axes
+from toolpace.reading.gcode.actions.frames.transforms import NORMAL, STILL, Transforms
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.actions.offsets import Offsets, given_axes
-from toolpace.reading.gcode.actions.transforms import NORMAL, STILL, Transforms
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 
 
