@@ -19,7 +19,7 @@ WORD_ADDRESS: dict[str, Kind] = {
         (
             *("assignments_last", "blanks_mean_nothing", "corner_words", "cycle_without_r", "cycles_are_a_group"),
             *("cycles_go_back_to_initial", "empty_variables", "feed_before_units", "feed_kept"),
-            *("feed_mode_forgets_feed", "indexed_words", "inverse_seconds", "inverse_time_by_radius"),
+            *("fanuc_checks", "feed_mode_forgets_feed", "indexed_words", "inverse_seconds", "inverse_time_by_radius"),
             *("last_of_group_rules", "length_with_tool", "length_word_stays", "local_shift_is_position"),
             *("local_variables_begin_at_zero", "logic_on_bits", "named_system_variables", "nested_comments"),
             *("offsets_are_absolute", "offsets_turn", "reference_without_axes_is_all"),

@@ -103,7 +103,7 @@ class Executor:
         if number is not None:
             control.feed.set(number, state.unit, control.line)
         if "S" in numbers:
-            if self.rs274 and numbers["S"] < 0.0:
+            if numbers["S"] < 0.0:
                 raise WordError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
             control.feed.spindle = numbers["S"] / 60.0
             control.moves.switch()

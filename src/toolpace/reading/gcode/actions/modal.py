@@ -52,6 +52,8 @@ class Modal:
     """Motion along the tool axis by a letter of its own [m]."""
     not_alone: tuple[int, int] | None = None
     """Slots of the axes of which neither may move alone yet: where the other is in turned coordinates is not sure."""
+    turned_plane: int | None = None
+    """The plane that G68 turns."""
     next_tool: str = ""
     length_word: str | None = None
     """H in force."""

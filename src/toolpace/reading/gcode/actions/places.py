@@ -8,7 +8,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
-from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.units import DEGREE
 
 
@@ -19,6 +19,8 @@ class Places:
         self.control, self.state, self.motion, self.frames = control, state, motion, frames
         self.rs274 = by.option("rs274_checks", False)
         """Whether blocks are refused that LinuxCNC's interpreter refuses."""
+        self.fanuc = by.option("fanuc_checks", False)
+        """Whether blocks are refused that Fanuc stops with an alarm, or passes over."""
         self.all_axes = by.option("reference_without_axes_is_all", True)
 
     def handlers(self) -> dict[str, Handler]:
@@ -55,6 +57,8 @@ class Places:
 
     def _reference(self, number: int, numbers: Numbers, word: str) -> None:
         control = self.control
+        if self.fanuc and self.state.cycle is not None:
+            raise WordError("a reference point within a cycle stops with an alarm (PS0044): write G80 before it")
         given = self._named(numbers)
         if not given and not self.all_axes:
             control.findings.ignored(f"{word} without axes")
@@ -85,11 +89,12 @@ class Places:
         """G29: back, over the place over which the reference point was gone to."""
         control = self.control
         target, named = self.motion.target(self._named(numbers))
-        if self.state.between is not None:
-            over = list(control.words)
-            for slot, (present, wanted) in enumerate(zip(control.words, target)):
-                over[slot] = self.state.between[slot] if present != wanted else present
-            control.straight(over, named, rapid=True)
+        if self.state.between is None:
+            raise WordError(f"{word} comes back over the place over which G28 went, and none did: write G28 before it")
+        over = list(control.words)
+        for slot, (present, wanted) in enumerate(zip(control.words, target)):
+            over[slot] = self.state.between[slot] if present != wanted else present
+        control.straight(over, named, rapid=True)
         control.straight(target, named, rapid=True)
 
     def in_machine(self, numbers: Numbers, *, rapid: bool) -> None:
@@ -97,6 +102,9 @@ class Places:
         control, unit = self.control, self.state.unit
         if self.rs274 and (self.state.motion not in ("rapid", "feed") or not self.state.absolute):
             raise WordError("G53 stands with G0 or G1, and under G90: write it like G90 G53 G0 Z0")
+        if self.fanuc and not self.state.absolute:
+            numbers.clear()
+            raise RefusedError("G53 under G91", "the control passes it over there: write G90 G53")
         given = self._named(numbers)
         slots = control.slots
         places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in given.items()}

@@ -91,6 +91,8 @@ class Tools:
     def _length(self, numbers: Numbers, word: str) -> None:
         control, state = self.control, self.state
         given = numbers.pop("H", None)
+        if given is not None and not (given >= 0.0 and given == int(given)):
+            raise WordError(f"H{given:g} of {word} is no number of a tool: write a whole one, from 0")
         if given == 0.0 and self.rs274:
             given, state.length_word = None, None
         if given is not None or not self.h_stays:

@@ -173,12 +173,15 @@ class Frames:
             raise RefusedError(
                 f"{word} in a tilted plane", "turn the plane by its own angles (the last of them turns it in itself)"
             )
+        if self.state.turned_plane not in (None, self.state.plane):
+            raise RefusedError(f"{word} in another plane than the turn in force", "end that turn before: write G69")
         before = self.control.words[:3]
         if any(letter in numbers for letter in "IJK"):
             self.transforms.turn_about_tool(numbers, word)
         else:
             self.transforms.turn(numbers, word)
         self.apply()
+        self.state.turned_plane = self.state.plane
         inside = [slot for slot in range(3) if slot != NORMAL[self.state.plane]]
         if any(abs(before[slot] - self.control.words[slot]) > STILL for slot in inside):
             self.state.not_alone = (inside[0], inside[1])
@@ -186,7 +189,7 @@ class Frames:
     def rotation_off(self, numbers: Numbers, word: str) -> None:
         """G69."""
         self.transforms.turn_off()
-        self.plane = self.state.not_alone = None
+        self.plane = self.state.not_alone = self.state.turned_plane = None
         self.apply()
 
     def tilt(self, frame: Matrix | None, word: str = "a tilted plane") -> None:
