@@ -165,6 +165,9 @@ class Executor:
         if state.in_machine:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))
         elif state.cycle is not None:
+            if state.scaled and "Q" in numbers:
+                numbers.clear()
+                raise RefusedError("Q of a cycle in scaled coordinates", "it is not scaled: end the scale before (G50)")
             dwell = numbers.pop("P", None)
             if self.pattern:
                 numbers["I"], numbers["J"] = numbers.get("I", 0.0), numbers.get("J", 0.0)

@@ -133,6 +133,8 @@ class WordAddressReader:
         """% opens the program, and closes it; in a file that is called it is passed over."""
         if frame.text is not self.flow.main:
             return
+        if len(self.flow.frames) > 1:
+            self.source.fail("the subprogram that is executed here ends without M99: write it", frame.next)
         if self.tape_line or self.control.effort.blocks:
             self.tape_closed = True
         else:

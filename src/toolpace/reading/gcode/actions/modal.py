@@ -54,6 +54,8 @@ class Modal:
     """Slots of the axes of which neither may move alone yet: where the other is in turned coordinates is not sure."""
     turned_plane: int | None = None
     """The plane that G68 turns."""
+    scaled: bool = False
+    """Whether G51 scales the coordinates."""
     next_tool: str = ""
     length_word: str | None = None
     """H in force."""

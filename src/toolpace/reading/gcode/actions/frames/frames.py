@@ -198,10 +198,18 @@ class Frames:
             raise RefusedError("a tilted plane in turned coordinates (G68)", "end the turn before it: write G69")
         if self.transforms.any:
             raise RefusedError(f"{word} in scaled or mirrored coordinates", "end those before it: write G50, G50.1")
+        coordinates = self.control.coordinates
+        begun = coordinates.fixed_at if coordinates.tip_mode and self.plane is None else None
+        if frame is not None and begun is not None and any(self.control.poses.carried(begun)):
+            raise RefusedError(
+                f"{word} in tool-centre-point mode that began with the table turned",
+                "controls differ in where the plane is then: write G49 before it",
+            )
         self.plane = frame
         self.apply()
 
     def _transformed(self, numbers: Numbers, word: str) -> None:
+        self.state.scaled = self.transforms.scaled is not None
         self.apply()
 
     def _need_plain(self, word: str) -> None:
