@@ -192,7 +192,8 @@ class Program:
 
     def _arc(self):
         """Half a circle in XY, by its centre."""
-        if np.ptp(self.truth.laid.factors) > 1e-12:
+        laid = self.truth.laid
+        if np.ptp(laid.factors) > 1e-12 or (laid.angle and laid.normal != 2):
             return
         words, rotary = self.truth.words()
         i, j, z = self.number(-15.0, 15.0), self.number(-15.0, 15.0), self.number(-5.0, 5.0)
@@ -275,10 +276,29 @@ class Program:
             self.say("G90")
 
     def _tool(self):
-        self.truth.tool = int(self.rng.integers(1, 4))
-        self.say(f"T{self.truth.tool} M6")
-        self.truth.length = self.truth.tool
-        self.say(f"G43 H{self.truth.length}")
+        truth = self.truth
+        truth.tool = int(self.rng.integers(1, 4))
+        self.say(f"T{truth.tool} M6")
+        how = int(self.rng.integers(4))
+        words, rotary = truth.words()
+        z = self.number(-30.0, 30.0)
+        goal = np.array([*words[:2], z])
+        if how == 0 or (how > 1 and self.by.name == "haas"):
+            self.say(f"G43 H{truth.tool}")
+            truth.length = truth.tool
+            return
+        if how == 1 or truth.length is None:
+            self.say(f"G0 G43 {self.word('Z', z)} H{truth.tool}")
+        elif how == 2:
+            # under G91 the axis goes by the word and by the difference of the lengths
+            self.say(f"G91 G0 G43 {self.word('Z', z)} H{truth.tool}")
+            goal[2] = words[2] + z
+        else:
+            self.say(f"G0 {self.word('Z', z)} H{truth.tool}")
+        truth.length = truth.tool
+        truth.move(goal, rotary)
+        self.note()
+        self.say("G90")
 
     def _machine_place(self):
         if self.chance(0.5):

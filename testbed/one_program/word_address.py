@@ -28,6 +28,9 @@ class WordAddress(Words):
 
     # Frames
 
+    turned = 2
+    """Slot of the normal of the plane that G68 turns."""
+
     def fits(self, kind: str) -> bool:
         """Whether a frame acts inside those that are there."""
         return all(other in WITHIN[kind] for other, _ in self.native)
@@ -39,7 +42,7 @@ class WordAddress(Words):
         if kind == "shift":
             self.block(f"G52 {self.words(node.value)}")
         elif kind == "turn":
-            slot = int(node.value[0])
+            slot = self.turned = int(node.value[0])
             self.plane_word = ("G19", "G18", "G17")[slot]
             zero = " ".join(f"{letter}0." for k, letter in enumerate("XYZ") if k != slot)
             self.block(self.plane_word)
@@ -52,6 +55,10 @@ class WordAddress(Words):
             how = f"P{factor / self.factor:.0f}" if self.factor != 1.0 else f"P{text(factor)}"
             self.block(f"G51 X0. Y0. Z0. {how}")
         return True
+
+    def arc_fits(self, slot: int) -> bool:
+        """ "The coordinate rotation plane and arc [...] plane must be the same" (Fanuc, alarm 144)."""
+        return slot == self.turned or not any(kind == "turn" for kind, _ in self.native)
 
     def has(self, kind: str) -> bool:
         return kind == "shift" or (kind == "turn" and self.rotates) or (kind in ("scale", "mirror") and self.scales)

@@ -40,6 +40,7 @@ WORD_ADDRESS: dict[str, Kind] = {
     "arc_centre": ("by mode", "fitting"),
     "extended_offsets": ("", "G54.1", "G154"),
     "first_offset": TEXT,
+    "lengths_move": ("", "with the block", "refused"),
     "letter_along_tool": ("", *"UVW"),
     "offset_zero": ("in force", "external", "local"),
     "repeats": ("K", "L"),

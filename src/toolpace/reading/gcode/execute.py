@@ -61,9 +61,10 @@ class Executor:
         frames = Frames(control, state, by)
         self.places = Places(control, state, self.motion, frames, by)
         self.planes = Planes(control, state, frames, self.variables, by)
+        self.tools = Tools(control, state, options, by)
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
-            | Tools(control, state, options, by).handlers()
+            | self.tools.handlers()
             | frames.handlers()
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
@@ -114,6 +115,8 @@ class Executor:
         self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
             handlers[action.meaning](numbers, action.word)
+        if "H" in numbers and not any(action.meaning in ("call program", "call here") for action in actions):
+            self.tools.number_alone(numbers)
         for word in block.ignored:
             control.findings.ignored(word)
             if word == SMOOTHNESS:

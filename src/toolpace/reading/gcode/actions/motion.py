@@ -65,7 +65,7 @@ class MotionReader:
         if vector is not None:
             target[3:] = self._rotary_of(vector)
         if motion in ARCS:
-            if state.turned_plane not in (None, state.plane):
+            if self.fanuc and state.turned_plane not in (None, state.plane):
                 raise WordError("an arc in another plane than that of G68 stops with an alarm: write G69 before it")
             arc = self.arcs.arc(arc_words, start, self.stated if state.stands else target)
             if state.stands:
