@@ -43,7 +43,6 @@ FANUC = [
     ("PS0031", "G10 L2 P7 X1.", "no work offset"),
     ("PS0031", "G10 L20 P0 X1.", "needs the number of an offset"),
     ("PS0031", "G10 L20 P301 X1.", "is no offset"),
-    ("PS0044", f"{CYCLE}G91 G28 Z0.", "within a cycle"),
     ("PS0046", "G30 P5 Z0.", "no reference point"),
     ("PS0051", "G1 X10. ,R2.\nG4 P100\nM8", ",R is not read"),
     ("PS0052", "G1 X10. ,R2.\nG0 X10. Y10.", ",R is not read"),

@@ -57,8 +57,6 @@ class Places:
 
     def _reference(self, number: int, numbers: Numbers, word: str) -> None:
         control = self.control
-        if self.fanuc and self.state.cycle is not None:
-            raise WordError("a reference point within a cycle stops with an alarm (PS0044): write G80 before it")
         given = self._named(numbers)
         if not given and not self.all_axes:
             control.findings.ignored(f"{word} without axes")
