@@ -1,7 +1,8 @@
 """Worked examples of Fanuc's and Haas' manuals, position by position.
 
 Programs and what each shows are from the operator's manuals B-63944EN and B-63944EN-2 (30i), which have them as those
-of the 16i (B-63534EN) and 16 (B-62764EN) do; the chapter is named. Positions are worked out here from its figures.
+of the 16i (B-63534EN) and 16 (B-62764EN) do; the chapter begins each docstring. Positions are worked out here from its
+figures.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def planar(found, wanted):
 
 
 def test_absolute_and_incremental_programming():
-    """Chapter "Absolute and incremental programming" (G90, G91): from (100, 30) to (40, 70), both ways."""
+    """Absolute and incremental programming (G90, G91): from (100, 30) to (40, 70), both ways."""
     for words in ("G90 X40.0 Y70.0", "G91 X-60.0 Y40.0"):
         planar(ends(read(f"G0 X100. Y30. Z0.\nG1 {words}")), [[40.0, 70.0]])
 
@@ -60,7 +61,7 @@ def test_absolute_and_incremental_programming():
     ],
 )
 def test_circular_interpolation(blocks):
-    """Chapter "Circular interpolation" (G02, G03), its example: from (200, 40) about (140, 40), then about (90, 100)."""
+    """Circular interpolation (G02, G03), its example: from (200, 40) about (140, 40), then about (90, 100)."""
     path = read(f"G92 X200.0 Y40.0 Z0\nG1 X200.0 Y40.0 Z0\n{blocks}")
     # G92 tells where the tool is: the first words stand for the machine's zero
     begin = np.array([200.0, 40.0, 0.0])
@@ -74,7 +75,7 @@ def test_circular_interpolation(blocks):
 
 
 def test_return_to_and_from_the_reference_point():
-    """Chapter "Automatic return to reference point and return from it" (G28, G29): from A over B to R, and over B to C."""
+    """Automatic return to reference point and return from it (G28, G29): from A over B to R, and over B to C."""
     sheet = f"{ZERO}[offsets.G54]\nX = 0\nY = 0\nZ = 0\n[references.1]\nX = 1500\nY = 700\nZ = 400\n"
     machine = tp.Machine.load("xyzbc-trunnion")
     body = "G54\nG90 G0 X200. Y300. Z100. B0 C0\nG28 X1000.0 Y500.0\nM1\nG29 X1300.0 Y200.0\nM1"
@@ -87,14 +88,14 @@ def test_return_to_and_from_the_reference_point():
 
 
 def test_setting_a_workpiece_coordinate_system():
-    """Chapter "Setting a workpiece coordinate system" (G92): G92 X25.2 Z23.0, and G92 X600.0 Z1200.0."""
+    """Setting a workpiece coordinate system (G92): G92 X25.2 Z23.0, and G92 X600.0 Z1200.0."""
     for x, z in ((25.2, 23.0), (600.0, 1200.0)):
         found = ends(read(f"G0 X0 Y0 Z0\nG92 X{x} Z{z}\nG90 G0 X0 Z0"))
         assert found[-1] == pytest.approx([-x, 0.0, -z], abs=1e-9)
 
 
 def test_changing_a_workpiece_coordinate_system():
-    """Chapter "Changing workpiece coordinate system": at (200, 160) of G54 G92 X100 Y100 shifts both
+    """Changing workpiece coordinate system: at (200, 160) of G54 G92 X100 Y100 shifts both
     G54 and G55 by (100, 60)."""
     sheet = "[offsets.G54]\nX = 0\nY = 0\nZ = 0\n[offsets.G55]\nX = 300\nY = 100\nZ = 0\n"
     found = ends(read("G54\nG0 X200. Y160. Z0.\nG92 X100. Y100.\nG0 X0. Y0.\nG55 X0. Y0.", sheet=sheet))
@@ -102,14 +103,14 @@ def test_changing_a_workpiece_coordinate_system():
 
 
 def test_selecting_a_workpiece_coordinate_system():
-    """Chapter "Selecting a workpiece coordinate system": G90 G55 G00 X40.0 Y100.0."""
+    """Selecting a workpiece coordinate system: G90 G55 G00 X40.0 Y100.0."""
     sheet = "[offsets.G54]\nX = 0\nY = 0\nZ = 0\n[offsets.G55]\nX = 300\nY = 50\nZ = 0\n"
     planar(ends(read("G54\nG0 X0 Y0 Z0\nG90 G55 G00 X40.0 Y100.0", sheet=sheet)), [[340.0, 150.0]])
 
 
 @pytest.mark.parametrize("angles", ["Y150.0\nY270.0", "G91 Y120.0\nY120.0"])
 def test_bolt_holes_by_polar_coordinates(angles):
-    """Chapter "Polar coordinate command" (G15, G16), its bolt-hole circle: radius 100 at 30, 150 and 270 degrees."""
+    """Polar coordinate command (G15, G16), its bolt-hole circle: radius 100 at 30, 150 and 270 degrees."""
     path = read(f"G0 X0 Y0 Z10.\nG17 G90 G16\nG81 X100.0 Y30.0 Z-20.0 R-5.0 F200.0\n{angles}\nG15 G80")
     bottoms = path.tip[np.abs(path.tip[:, 2] + 20e-3) < 1e-9] * 1e3
     wanted = [[100 * math.cos(math.radians(a)), 100 * math.sin(math.radians(a))] for a in (30, 150, 270)]
@@ -118,7 +119,7 @@ def test_bolt_holes_by_polar_coordinates(angles):
 
 @pytest.mark.parametrize("incremental", [False, True])
 def test_coordinate_system_rotation(incremental):
-    """Chapter "Coordinate system rotation" (G68, G69), its example with an absolute and an incremental command in N3.
+    """Coordinate system rotation (G68, G69), its example with an absolute and an incremental command in N3.
 
     With the incremental one the tool is the centre; else it is (700, 300).
     """
@@ -136,7 +137,7 @@ def test_coordinate_system_rotation(incremental):
 
 
 def test_repetitive_commands_for_rotation():
-    """Chapter "Repetitive commands for coordinate system rotation", whose angle is incremental (parameter 5400#0 is 1): the
+    """Repetitive commands for coordinate system rotation, whose angle is incremental (parameter 5400#0 is 1): the
     contour of O2100 at 0, 45, .. 315 degrees."""
     main = (
         "G92 X0 Y0 Z0 G69 G17\nG01 F200\nM98 P2100\nM98 P072200\nG00 G90 X0 Y0\nM30\n"
@@ -151,7 +152,7 @@ def test_repetitive_commands_for_rotation():
 
 
 def test_programmable_mirror_image():
-    """Chapter "Programmable mirror image" (G51.1, G50.1), its example: O9000 as it is, about X50, about both, about Y50."""
+    """Programmable mirror image (G51.1, G50.1), its example: O9000 as it is, about X50, about both, about Y50."""
     main = (
         "G0 X0 Y0 Z0\nN10 G00 G90\nN20 M98 P9000\nN30 G51.1 X50.0\nN40 M98 P9000\nN50 G51.1 Y50.0\n"
         "N60 M98 P9000\nN70 G50.1 X0\nN80 M98 P9000\nN90 G50.1 Y0\nM30\n"
@@ -173,7 +174,7 @@ def path_points(path):
 
 
 def test_scaling_and_rotation():
-    """Chapter "Scaling and coordinate system rotation": the centre (200, 100) of G68 is scaled, the angle is
+    """Scaling and coordinate system rotation: the centre (200, 100) of G68 is scaled, the angle is
     not, and "scaling is applied first and then the coordinates are rotated"; so Haas 96-8000."""
     blocks = (
         "G0 X0 Y0 Z0\nG51 X300.0 Y150.0 {}\nG68 X200.0 Y100.0 R45.0\n"
@@ -197,14 +198,14 @@ def test_rotation_with_scaling_of_haas():
 
 
 def test_tool_length_offset():
-    """Chapter "Tool length offset" (G43), H1 20.0 and H2 30.0: "G90 G43 Z100.0 H1: Z will move to 120.0", with H2 to 130.0."""
+    """Tool length offset (G43), H1 20.0 and H2 30.0: "G90 G43 Z100.0 H1: Z will move to 120.0", with H2 to 130.0."""
     sheet = "[tools.1]\nlength = 20\n[tools.2]\nlength = 30\n"
     found = ends(read("G0 X0 Y0 Z0\nG90 G43 Z100.0 H1\nG90 G43 Z100.0 H2", sheet=sheet))
     assert found[-2:, 2] == pytest.approx([120.0, 130.0], abs=1e-9)
 
 
 def test_tool_length_offset_in_incremental_programming():
-    """Chapter "Tool length offset", its example of three holes under G91, where H1 = -4.0 shortens the tool of the program.
+    """Tool length offset, its example of three holes under G91, where H1 = -4.0 shortens the tool of the program.
 
     The sheet has lengths from the spindle: the tool of the program is H2 with 100, in force before N1, and for H0.
     """
@@ -223,7 +224,7 @@ def test_tool_length_offset_in_incremental_programming():
 
 
 def test_canned_cycles_with_tool_length_compensation():
-    """Chapter "Example of canned cycles": offsets No. 11, 15 and 31 are 200, 190 and 150; thirteen holes.
+    """Example of canned cycles: offsets No. 11, 15 and 31 are 200, 190 and 150; thirteen holes.
 
     The origin of the program is where the spindle stands; a depth is that of the tip.
     """
@@ -248,7 +249,7 @@ def test_canned_cycles_with_tool_length_compensation():
 
 
 def test_three_dimensional_conversion_about_the_tool():
-    """Chapter "Three-dimensional coordinate conversion" (G68 X Y Z I J K R): the centre is added to what is turned about the
+    """Three-dimensional coordinate conversion (G68 X Y Z I J K R): the centre is added to what is turned about the
     vector; here about Z, which leaves the tool as it is."""
     body = "G0 X0 Y0 Z0\nG68 X10. Y20. Z5. I0 J0 K1. R30.\nG0 X0 Y0 Z0\nG0 X10. Y0 Z0\nG0 X0 Y10. Z2.\nG69"
     found = ends(read(body))
@@ -274,7 +275,7 @@ def plane_by_euler(first, second, third):
     "machine", ["xyzac-trunnion", "xyzbc-trunnion", "xyzbc-nutating", "xyzbc-head", "xyzab-trunnion-inch"]
 )
 def test_tilted_working_plane(machine):
-    """Chapter "Tilted working plane command" (G68.2, G53.1; B-63942EN, 5.44): origin in the workpiece
+    """Tilted working plane command (G68.2, G53.1; B-63942EN, 5.44): origin in the workpiece
     coordinates, Euler's angles, then positions in the feature coordinate system."""
     blocks = (
         "G54\nG0 X0 Y0 Z50.\nG68.2 X100.0 Y100.0 Z50.0 I30.0 J15.0 K20.0\nG53.1\nG43 H1 X0 Y0 Z30.\n"
