@@ -110,8 +110,8 @@ class Transforms:
     def turn_about_tool(self, numbers: Numbers, word: str) -> None:
         """Three-dimensional G68 X Y Z I J K R about the direction of a tool that stands upright.
 
-        X, Y, Z are the centre, and the origin of what follows ("three-dimensional coordinate conversion", B-63944EN-2:
-        the centre is added to what is turned). About another direction the length of the tool would be turned too,
+        X, Y, Z are the centre, and the origin of what follows (A-63537E, "Equation for three-dimensional coordinate
+        conversion": the centre is added to what is turned). About another direction the length of the tool would be turned too,
         and where its tip then is depends on what the length is measured from.
         """
         i, j, k = (numbers.pop(letter, 0.0) for letter in "IJK")
