@@ -23,6 +23,8 @@ class Orientation:
             [] if machine is None else np.asarray(machine.travel, dtype=float)[list(poses.rotary)].tolist()
         )
         """Lowest and highest position of each rotary joint [rad]."""
+        self.alike: list[float] = []
+        """The other rotary positions of the last search [rad], where the rule of a control decides for neither."""
 
     def rotary(
         self, axis: list[float], present: list[float], sign: int = 0, first: tuple[int, int] | None = None
@@ -61,7 +63,10 @@ class Orientation:
                 f"{' and '.join(self.poses.rotary_names)}: choose a machine that can, or clamp the part otherwise"
             )
         if first is not None:
-            return min(choices, key=lambda choice: _in_turn(choice, present, first)), ""
+            ranked = sorted(choices, key=lambda choice: _in_turn(choice, present, first))
+            tied = len(ranked) > 1 and _in_turn(ranked[0], present, first) == _in_turn(ranked[1], present, first)
+            self.alike = ranked[1] if tied and math.dist(*ranked[:2]) > FREE else []
+            return ranked[0], ""
         return min(choices, key=lambda choice: math.dist(choice, present)), ""
 
 

@@ -130,6 +130,8 @@ class MotionReader:
                 if absolute and abs(turned - present) > HALF:
                     turned = self._rotary(turned, present, value)
                 target[slot] = turned
+        if named & 4:
+            state.level_by_machine = False
         if state.not_alone is not None and named:
             self._need_both(named)
         if state.stands or along or state.along:

@@ -66,6 +66,7 @@ class Places:
             if target != control.words:
                 control.straight(target, named, rapid=True)
         self.state.between = list(control.words)
+        self.state.level_by_machine |= not given or "Z" in given
         if self.rs274 and given and self.frames.offsets.turned.get(self.frames.offsets.offset):
             self._reference_in_turned(number, list(given))
         else:
@@ -108,6 +109,7 @@ class Places:
         places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in given.items()}
         if places:
             self.state.along = 0.0
+            self.state.level_by_machine |= "Z" in places
             straight_in_machine(control, places, rapid=rapid)
 
     def machine_rapid(self, numbers: Numbers, word: str) -> None:

@@ -113,6 +113,8 @@ class Tools:
             return
         named = [letter in numbers for letter in "XYZ"]
         if any(abs(each) > STILL and not there for each, there in zip(off, named)):
+            if state.level_by_machine:
+                return  # at a reference point no length is in force, and none can be gone by
             control.findings.assumed(
                 f"{word} without Z moves nothing, and the next Z counts with the new length (on Fanuc where parameter "
                 "5006#6 is 1; else the axis goes by the difference at once)"

@@ -220,6 +220,7 @@ class Planes:
         """G53.1: turn the rotary axes until the tool stands on the plane; the linear axes keep their places."""
         self._need_plane(numbers, word)
         turn_to_plane(self.control, first=self._first())
+        self._say_alike(word)
 
     def turn_about_tip(self, numbers: Numbers, word: str) -> None:
         """G53.6 H R: as G53.1, while the tip keeps its place on the part, or with R a point that far above it."""
@@ -230,6 +231,7 @@ class Planes:
             control.set_length(f"{length:g}")
         wanted = rotary_for(control, plane_axis(control), first=self._first())
         turn_about(control, wanted, above, rapid=self.state.motion in (None, "rapid"))
+        self._say_alike(word)
 
     def _need_plane(self, numbers: Numbers, word: str) -> None:
         self._need_machine(word)
@@ -244,6 +246,15 @@ class Planes:
         if self.frames.plane is None:
             numbers.clear()
             raise RefusedError(f"{word} without a tilted plane in force", "tell it before: write G68.2, or G268")
+
+    def _say_alike(self, word: str) -> None:
+        """Say where the rule leaves it open which of two positions is taken."""
+        control = self.control
+        if control.orientation.alike:
+            names, other = control.poses.rotary_names, control.orientation.alike
+            taken = control.placement.place(control.words)[3:]
+            shown = [" ".join(f"{n}{math.degrees(v):.4g}" for n, v in zip(names, each)) for each in (taken, other)]
+            control.findings.assumed(f"{word} turns to {shown[0]}, not to {shown[1]}, which is as near")
 
     def _first(self) -> tuple[int, int]:
         """The order in which the rotary axes turn as little as they can (16i operator's manual, "Angle of rotation

@@ -111,8 +111,8 @@ class Transforms:
         """Three-dimensional G68 X Y Z I J K R about the direction of a tool that stands upright.
 
         X, Y, Z are the centre, and the origin of what follows (A-63537E, "Equation for three-dimensional coordinate
-        conversion": the centre is added to what is turned). About another direction the length of the tool would be turned too,
-        and where its tip then is depends on what the length is measured from.
+        conversion": the centre is added to what is turned). About another direction the length of the tool would be
+        turned too, and where its tip then is depends on what the length is measured from.
         """
         i, j, k = (numbers.pop(letter, 0.0) for letter in "IJK")
         if abs(i) > STILL or abs(j) > STILL or abs(k) < STILL:
