@@ -254,6 +254,11 @@ class Control:
             self.source.fail("an arc cannot be the first motion, its start is not known: position with G0", self.line)
         self.findings.arcs += 1
         frame = self.placement.matrix
+        if frame is not affine.IDENTITY and not affine.keeps_circle(frame, arc):
+            self.source.fail(
+                "an arc in coordinates that are scaled unevenly: controls cut no ellipse; scale it in the CAM system",
+                self.line,
+            )
         length = arc.length()
         self.moves.arcs[len(self.moves)] = arc if frame is affine.IDENTITY else affine.carried(frame, arc)
         self._move(words, named, rapid, number, length)
