@@ -24,11 +24,14 @@ class Orientation:
         )
         """Lowest and highest position of each rotary joint [rad]."""
 
-    def rotary(self, axis: list[float], present: list[float], sign: int = 0) -> tuple[list[float], str]:
+    def rotary(
+        self, axis: list[float], present: list[float], sign: int = 0, *, else_other: bool = False
+    ) -> tuple[list[float], str]:
         """Rotary positions [rad] for a tool axis (3,) on the part, and what is wrong, or "".
 
         Of both solutions, and all turns within travel, the one with the least sum of turns. `sign`: only those with
-        the second rotary joint below (-1) or above (1) zero.
+        the second rotary joint below (-1) or above (1) zero, `else_other`: where none of these is within travel, the
+        other one.
         """
         machine = self.poses.machine
         if machine is None:
@@ -48,7 +51,7 @@ class Orientation:
             if None not in turned:
                 within.append([value for value in turned if value is not None])
                 asked.append(not sign or wanted[1] * sign >= -FREE)
-        choices = [each for each, wanted in zip(within, asked) if wanted]
+        choices = [each for each, wanted in zip(within, asked) if wanted] or (within if else_other else [])
         if not choices:
             shown = ", ".join(f"{value:.4g}" for value in unit)
             if within:

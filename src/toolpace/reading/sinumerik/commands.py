@@ -12,12 +12,16 @@ from toolpace.reading.sinumerik.cycles.patterns import places
 from toolpace.reading.sinumerik.cycles.swivel import swivel
 from toolpace.reading.sinumerik.cycles.thread import mill_thread
 from toolpace.reading.sinumerik.given import Arguments, Words, number
+from toolpace.reading.sinumerik.orientation.rotary_order import initial_rotary
+from toolpace.reading.sinumerik.orientation.tool_frame import turn_along_tool
 from toolpace.reading.sinumerik.run import Run
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
 
 OLD_MODE = 1000
 """CYCLE832 modes from here on are those of old controls, whose hundreds switch TRAORI."""
 TOP_SURFACE = 1_000_000
+MOST_TRANSFORMATIONS = 4
+"""Numbers of TRAORI that machines have."""
 
 
 class Commands:
@@ -30,6 +34,11 @@ class Commands:
             "MSG": self._message,
             "TRAORI": self._traori,
             "TRAFOOF": lambda values: self.tip_mode(False),
+            "ORIRESET": self._initial_orientation,
+            "TOROT": self._turn_along_tool,
+            "TOROTZ": self._turn_along_tool,
+            "TOROTOF": lambda values: self.run.frames.end_tool_frame("TOROTOF"),
+            "PAROTOF": lambda values: self.run.frames.end_tool_frame("PAROTOF"),
             "FGROUP": self._feed_group,
             "CYCLE800": self._swivel,
             "CYCLE832": self._high_speed,
@@ -60,8 +69,19 @@ class Commands:
             self.control.operations.begin(name=said)
 
     def _traori(self, values: list[Value | None]) -> None:
-        if any(value is not None for value in values[1:]):
-            raise Unread("TRAORI with a direction or offsets", "they are data of the machine: write TRAORI alone")
+        """TRAORI(n, x, y, z, A, B): the number of the transformation, the direction of the tool when the rotary axes
+        are at zero, and offsets of these (Job Planning, "Orientation transformation TRAORI")."""
+        arguments = Arguments("TRAORI", values, 6)
+        number = arguments.code(0, 1)
+        if not 1 <= number <= MOST_TRANSFORMATIONS:
+            raise ValueFault(f"TRAORI({number}): transformations are numbered from 1: write TRAORI(1)")
+        if number > 1:
+            self.control.findings.assumed(f"TRAORI({number}) is the transformation of the machine, as TRAORI(1) is")
+        x, y, z = (arguments.number(place) for place in (1, 2, 3))
+        if x or y or z < 0.0:
+            raise Unread("TRAORI with another direction of the tool than Z", "write TRAORI alone, and G17")
+        if arguments.number(4) or arguments.number(5):
+            raise Unread("TRAORI with offsets of the rotary axes", "put them on the set-up sheet ([machine_zero])")
         self.tip_mode(True)
 
     def tip_mode(self, on: bool) -> None:
@@ -72,6 +92,19 @@ class Commands:
         self.control.set_tip_mode(on)
         self.state.tangent = None
         self.run.motion.here()
+
+    def _initial_orientation(self, values: list[Value | None]) -> None:
+        """ORIRESET(first, second): the rotary axes to these positions, or to zero, whatever frames shift them."""
+        if not self.control.coordinates.tip_mode:
+            raise ValueFault("ORIRESET needs TRAORI (alarm 14101): switch it on before")
+        wanted = initial_rotary(self.control, Arguments("ORIRESET", values, 3))
+        self.control.straight([*self.control.words[:3], *wanted], 0, rapid=self.state.motion == "G0")
+        self.state.tangent = None
+
+    def _turn_along_tool(self, values: list[Value | None]) -> None:
+        rule = self.run.vocabulary.controller.option("toframe_mode", "2000")
+        turn_along_tool(self.control, self.run.frames, self.state, rule)
+        self.state.tangent = None
 
     def _feed_group(self, values: list[Value | None]) -> None:
         rotary = [value for value in values if isinstance(value, Axis) and value.letter not in ("X", "Y", "Z")]
@@ -137,6 +170,10 @@ class Commands:
         """$NAME[index]=value. Raises Unread."""
         if name == "$P_UIFR":
             self.run.frames.write(index, value, self.state.unit)
+            return
+        if name == "$P_PFRAME":
+            self.run.frames.write_programmed(index, value, self.state.unit)
+            self.state.tangent = None
             return
         raise Unread(f"{name}=", "it sets data of the control that may shift positions: put them on the set-up sheet")
 

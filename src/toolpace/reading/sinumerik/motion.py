@@ -11,7 +11,7 @@ from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.sinumerik.contour import circles
 from toolpace.reading.sinumerik.contour.splines import BSplines
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
-from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
+from toolpace.reading.sinumerik.orientation.vectors import ANGLES, VECTOR, Vectors
 from toolpace.reading.sinumerik.state import GREAT_CIRCLE, State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 from toolpace.units import DEGREE

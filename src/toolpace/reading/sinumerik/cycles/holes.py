@@ -81,7 +81,17 @@ class Holes:
             raise ValueFault(f"{self.name} lacks its depth: write DP or DPR, its arguments 4 and 5")
         bottom = reference - depth if depth else arguments.number(3) * unit
         down = -1.0 if bottom <= reference else 1.0
+        if depth and back == reference:
+            self._tolerate(
+                "RTP at RFP and a relative depth",
+                "alarm 61101: raise RTP, or write DP",
+                "where the retraction plane RTP is the reference plane RFP, DPR counts downwards",
+            )
         top = reference - down * safety
+        if down > 0.0 and back > reference:
+            raise ValueFault(
+                f"{self.name}: its depth lies above RFP, where RTP lies too (alarm 61101): correct DP or RFP"
+            )
         if (back - reference) * -down < -1e-12:
             self._tolerate(
                 "RTP below RFP",
@@ -124,7 +134,10 @@ class Holes:
         whole = abs(levels.reference - levels.bottom)
         first = abs(arguments.number(6)) * unit
         if not first and arguments.given(5):
-            first = abs(levels.reference - arguments.number(5) * unit)
+            down = math.copysign(1.0, levels.bottom - levels.reference)
+            first = (arguments.number(5) * unit - levels.reference) * down
+            if first < 0.0:
+                raise ValueFault("CYCLE83: its first depth FDEP lies above RFP (alarm 61107): correct FDEP")
         if first > whole:
             self._tolerate(
                 "a first stroke below its depth",
