@@ -7,8 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from testbed.true_tip.cases import BUILTIN as FOLDER
+from testbed.true_tip.chain import Chain
 from tests.support.sinumerik import START, last, machine, read
 from toolpace.errors import ProgramError
+from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.reading.sinumerik.syntax.frame_functions import solid
 
 
@@ -142,16 +145,45 @@ def axes_of(call, on):
     return np.array([end - ends[0] for end in ends[1:]]).T
 
 
-@pytest.mark.parametrize("direction", [0, 1])
-def test_cycle800_by_axes_on_a_trunnion(direction):
+@pytest.mark.parametrize(("direction", "turned"), [(1, ""), (0, "G0 A20 C40\n")])
+def test_cycle800_by_axes_on_a_trunnion(direction, turned):
     """Operating manuals, "Swiveling plane", direct: _A and _B are axes 1 and 2; X, Y, Z are the machine's there."""
-    call = f'CYCLE800(0,"",0,192,1,2,3,20,40,0,4,5,6,{direction},0,1)'
+    call = f'CYCLE800(0,"",0,192,1,2,3,20,40,0,4,5,6,{direction},0,1)\n{turned}'
     wanted = turn("Z", 40) @ turn("X", 20)  # both joints of this table turn the other way round in space
     path = swivelled(call)
     assert path.tip[-1] * 1e3 == pytest.approx([1, 2, 3] + wanted @ [5, 7, 9], abs=1e-6)
-    angles = dict(zip(path.rotary_joints, np.degrees(path.rotary[-1])))
-    assert angles == pytest.approx({"A": 20, "C": 40} if direction else {"A": 0, "C": 0})
+    assert dict(zip(path.rotary_joints, np.degrees(path.rotary[-1]))) == pytest.approx({"A": 20, "C": 40})
     assert axes_of(call, "xyzac-trunnion") == pytest.approx(wanted, abs=1e-6)
+
+
+IN_PLANE = 'CYCLE800(0,"",0,57,0,0,0,30,0,0,0,0,0,{},0,1)\n'
+
+
+def test_rotary_words_in_a_plane_turn_the_axes_alone():
+    """Without TRAORI nothing follows a rotary axis: X, Y and Z of the machine stay."""
+    chain = Chain((FOLDER / "xyzac-trunnion.toml").read_text())
+    path = swivelled(IN_PLANE.format(0) + "G0 A30 C20", "")
+    joints = chain.joints(path.tip, dict(zip(path.rotary_joints, path.rotary.T)), chain.own_length)
+    turned = joints[path.block == path.block.max()]
+    assert len(turned) > 10 and np.ptp(turned[:, :3], axis=0).max() < 1e-9
+    assert np.degrees(turned[-1, 3:]) == pytest.approx([30, 20])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (IN_PLANE.format(0) + "G1 X1", "not turned to"), (IN_PLANE.format(1) + "G0 C5\nG1 X1", "have moved since"),
+        (IN_PLANE.format(1) + "G1 X1 C5", "rotary words beside X, Y, Z"),
+        (IN_PLANE.format(0) + "CYCLE81(10,0,2,-5)", "not turned to"),
+        (IN_PLANE.format(1) + "G0 C5\nHOLES1(0,0,0,5,5,3)", "have moved since"),
+    ],
+)  # fmt: skip
+def test_a_plane_whose_axes_stand_elsewhere_is_refused(text, said):
+    with pytest.raises(ProgramError, match=said):
+        swivelled(text)
+    # TRAORI knows where they are
+    if "CYCLE81" not in text:
+        swivelled(text.replace("G1 X1", "TRAORI\nG1 X1").replace("HOLES1", "TRAORI\nHOLES1"))
 
 
 def test_cycle800_by_axes_on_a_head():
@@ -205,3 +237,19 @@ def test_cycle800_that_is_refused(call, said):
 def test_cycle800_retracts_along_the_tool():
     path = read('G0 Z0 A0 C0\nCYCLE800(5,"",0,57,0,0,0,0,0,0,0,0,0,1,25,1)\nG1 X1', "xyzac-trunnion", start=START)
     assert path.tip[:, 2].max() * 1e3 == pytest.approx(25.0)
+
+
+SHEET = SetUp(
+    offsets={"G54": {"X": -0.4, "Y": -0.3, "Z": -0.5}}, machine_zero={"X": 0.5, "Y": 0.4, "Z": 0.6},
+    tools={"1": Tool(0.1)},
+)  # fmt: skip
+
+
+def test_g500_counts_from_the_machine_zero_where_the_sheet_tells_offsets():
+    """Fundamentals, "Settable work offset": G500 ends all of them, if it holds no values itself."""
+    text = "T1 D1 M6\nG0 X0 Y0 Z0 A0 C0\nX10"
+    g54, g500 = (read(text, "xyzac-trunnion", start=f"{g}\n", setup=SHEET) for g in ("G54", "G500"))
+    assert g500.tip[-1] - g54.tip[-1] == pytest.approx([0.4, 0.3, 0.5])
+    unsaid = read(text, "xyzac-trunnion", start="", setup=SHEET)
+    assert any("names no settable offset" in said for said in unsaid.assumed)
+    assert not any("names no settable offset" in said for path in (g54, g500) for said in path.assumed)

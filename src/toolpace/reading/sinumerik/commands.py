@@ -14,6 +14,7 @@ from toolpace.reading.sinumerik.cycles.thread import mill_thread
 from toolpace.reading.sinumerik.given import Arguments, Words, number
 from toolpace.reading.sinumerik.orientation.rotary_order import initial_rotary
 from toolpace.reading.sinumerik.orientation.tool_frame import turn_along_tool
+from toolpace.reading.sinumerik.orientation.turned_plane import need_turned
 from toolpace.reading.sinumerik.run import Run
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
 
@@ -60,7 +61,11 @@ class Commands:
         self.run.motion.here()
 
     def _cycle(self, name: str) -> Callable[[list[Value | None]], None]:
-        return lambda values: self.holes.perform(name, values)
+        def perform(values: list[Value | None]) -> None:
+            need_turned(self.control, self.run.frames)
+            self.holes.perform(name, values)
+
+        return perform
 
     def _message(self, values: list[Value | None]) -> None:
         said = text(values[0]).strip() if values and values[0] is not None else ""
@@ -140,10 +145,12 @@ class Commands:
             self.tip_mode(True)
 
     def _thread(self, values: list[Value | None]) -> None:
+        need_turned(self.control, self.run.frames)
         mill_thread(values, self.control, self.state, self.run.tooling.radius)
 
     def _pattern(self, name: str, values: list[Value | None]) -> None:
         modal = self.run.modal
+        need_turned(self.control, self.run.frames)
         if modal is not None and modal[0].name not in self.known:
             raise Unread(f"{name} with a subprogram under MCALL", "write the places as blocks of their own")
         if name == "CYCLE801":

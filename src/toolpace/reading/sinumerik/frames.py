@@ -30,9 +30,12 @@ class Saved(NamedTuple):
     fine: list[float]
     plane: Matrix
     tilted: bool
+    turned_to: list[float] | None
+    plane_axis: list[float]
     tool: Matrix
     tool_upon: Matrix
     offset: int
+    told: bool
     coarse_turn: list[float]
     fine_turn: list[float]
 
@@ -49,12 +52,18 @@ class Frames:
         self.plane: Matrix = IDENTITY
         """Of CYCLE800."""
         self.tilted = False
+        self.turned_to: list[float] | None = None
+        """Rotary joints that the plane of CYCLE800 was reckoned for [rad]; None where it turned none (_DIR 0)."""
+        self.plane_axis: list[float] = []
+        """(3,) Z of that plane on the part."""
         self.tool: Matrix = IDENTITY
         """Of TOROT: the system frame before the programmed one (K2, "TOROT and TOFRAME")."""
         self.tool_upon: Matrix = IDENTITY
         """The programmed frame at the time of TOROT."""
         self.settable: dict[int, Matrix] = {}
         self.offset = 0
+        self.told = False
+        """Whether the program has named a settable offset."""
         self.coarse_turn, self.fine_turn = ([0.0] * len(control.poses.rotary) for _ in range(2))
         """The same of rotary words [rad]."""
 
@@ -84,9 +93,16 @@ class Frames:
         return IDENTITY if found is None or found == first else affine.product(affine.inverse(first), found)
 
     def select(self, place: int) -> None:
-        """Make a settable offset the one in force, 0: none."""
-        self.offset = place
-        self.control.set_offset(SETTABLE[place] if place else "")
+        """Make a settable offset the one in force, 0: none.
+
+        G500 counts from the machine's zero where the set-up sheet tells other offsets ("deactivation of all settable
+        offsets", Programming Manual Fundamentals, "Settable work offset"); without, the part's origin stands for all.
+        """
+        self.offset, self.told = place, True
+        offsets = self.control.setup.offsets
+        if not place and offsets and SETTABLE[0] not in offsets:
+            self.control.add_offset(SETTABLE[0])
+        self.control.set_offset(SETTABLE[place] if place or offsets else "")
         self.put()
 
     def clear(self) -> None:
@@ -206,17 +222,23 @@ class Frames:
     def saved(self) -> Saved:
         """What a subprogram with SAVE gives back."""
         return Saved(
-            self.linear, self.coarse, self.fine, self.plane, self.tilted, self.tool, self.tool_upon, self.offset,
-            self.coarse_turn, self.fine_turn,
+            self.linear, self.coarse, self.fine, self.plane, self.tilted, self.turned_to, self.plane_axis, self.tool,
+            self.tool_upon, self.offset, self.told, self.coarse_turn, self.fine_turn,
         )  # fmt: skip
 
     def restore(self, state: Saved) -> None:
         """Frames as they were."""
         self.linear, self.plane, self.tilted = state.linear, state.plane, state.tilted
+        self.turned_to, self.plane_axis = state.turned_to, state.plane_axis
         self.tool, self.tool_upon = state.tool, state.tool_upon
         self.coarse, self.fine = list(state.coarse), list(state.fine)
         self.coarse_turn, self.fine_turn = list(state.coarse_turn), list(state.fine_turn)
-        self.select(state.offset)
+        self.told, self.offset = state.told, state.offset
+        if state.told:
+            self.select(state.offset)
+        else:
+            self.control.set_offset("")
+            self.put()
 
 
 def _with(values: list[float], place: int, value: float) -> list[float]:

@@ -10,7 +10,9 @@ from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.sinumerik.contour import circles
 from toolpace.reading.sinumerik.contour.splines import BSplines
+from toolpace.reading.sinumerik.frames import Frames
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
+from toolpace.reading.sinumerik.orientation.turned_plane import turned_alone
 from toolpace.reading.sinumerik.orientation.vectors import ANGLES, VECTOR, Vectors
 from toolpace.reading.sinumerik.state import GREAT_CIRCLE, State
 from toolpace.reading.sinumerik.syntax.values import ValueFault
@@ -29,8 +31,8 @@ AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
 class Motion:
     """Makes motions of words."""
 
-    def __init__(self, control: Control, state: State) -> None:
-        self.control, self.state = control, state
+    def __init__(self, control: Control, state: State, frames: Frames) -> None:
+        self.control, self.state, self.frames = control, state, frames
         self.vectors = Vectors(control, state)
         self.splines = BSplines(control)
         self.corners = Corners(control, "it is read between two straight lines of the plane: write the corner out")
@@ -62,6 +64,13 @@ class Motion:
         else:
             target, named = self.target(words)
         path_axis = bool(named)
+        if turned_alone(control, self.frames, state, target, named):
+            if self.corners.waiting is not None:
+                self._before(target, False)
+            self.programmed = control.words
+            if stop:
+                control.stop()
+            return False
         if state.motion == "BSPLINE":
             if not len(control.moves):
                 control.begin_here()
@@ -71,8 +80,8 @@ class Motion:
         corner = self._corner(words)
         vector = self.vectors.taken(words)
         arcs = state.motion in ("G2", "G3", "CIP", "CT")
-        if not len(control.moves) and (arcs or not state.absolute):
-            control.begin_here()
+        if not len(control.moves):
+            self._first(arcs)
         straight = state.motion == "G1" and vector is None
         if self.corners.waiting is not None:
             self._before(target, straight)
@@ -88,6 +97,14 @@ class Motion:
         if stop:
             control.stop()
         return path_axis
+
+    def _first(self, arcs: bool) -> None:
+        """Before the first motion of a program."""
+        control = self.control
+        if control.setup.offsets and not self.frames.told:
+            control.findings.assumed("the program names no settable offset (G54) before it moves: it moves at the part")
+        if arcs or not self.state.absolute:
+            control.begin_here()
 
     # Corners
 

@@ -7,7 +7,7 @@ import math
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.joint_moves import reference, turn_joints
 from toolpace.reading.control.retract import retract
-from toolpace.reading.control.tool_axis import turn_to_plane
+from toolpace.reading.control.tool_axis import plane_axis, turn_to_plane
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.reading.sinumerik.cycles.direct_swivel import positions, turned_with_axes
@@ -48,6 +48,7 @@ def swivel(values: list[Value | None], control: Control, frames: Frames, state: 
         made = affine.product(affine.product(affine.product(frames.plane, frames.tool), frames.programmed()), made)
     frames.clear()
     _put(frames, made, tilted=True)
+    frames.plane_axis = plane_axis(control)
     if not direction:
         return
     follow = status // 10 % 10 == 1
@@ -62,6 +63,7 @@ def swivel(values: list[Value | None], control: Control, frames: Frames, state: 
         # "if one of the two positions cannot be reached for mechanical reasons, the alternative position is
         # automatically selected irrespective of the direction" (Operating Manual Milling 08/2018, "Swiveling plane")
         turn_to_plane(control, follow=follow, rapid=True, sign=int(math.copysign(1, direction)), else_other=True)
+    frames.turned_to = control.placement.place(control.words)[3:]
     control.stop()
 
 
@@ -78,6 +80,7 @@ def _check(arguments: Arguments, state: State, *, direct: bool) -> None:
 def _put(frames: Frames, plane: Matrix, *, tilted: bool) -> None:
     frames.plane, frames.tilted = plane, tilted
     frames.tool = frames.tool_upon = IDENTITY
+    frames.turned_to = None
     frames.put()
 
 
