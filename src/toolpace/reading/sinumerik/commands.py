@@ -91,11 +91,18 @@ class Commands:
 
     def tip_mode(self, on: bool) -> None:
         """TRAORI, TRAFOOF: the machine stays where it is, and the frames in force stay (posts count on it)."""
-        coordinates = self.control.coordinates
+        coordinates, state = self.control.coordinates, self.state
+        if on != coordinates.tip_mode:
+            for fault, cure in (
+                (state.motion == "BSPLINE", "a spline (alarm 14402): write G1 before"),
+                (state.compensation != "G40", "G41 or G42 (alarm 14400): write G40 before"),
+            ):
+                if fault:
+                    raise ValueFault(f"TRAORI and TRAFOOF under {cure}")
         if on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
             self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
         self.control.set_tip_mode(on)
-        self.state.tangent = None
+        state.tangent = None
         self.run.motion.here()
 
     def _initial_orientation(self, values: list[Value | None]) -> None:

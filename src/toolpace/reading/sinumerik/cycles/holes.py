@@ -10,11 +10,11 @@ from toolpace.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Dri
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.sinumerik.cycles.along import Along, Levels
 from toolpace.reading.sinumerik.cycles.strokes import stop_distance, strokes_by_factor, strokes_of
-from toolpace.reading.sinumerik.cycles.taps import metric_pitch
+from toolpace.reading.sinumerik.cycles.taps import pitch_of
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
-from toolpace.units import INCH, MILLIMETRE, MINUTE
+from toolpace.units import MILLIMETRE, MINUTE
 
 MOST = 24
 """Arguments of a cycle: newer controls append theirs (_GMODE, _DMODE, _AMODE)."""
@@ -149,7 +149,9 @@ class Holes:
             self.control.findings.assumed("CYCLE83: the feed of the first stroke is taken as that of the others (FRF)")
         safety = abs(levels.top - levels.reference)
         strokes = self._strokes(arguments, whole, first or whole)
-        clear = arguments.code(11) != 0
+        clear = arguments.code(11)
+        if clear not in (0, 1):
+            raise ValueFault(f"CYCLE83 with VARI {clear} (alarm 61002): write 0 to break chips, 1 to remove them")
         back = abs(arguments.number(14)) * unit or MILLIMETRE
         ahead = abs(arguments.number(16)) * unit or stop_distance(whole)
         dwell = self._dwell(arguments.number(8))
@@ -173,6 +175,8 @@ class Holes:
 
     def _ream(self, arguments: Arguments, levels: Levels) -> None:
         per_minute = self.state.unit / MINUTE
+        if not (arguments.number(6) and arguments.number(7)):
+            self._tolerate("no FFR or RFF", "write both", "CYCLE85 without FFR or RFF goes at the feed in force")
         way = self._along(levels)
         way.over()
         way.feed(levels.bottom, arguments.number(6) * per_minute)
@@ -187,6 +191,7 @@ class Holes:
         off = [0.0, 0.0, 0.0]
         off[first], off[second] = arguments.number(7) * unit, arguments.number(8) * unit
         off[self.axis] = arguments.number(9) * unit
+        self._spindle(arguments, 6, (3, 4), "SDIR")
         way = self._along(levels)
         way.over()
         hole = list(self.control.words)
@@ -211,6 +216,7 @@ class Holes:
         self._bore(arguments, levels)
 
     def _bore_with_stop(self, arguments: Arguments, levels: Levels) -> Drilling:
+        self._spindle(arguments, 6 if self.name == "CYCLE88" else 5, (3, 4), "SDIR")
         dwell = self._dwell(arguments.number(5)) if self.name == "CYCLE88" else 0.0
         return self._hole(levels)._replace(dwell=dwell, stops=True)
 
@@ -223,11 +229,21 @@ class Holes:
             )
             self._tap(levels, 0.0, 0.0, self._dwell(arguments.number(5)))
             return
-        pitch = self._pitch(arguments, 7, 8, 13)
+        self._spindle(arguments, 6, (3, 4, 5), "SDAC")
+        pitch = pitch_of(arguments, self.state.unit, size=7, pitch=8, kind=13)
         speed = arguments.number(10) or self.control.feed.spindle * MINUTE
         back = arguments.number(11) or speed
         strokes = self._tapping_strokes(arguments, levels)
         self._tap(levels, pitch * speed / MINUTE, pitch * back / MINUTE, self._dwell(arguments.number(5)), strokes)
+
+    def _spindle(self, arguments: Arguments, place: int, known: tuple[int, ...], name: str) -> None:
+        """Tolerate a direction of the spindle that is none: it moves nothing."""
+        if arguments.code(place) not in known:
+            self._tolerate(
+                f"{name} {arguments.code(place)}",
+                f"alarm 61102: write {' or '.join(map(str, known))}",
+                f"{self.name} without a direction of the spindle ({name}) moves as with one",
+            )
 
     def _tapping_strokes(self, arguments: Arguments, levels: Levels) -> list[tuple[float, float]]:
         """Levels of the strokes before the last, and levels that are gone back to behind them.
@@ -252,7 +268,7 @@ class Holes:
     def _floating_tap(self, arguments: Arguments, levels: Levels) -> None:
         spindle = self.control.feed.spindle
         if arguments.number(9) or arguments.number(10):
-            speed = self._pitch(arguments, 9, 10, 12) * spindle
+            speed = pitch_of(arguments, self.state.unit, size=9, pitch=10, kind=12) * spindle
         else:
             # without a pitch the feed of the program is the one that fits (G63)
             speed = self.control.feed.rate(self.state.inverse, self.control.line).speed
@@ -275,17 +291,3 @@ class Holes:
         way.feed(levels.top, out)
         self.control.stop()
         way.rapid(levels.back)
-
-    def _pitch(self, arguments: Arguments, size: int, pitch: int, unit: int) -> float:
-        """Lead of a thread [m]: by its metric size, or by itself."""
-        if arguments.number(pitch):
-            kind = arguments.code(unit)
-            if kind not in (0, 1, 3):
-                raise Unread(f"{self.name} with a pitch in modules or turns per inch", "write it in mm or inch")
-            scale = {0: self.state.unit, 1: MILLIMETRE, 3: INCH}[kind]
-            return abs(arguments.number(pitch)) * scale
-        if arguments.number(size):
-            return metric_pitch(abs(arguments.number(size)))
-        raise ValueFault(
-            f"{self.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}"
-        )
