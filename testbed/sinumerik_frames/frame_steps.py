@@ -25,6 +25,7 @@ class FrameSteps(Maker):
         words = " ".join(f"{x}{v:.3f}" for x, v in (by | turned).items())
         vector = [by.get(x, 0.0) for x in "XYZ"]
         self.even |= not additive
+        self.assigned &= additive
         self.say(
             f"{'A' if additive else ''}TRANS {words}",
             lambda truth, found: truth.translate(vector, turned, additive=additive),
@@ -34,6 +35,7 @@ class FrameSteps(Maker):
         """A block of ROT, SCALE, MIRROR or their kin, new or additive."""
         additive = self.rng.random() < 0.5 or self.upon
         self.even |= not additive
+        self.assigned &= additive
         self.say(
             f"{'A' if additive else ''}{name} {words}", lambda truth, found: truth.turn_frame(matrix, additive=additive)
         )
@@ -74,6 +76,8 @@ class FrameSteps(Maker):
         self.say(word, act)
 
     def axial(self):
+        if self.assigned:
+            return
         fine = bool(self.rng.random() < 0.5)
         told = {x: self.number(20) for x in self.some("XYZ")}
         turned = {}
@@ -92,6 +96,6 @@ class FrameSteps(Maker):
             truth.translate([by.get(x, 0.0) for x in "XYZ"], {}, additive=False)
             truth.linear = about("Z", angle)
 
-        self.even = True
+        self.even = self.assigned = True
         inside = ",".join(f"{x},{v:.3f}" for x, v in by.items())
         self.say(f"$P_PFRAME=CTRANS({inside}):CROT(Z,{angle:.3f})", act)

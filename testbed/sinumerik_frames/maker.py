@@ -54,6 +54,8 @@ class Maker:
         self.steps: list[Step] = []
         self.traori = self.tilted = self.waiting = self.upon = False
         """TRAORI; a plane of CYCLE800; one whose axes the program must turn; a frame of TOROT upon another."""
+        self.assigned = False
+        """Whether $P_PFRAME was assigned, upon which G58 and G59 are refused."""
         self.even = True
         """Whether no uneven scale is in force."""
         self.kind = "ORIEULER"

@@ -67,6 +67,7 @@ class PlaneSteps(FrameSteps):
 
         self.say(f'CYCLE800(0,"",{status},{mode},{inside},{direction},0,1)', act, straight=bool(follow))
         self.tilted, self.waiting, self.even, self.upon = True, direction == 0, True, False
+        self.assigned = False
         if direction == 0 and kind == "direct" and not self.traori:
             self._motion({x: v / DEG for x, v in rotary.items()})
             self.waiting = False

@@ -142,4 +142,27 @@ def test_the_programmed_frame_is_written_and_read():
     kept = "DEF FRAME OLD\nTRANS X5 Y2\nOLD=$P_PFRAME\nTRANS\n$P_PFRAME=OLD\nG1 X1 Y0 Z0"
     assert tip(kept) == pytest.approx([6, 2, 0])
     refused("TRANS C5\n$P_PFRAME=$P_PFRAME:CTRANS(X,1)\nG1 X1", r"\$P_PFRAME is not read")
-    refused("$P_PFRAME[X,RT]=5\nG1 X1", "of the parts of a frame TR is read")
+    refused("$P_PFRAME[X,RT]=5\nG1 X1", "of the parts of a frame TR")
+
+
+def test_a_subprogram_with_save_gives_frames_back():
+    """Job Planning, "SAVE": the frame of the caller is in force again, whatever the subprogram made of it."""
+    text = "TRANS X5\nATRANS X1\nSUB1\nG1 X1 Y0 Z0\nM30\nPROC SUB1 SAVE\n{}\nRET"
+    inside = ("ROT Z90", "G500\n$P_PFRAME=CTRANS(X,50)", 'CYCLE800(0,"",0,57,9,0,0,30,0,0,0,0,0,0,0,1)')
+    for frame in inside:
+        assert tip(text.format(frame)) == pytest.approx([7, 0, 0])
+
+
+def test_trans_behind_atrans_is_asked_about():
+    """A table of NC Programming (at G58, G59) has the fine offset unchanged by TRANS, which else deletes old shifts."""
+    path = read("TRANS X10\nATRANS X5\nTRANS X20\nG1 X1 Y0 Z0", "xyzac-trunnion", start=START)
+    assert path.tip[-1, 0] * 1e3 == pytest.approx(21) and any("ends the shift of ATRANS" in s for s in path.assumed)
+    path = read("TRANS X10\nATRANS X5\nTRANS\nTRANS X20\nG1 X1 Y0 Z0", "xyzac-trunnion", start=START)
+    assert not any("ends the shift of ATRANS" in said for said in path.assumed)
+
+
+def test_axial_shifts_beside_an_assigned_frame():
+    """NC Programming 12/2019, table at G58, G59: [X,TR] is the part of TRANS and G58, [X,FI] that of ATRANS and G59."""
+    assert tip("TRANS X10\n$P_PFRAME[X,FI]=3\nG58 X20\nG1 X0 Y0 Z0") == pytest.approx([23, 0, 0])
+    assert tip("TRANS X10\nATRANS X5\n$P_PFRAME[X,TR]=20\nG59 X1\nG1 X0 Y0 Z0") == pytest.approx([21, 0, 0])
+    refused("$P_PFRAME=CTRANS(X,10):CFINE(X,3)\nG58 X20\nG1 X0", r"G58 after \$P_PFRAME=")

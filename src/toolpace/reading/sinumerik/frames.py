@@ -6,8 +6,6 @@ programmed frame. TRANS, ROT, ROTS, SCALE and MIRROR replace the whole programme
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from toolpace.reading.control.control import Control
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import IDENTITY, Matrix
@@ -20,24 +18,12 @@ from toolpace.units import DEGREE
 PROGRAMMED = ("TRANS", "ROT", "ROTS", "SCALE", "MIRROR", "ATRANS", "AROT", "AROTS", "ASCALE", "AMIRROR")
 SETTABLE = {0: "G500", **{k: f"G{53 + k}" for k in range(1, 5)}, **{k: f"G{500 + k}" for k in range(5, 100)}}
 """Names of the settable offsets by their number in $P_UIFR."""
-
-
-class Saved(NamedTuple):
-    """Frames at a point of the program."""
-
-    linear: Matrix
-    coarse: list[float]
-    fine: list[float]
-    plane: Matrix
-    tilted: bool
-    turned_to: list[float] | None
-    plane_axis: list[float]
-    tool: Matrix
-    tool_upon: Matrix
-    offset: int
-    told: bool
-    coarse_turn: list[float]
-    fine_turn: list[float]
+ENDS_ATRANS = (
+    "TRANS ends the shift of ATRANS before it, as it deletes old instructions; a table of the manuals (at G58, G59) has "
+    "it unchanged"
+)
+NOT_SAVED = ("control", "settable")
+"""What a subprogram with SAVE does not give back: the control, and data of the settable offsets."""
 
 
 class Frames:
@@ -49,6 +35,8 @@ class Frames:
         """Rotation, scale and mirror of the programmed frame."""
         self.coarse, self.fine = [0.0] * 3, [0.0] * 3
         """Shifts of TRANS (or G58) and of ATRANS (or G59) [m], in the coordinates before the rotation."""
+        self.assigned = False
+        """Whether $P_PFRAME was assigned as a whole: which part of its shift is the fine one is not told."""
         self.plane: Matrix = IDENTITY
         """Of CYCLE800."""
         self.tilted = False
@@ -107,7 +95,7 @@ class Frames:
 
     def clear(self) -> None:
         """No programmed frame."""
-        self.linear, self.coarse, self.fine = IDENTITY, [0.0] * 3, [0.0] * 3
+        self.linear, self.coarse, self.fine, self.assigned = IDENTITY, [0.0] * 3, [0.0] * 3, False
         self.coarse_turn, self.fine_turn = ([0.0] * len(self.coarse_turn) for _ in range(2))
 
     def _replace(self, code: str) -> None:
@@ -136,6 +124,8 @@ class Frames:
         """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
         kind = code[1:] if code[0] == "A" else code
         if code == kind:
+            if code == "TRANS" and any(self.fine) and words:
+                self.control.findings.assumed(ENDS_ATRANS)
             self._replace(code)
         if kind == "TRANS":
             self._shift(words, state, additive=code != kind)
@@ -177,6 +167,8 @@ class Frames:
 
     def axis_shift(self, code: str, words: Words, state: State) -> None:
         """G58 and G59: the coarse or the fine shift of the axes that are named (K2: axial replacement)."""
+        if self.assigned:
+            raise Unread(f"{code} after $P_PFRAME=", "which part of its shift is the fine one is not told: write TRANS")
         part = list(self.coarse if code == "G58" else self.fine)
         for slot, letter in enumerate("XYZ"):
             value = number(words, letter)
@@ -203,7 +195,7 @@ class Frames:
         if len(index) < 2:
             self.settable[place] = _frame("$P_UIFR[n]", value)
             return
-        slot = _shifted_axis("$P_UIFR[n, ", index[1:])
+        slot, _ = _shifted_axis("$P_UIFR[n, ", index[1:], ("TR",))
         present = self.settable.get(place, IDENTITY)
         by = [real(value) * unit - present[slot][3] if k == slot else 0.0 for k in range(3)]
         self.settable[place] = affine.product(affine.shift(by), present)
@@ -211,31 +203,29 @@ class Frames:
     def write_programmed(self, index: tuple[Value, ...], value: Value, unit: float) -> None:
         """$P_PFRAME=frame, $P_PFRAME[X, TR]=5: in force at once (K2, "$P_PFRAME"). Raises ValueFault, Unread."""
         if index:
-            self.coarse = _with(self.coarse, _shifted_axis("$P_PFRAME[", index), real(value) * unit)
+            slot, part = _shifted_axis("$P_PFRAME[", index, ("TR", "FI"))
+            if part == "TR":
+                self.coarse = _with(self.coarse, slot, real(value) * unit)
+            else:
+                self.fine = _with(self.fine, slot, real(value) * unit)
         else:
             made = _frame("$P_PFRAME", value)
             self._replace("$P_PFRAME=")
+            self.assigned = True
             self.coarse = [row[3] for row in made]
             self.linear = affine.linear([row[:3] for row in made])
         self.put()
 
-    def saved(self) -> Saved:
-        """What a subprogram with SAVE gives back."""
-        return Saved(
-            self.linear, self.coarse, self.fine, self.plane, self.tilted, self.turned_to, self.plane_axis, self.tool,
-            self.tool_upon, self.offset, self.told, self.coarse_turn, self.fine_turn,
-        )  # fmt: skip
+    def saved(self) -> dict[str, object]:
+        """What a subprogram with SAVE gives back; no list of it is changed in place."""
+        return {name: value for name, value in vars(self).items() if name not in NOT_SAVED}
 
-    def restore(self, state: Saved) -> None:
+    def restore(self, saved: dict[str, object]) -> None:
         """Frames as they were."""
-        self.linear, self.plane, self.tilted = state.linear, state.plane, state.tilted
-        self.turned_to, self.plane_axis = state.turned_to, state.plane_axis
-        self.tool, self.tool_upon = state.tool, state.tool_upon
-        self.coarse, self.fine = list(state.coarse), list(state.fine)
-        self.coarse_turn, self.fine_turn = list(state.coarse_turn), list(state.fine_turn)
-        self.told, self.offset = state.told, state.offset
-        if state.told:
-            self.select(state.offset)
+        for name, value in saved.items():
+            setattr(self, name, value)
+        if self.told:
+            self.select(self.offset)
         else:
             self.control.set_offset("")
             self.put()
@@ -252,12 +242,13 @@ def _frame(name: str, value: Value) -> Matrix:
     return value
 
 
-def _shifted_axis(name: str, index: tuple[Value, ...]) -> int:
-    """The slot of an axis whose shift a program sets: [X, TR]."""
+def _shifted_axis(name: str, index: tuple[Value, ...], parts: tuple[str, ...]) -> tuple[int, str]:
+    """The slot of an axis whose shift a program sets, and which: [X, TR] the coarse one, [X, FI] the fine one."""
     axis, part = index[0], index[1] if len(index) > 1 else None
     letter = axis.letter if isinstance(axis, Axis) else ""
     if not isinstance(part, str) or letter not in frame_functions.SLOTS:
         raise Unread(f"{name}axis, part]", "its axis or its part is not read: use X, Y, Z and TR")
-    if part != "TR":
-        raise Unread(f"{name}axis, {part}]", "of the parts of a frame TR is read: write the whole frame")
-    return frame_functions.SLOTS[letter]
+    if part not in parts:
+        known = " and ".join(parts)
+        raise Unread(f"{name}axis, {part}]", f"of the parts of a frame {known} is read: write the whole frame")
+    return frame_functions.SLOTS[letter], part

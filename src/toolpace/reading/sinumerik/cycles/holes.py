@@ -191,7 +191,8 @@ class Holes:
         off = [0.0, 0.0, 0.0]
         off[first], off[second] = arguments.number(7) * unit, arguments.number(8) * unit
         off[self.axis] = arguments.number(9) * unit
-        self._spindle(arguments, 6, (3, 4), "SDIR")
+        if self.name == "CYCLE86":
+            self._spindle(arguments, 6, (3, 4), "SDIR")
         way = self._along(levels)
         way.over()
         hole = list(self.control.words)
