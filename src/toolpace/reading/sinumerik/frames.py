@@ -19,8 +19,8 @@ PROGRAMMED = ("TRANS", "ROT", "ROTS", "SCALE", "MIRROR", "ATRANS", "AROT", "AROT
 SETTABLE = {0: "G500", **{k: f"G{53 + k}" for k in range(1, 5)}, **{k: f"G{500 + k}" for k in range(5, 100)}}
 """Names of the settable offsets by their number in $P_UIFR."""
 ENDS_ATRANS = (
-    "TRANS ends the shift of ATRANS before it, as it deletes old instructions; a table of the manuals (at G58, G59) has "
-    "it unchanged"
+    "TRANS ends the shift of ATRANS before it, as it deletes old instructions; a table of the manuals (at G58, G59) "
+    "has it unchanged"
 )
 NOT_SAVED = ("control", "settable")
 """What a subprogram with SAVE does not give back: the control, and data of the settable offsets."""
