@@ -234,3 +234,11 @@ def test_cip_through_a_point_of_the_straight_way_is_straight():
     assert last("CIP X10 Y10 I1=5 J1=5") == pytest.approx([10, 10, 0])
     with pytest.raises(ProgramError, match="lie on a line"):
         read("CIP X10 Y10 I1=5 J1=5 TURN=1")
+
+
+@pytest.mark.parametrize("block", ["SUPA G0 Z0 D0", "G53 G0 X0", "G74 Z1=0", "G75 FP=1 Z1=0"])
+def test_machine_coordinates_under_traori_are_refused(block):
+    """Fundamentals: G53, G153, SUPA suppress frames, no transformation; at G74 and G75 none may be active."""
+    with pytest.raises(ProgramError, match="TRAFOOF before"):
+        read(f"TRAORI\nG1 X5\n{block}", "xyzac-trunnion")
+    assert read(f"TRAORI\nG1 X5\nTRAFOOF\n{block}", "xyzac-trunnion").tip.shape[1] == 3

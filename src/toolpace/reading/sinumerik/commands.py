@@ -169,6 +169,8 @@ class Commands:
 
     def reference(self, code: str, words: Words) -> None:
         """G74 X1=0: the reference point; G75 FP=n X1=0: a fixed point, the n + 1st of the set-up sheet."""
+        if self.control.coordinates.tip_mode:
+            raise Unread(f"{code} under TRAORI", "controls go there without a transformation: write TRAFOOF before")
         fixed = round(number(words, "FP", 1.0) or 1.0) if code == "G75" else 0
         letters = []
         for address in list(words):

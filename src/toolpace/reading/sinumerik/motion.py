@@ -16,7 +16,7 @@ from toolpace.reading.sinumerik.given import Given, Words, bounded, number
 from toolpace.reading.sinumerik.orientation.turned_plane import turned_alone
 from toolpace.reading.sinumerik.orientation.vectors import ANGLES, VECTOR, Vectors
 from toolpace.reading.sinumerik.state import GREAT_CIRCLE, State
-from toolpace.reading.sinumerik.syntax.values import ValueFault
+from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.units import DEGREE
 
 OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
@@ -254,6 +254,11 @@ class Motion:
             coordinates[address] = bounded(given, address) * (self.state.unit if slot < 3 else DEGREE)
         if not coordinates:
             return False
+        if control.coordinates.tip_mode and not coordinates.keys().isdisjoint("XYZ"):
+            raise Unread(
+                "machine coordinates (SUPA, G53) under TRAORI",
+                "it stays on there, so that X, Y and Z would be of the tip: write TRAFOOF before",
+            )
         if control.coordinates.compensated and control.poses.machine is not None:
             control.findings.assumed("machine coordinates (SUPA, G53) are those of the axes, without tool length")
         straight_in_machine(control, coordinates, rapid=self.state.motion == "G0")
