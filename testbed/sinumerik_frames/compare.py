@@ -72,6 +72,8 @@ def compare(program: Program) -> Report:
         known = number > 3  # nothing leads to the first place
         found = _Ends(chain, path, last, truth.rotary())
         step.act(truth, found)
+        if step.counts:
+            truth.said = truth.words()
         off = axis = beside = 0.0
         if last is None:
             if known:
@@ -79,13 +81,27 @@ def compare(program: Program) -> Report:
         else:
             off = float(np.linalg.norm(path.tip[last] - truth.tip()))
             axis = max(float(np.linalg.norm(path.axis[last] - truth.axis())), found.off)
-        if known and step.straight and last is not None:
+        if known and last is not None and truth.arc is not None:
+            beside, truth.arc = _off_arc(truth, path, rows), None
+        elif known and step.straight and last is not None:
             beside = _beside(truth, path, rows, start)
         if off > report.off or axis > max(report.axis, DIRECTION) or beside > report.beside:
             report.line = number
         report.off, report.axis = max(report.off, off), max(report.axis, axis)
         report.beside = max(report.beside, beside)
     return report
+
+
+def _off_arc(truth, path, rows):
+    """Largest distance of the points of a block from its helix, in the words of the block."""
+    centre, radius, begin, rise, angle = truth.arc
+    turned = dict(zip(path.rotary_joints, path.rotary[rows].T))
+    slides = truth.chain.joints(path.tip[rows], turned, truth.length)[:, truth.slides]
+    words = truth.words_of(path.tip[rows], slides)
+    away = words[:, :2] - centre
+    swept = np.unwrap(np.arctan2(away[:, 1], away[:, 0]))
+    height = begin + rise * (1.0 + (swept - swept[-1]) / angle)
+    return float(max(np.abs(np.hypot(*away.T) - radius).max(), np.abs(words[:, 2] - height).max()))
 
 
 def _beside(truth, path, rows, start):

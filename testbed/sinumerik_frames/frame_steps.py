@@ -29,6 +29,7 @@ class FrameSteps(Maker):
         self.say(
             f"{'A' if additive else ''}TRANS {words}",
             lambda truth, found: truth.translate(vector, turned, additive=additive),
+            counts=False,
         )
 
     def _turned(self, name, words, matrix):
@@ -37,7 +38,9 @@ class FrameSteps(Maker):
         self.even |= not additive
         self.assigned &= additive
         self.say(
-            f"{'A' if additive else ''}{name} {words}", lambda truth, found: truth.turn_frame(matrix, additive=additive)
+            f"{'A' if additive else ''}{name} {words}",
+            lambda truth, found: truth.turn_frame(matrix, additive=additive),
+            counts=False,
         )
 
     def rotate(self):
@@ -73,7 +76,7 @@ class FrameSteps(Maker):
         def act(truth, found):
             truth.offset = OFFSETS[word]
 
-        self.say(word, act)
+        self.say(word, act, counts=False)
 
     def axial(self):
         if self.assigned:
@@ -85,7 +88,12 @@ class FrameSteps(Maker):
             shifted = self.chain.rotary if self.carried else self.heads
             turned = {x: self.number(15) for x in shifted[-1:]}
         words = " ".join(f"{x}{v:.3f}" for x, v in (told | turned).items())
-        self.say(f"{'G59' if fine else 'G58'} {words}", lambda truth, found: truth.axial(told, turned, fine=fine))
+        act = self._axial_act(told, turned, fine)
+        self.say(f"{'G59' if fine else 'G58'} {words}", act, counts=False)
+
+    @staticmethod
+    def _axial_act(told, turned, fine):
+        return lambda truth, found: truth.axial(told, turned, fine=fine)
 
     def assign(self):
         if self.upon:
@@ -98,4 +106,4 @@ class FrameSteps(Maker):
 
         self.even = self.assigned = True
         inside = ",".join(f"{x},{v:.3f}" for x, v in by.items())
-        self.say(f"$P_PFRAME=CTRANS({inside}):CROT(Z,{angle:.3f})", act)
+        self.say(f"$P_PFRAME=CTRANS({inside}):CROT(Z,{angle:.3f})", act, counts=False)

@@ -35,6 +35,8 @@ class Step:
     act: Act
     straight: bool = False
     """Whether X, Y and Z go straight in it: the tip on the part where they mean that, else the slides."""
+    counts: bool = True
+    """Whether distances behind it count from where the machine is; else from the words of before (SD42440 = 1)."""
 
 
 class Maker:
@@ -107,8 +109,8 @@ class Maker:
 
     # Steps
 
-    def say(self, text, act: Act, *, straight=False):
-        self.steps.append(Step(text, act, straight))
+    def say(self, text, act: Act, *, straight=False, counts=True):
+        self.steps.append(Step(text, act, straight, counts))
 
     def _motion(self, place):
         """A block with words by letter."""

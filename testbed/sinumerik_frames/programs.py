@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from testbed.sinumerik_frames.matrices import of_angles
-from testbed.sinumerik_frames.plane_steps import PlaneSteps
+from testbed.sinumerik_frames.motion_steps import MotionSteps
 from testbed.sinumerik_frames.truth import DEG
 
 
-class Program(PlaneSteps):
+class Program(MotionSteps):
     """One program of a seed."""
 
     def __init__(self, seed: int, machine: str | None = None) -> None:
@@ -26,20 +26,12 @@ class Program(PlaneSteps):
             self.motion, self.motion, self.motion, self.translate, self.rotate, self.solid, self.scale, self.mirror,
             self.offset, self.axial, self.assign, self.swivel, self.swivel, self.swivel, self.flat, self.transform,
             self.transform, self.vector, self.vector, self.angles, self.kinds, self.torot, self.reset,
+            self.distance, self.arc, self.arc, self.in_machine, self.without_length,
         ]  # fmt: skip
         for _ in range(int(rng.integers(6, 18))):
             choices[int(rng.integers(len(choices)))]()
         self.motion()
         self.say("M30", lambda truth, found: None)
-
-    def motion(self):
-        """X, Y, Z, and rotary words where nothing refuses them."""
-        if self.waiting and not self.traori:
-            self.transform()
-        place = {x: self.number(40) for x in self.some("XYZ")}
-        if self.traori or not self.tilted:
-            place |= {x: self.angle(x) for x in self.some(self.chain.rotary, 0)}
-        self._motion(place)
 
     def _directed(self, words, vector):
         place = {x: self.number(40) for x in self.some("XYZ", 0)}
@@ -68,13 +60,14 @@ class Program(PlaneSteps):
         if not self.traori:
             self.transform()
         self.kind = str(self.rng.choice(["ORIEULER", "ORIRPY"]))
-        self.say(self.kind, lambda truth, found: None)
+        self.say(self.kind, lambda truth, found: None, counts=False)
         a, b, c = self.number(25), self.number(25), self.number(60)
         self._directed(f"A2={a:.3f} B2={b:.3f} C2={c:.3f}", of_angles(self.kind, a, b, c))
 
     def kinds(self):
         """How the tool turns on its way."""
-        self.say(str(self.rng.choice(["ORIWKS", "ORIMKS", "ORIVECT", "ORIAXES"])), lambda truth, found: None)
+        word = str(self.rng.choice(["ORIWKS", "ORIMKS", "ORIVECT", "ORIAXES"]))
+        self.say(word, lambda truth, found: None, counts=False)
 
     def torot(self):
         """TOROT, later TOROTOF."""

@@ -14,6 +14,12 @@ class Truth:
 
     def __init__(self, chain, length, zero, offsets):
         self.chain, self.length, self.zero, self.offsets = chain, length, zero, offsets
+        self.reckoned = length
+        """The length that words of joints reckon with: zero after D0."""
+        self.said = np.zeros(3)
+        """X, Y, Z that distances count from [m]."""
+        self.arc = None
+        """Of an arc: centre (2,), radius, height at its start, rise [m] and angle [rad], in the words of its block."""
         self.q = np.zeros(len(chain.names))
         self.slides = [chain.names.index(name) for name in "XYZ"]
         self.turns = [chain.names.index(name) for name in chain.rotary]
@@ -63,8 +69,13 @@ class Truth:
         if self.on_part:
             point = self.tip() - self.part_origin()
         else:
-            point = self.q[self.slides] - self.origin()[0] - self.lift * self.length
+            point = self.q[self.slides] - self.origin()[0] - self.lift * self.reckoned
         return np.linalg.solve(self.frame(), [*point, 1.0])[:3]
+
+    def words_of(self, points, slides):
+        """X, Y, Z (n, 3) [m] of tips on the part, or of slides (n, 3)."""
+        places = points - self.part_origin() if self.on_part else slides - self.origin()[0] - self.lift * self.reckoned
+        return np.linalg.solve(self.frame(), np.c_[places, np.ones(len(places))].T).T[:, :3]
 
     def tip(self):
         """(3,) on the part."""
@@ -93,7 +104,13 @@ class Truth:
             turned = {name: np.array([value]) for name, value in self.rotary().items()}
             self.q = self.chain.joints((point + self.part_origin())[None], turned, self.length)[0]
         else:
-            self.q[self.slides] = point + self.origin()[0] + self.lift * self.length
+            self.q[self.slides] = point + self.origin()[0] + self.lift * self.reckoned
+
+    def to_machine(self, told, rotary):
+        """To machine coordinates by letter [mm] and rotary joints by name [rad]."""
+        self.turn(rotary)
+        for letter, value in told.items():
+            self.q[self.slides["XYZ".index(letter)]] = self.zero["XYZ".index(letter)] + value * MM
 
     def turn(self, rotary):
         """Rotary joints by name [rad]; the slides stay."""
