@@ -80,7 +80,7 @@ def test_traori_keeps_the_tip_and_gives_it_the_words():
         ("TRAORI\nG1 X0 A3=0", "the tool vector is zero"),
         ("TRAORI\nG1 X0 A3=0.1 C3=-1", "cannot bring its tool"),
         ("TRAORI\nG1 X0 LEAD=5", "LEAD= is not read"),
-        ("TRAORI(1,0,0,1)", "TRAORI with a direction"),
+        ("TRAORI(1,0,1,1)", "TRAORI with another direction"),
     ],
 )
 def test_vectors_that_cannot_be(text, said):

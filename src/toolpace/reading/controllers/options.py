@@ -55,6 +55,7 @@ SINUMERIK: dict[str, Kind] = {
     "base_unit": ("program", "mm", "inch"),
     "feed_turning": TURNING,
     "strict_cycles": SWITCH,
+    "toframe_mode": ("2000", "2001", "2002"),
 }
 HEIDENHAIN: dict[str, Kind] = {
     "builder_functions": ("ignored", "refused"),
