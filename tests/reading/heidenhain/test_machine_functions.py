@@ -84,10 +84,33 @@ def test_ln_turns_the_tool_to_its_vector():
     assert np.allclose(path.tip[-1], (0.002, 0.002, 0.003))
 
 
-def test_ln_without_tip_mode_or_without_the_tools_direction():
-    text = "LN X+1 TX+0 TY+0 TZ+1 F100\nL X+1 F100 M128\nLN X+2 NX+0 NY+0 NZ+1"
-    words = [refusal.word for refusal in findings(text, MACHINE).refusals]
-    assert words == ["TX TY TZ without M128", "NX NY NZ without TX TY TZ"]
+def test_ln_without_the_tools_direction_stands_upright_on_the_part():
+    """iTNC 530 Conversational, "Face milling: 3-D compensation with and without tool orientation": under M128 "the TNC
+    maintains the tool perpendicular to the workpiece contour if no tool orientation is programmed"."""
+    path = read("L M128\nLN X+1 Y+2 Z+3 NX+0 NY-0.6 NZ+0.8 F100\nLN X+2 NX+0.6 NY+0 NZ+0.8", MACHINE)
+    ends = path.axis[np.append(np.diff(path.block) > 0, True)]
+    assert np.allclose(ends[1:], [(0, -0.6, 0.8), (0.6, 0, 0.8)], atol=1e-12)
+    assert np.allclose(path.tip[-1], (0.002, 0.002, 0.003))
+
+
+def test_ln_without_m128_ignores_the_tools_direction():
+    """The same section: "if you have not activated M128, the TNC ignores the direction vector T"."""
+    path = read("LN X+1 Y+2 NX+0.6 NY+0 NZ+0.8 TX+0.6 TY+0 TZ+0.8 F100\nLN X+2 NX+0 NY+0 NZ+1", MACHINE)
+    assert np.allclose(path.axis, (0, 0, 1)) and np.allclose(path.tip[-1], (0.002, 0.002, 0))
+    assert any("without M128" in said for said in path.assumed)
+
+
+@pytest.mark.parametrize("delta", ["DL+0.5", "DR-0.1", "DR2+0.2"])
+def test_ln_with_an_oversize_of_the_tool_is_refused(delta):
+    """The same section: the tool is displaced along the normals "by the sum of the delta values"."""
+    text = f"TOOL CALL 1 Z {delta}\nL X+0 F100\nLN X+1 NX+0 NY+0.6 NZ+0.8\nTOOL CALL 1 Z\nLN X+2 NX+0 NY+0.6 NZ+0.8"
+    (refused,) = findings(text, MACHINE).refusals
+    assert refused.word == "NX NY NZ with an oversize of TOOL CALL" and refused.count == 1
+
+
+def test_a_direction_without_length_is_a_mistake():
+    with pytest.raises(ProgramError, match="NX NY NZ is no direction"):
+        read("L X+1 F100 M128\nLN X+2 NX+0 NY+0 NZ+0", MACHINE)
 
 
 def test_tcpm_with_spatial_angles():

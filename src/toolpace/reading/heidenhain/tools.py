@@ -45,7 +45,9 @@ class Tools:
                 self.axis(letter)
             figures = {name: evaluate(value) for name, value in words.items()}
             tool = self.name(found)
-            if tool or "DL" in figures or "DR" in figures:
+            deltas = [figures[name] for name in ("DL", "DR", "DR2") if name in figures]
+            if tool or deltas:
+                self.state.oversize = any(deltas)
                 self.change(tool or self.control.tool, figures)
             if "VC" in figures:
                 self.control.findings.refused("VC of TOOL CALL", self.control.line, "write the spindle speed S")
