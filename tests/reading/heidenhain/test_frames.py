@@ -49,6 +49,41 @@ def test_a_mirror_turns_the_sense_of_arcs():
     assert last("CYCL DEF 8.0\nCYCL DEF 8.1 X Y\nCYCL DEF 8.0\nCYCL DEF 8.1\nL X+1 Y+1 F100") == (1, 1, 0)
 
 
+def test_a_mirror_of_a_rotary_axis_turns_its_words():
+    """Cycle 8: "you can mirror all axes, including rotary axes"; about the active datum, until the next mirror."""
+    text = "L C+10 A+5 FMAX\nCYCL DEF 8.0\nCYCL DEF 8.1 X C\nL X+1 C+30 FMAX\nL IC+5 A+7 FMAX\n"
+    path = read(text + "L A+8 C+1 FMAX M91\nL C+2 FMAX\nCYCL DEF 8.0\nCYCL DEF 8.1\nL C+2 FMAX", MACHINE)
+    last_of_block = np.append(np.diff(path.block) > 0, True)
+    angles = np.round(path.rotary[last_of_block] / DEGREE, 9)
+    assert angles[1:].tolist() == [[5, 10], [5, -30], [7, -35], [8, 1], [8, -2], [8, 2]]
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("CYCL DEF 7.0\nCYCL DEF 7.1 C+5\nCYCL DEF 8.0\nCYCL DEF 8.1 C", "a mirror of a rotary axis in a tilted plane"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 C\nCYCL DEF 7.0\nCYCL DEF 7.1 C+5", "a shift of a mirrored rotary axis"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 C\nL C+5 FMAX M94", "M94 of mirrored axes"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 C\nFUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS", "AXIS SPAT over a mirror"),
+    ],
+)
+def test_what_a_mirrored_rotary_axis_does_not_go_with(text, word):
+    (refusal,) = findings(text + "\nL X+1 F100", MACHINE).refusals
+    assert refusal.word.startswith(word)
+
+
+def test_m128_with_a_preset_that_shifts_the_table_is_refused():
+    """The parameter presetToAlignAxis tells what it means; a datum shift of C is a position of C."""
+    setup = SetUp(offsets={"1": {"X": 0.0, "Y": 0.0, "Z": 0.0, "C": 0.1}, "2": {"X": 0.0, "Y": 0.0, "Z": 0.0}})
+    text = "CYCL DEF 247 PRESET ~\n Q339=+{}\nL X+1 F100 M128\nL X+2"
+    word = "M128 with a preset that shifts a rotary axis of the table"
+    assert [each.word for each in findings(text.format(1), MACHINE, setup=setup).refusals] == [word]
+    assert not findings(text.format(2), MACHINE, setup=setup).refusals
+    shifted = "CYCL DEF 7.0\nCYCL DEF 7.1 C+90\nL C+0 FMAX\nM128\nL X+0 Y+1 Z+0 F100"
+    path = read(shifted, MACHINE)
+    assert np.allclose(path.tip[-1] * 1e3, (0, 1, 0)) and path.rotary[-1, 1] == pytest.approx(90 * DEGREE)
+
+
 def test_rotation_is_about_the_datum_in_the_plane_of_the_tool():
     assert last(SHIFT + "CYCL DEF 10.0\nCYCL DEF 10.1 ROT+90\nL X+1 Y+2 F100") == (8, -4, 0)
     assert last("CYCL DEF 10.0\nCYCL DEF 10.1 ROT+60\nCYCL DEF 10.1 IROT+30\nL X+1 Y+2 F100") == (-2, 1, 0)

@@ -120,6 +120,7 @@ class Cycles:
             raise BlockError("CYCL DEF 247 lacks Q339, the number of the preset: write it")
         self.frames.new_preset()
         self.control.set_offset(f"{number:g}")
+        self.tilting.machine.check_preset()
 
     def old_pecking(self, line: int, text: str) -> Step:
         """1: a line for each figure."""
@@ -164,11 +165,8 @@ class Cycles:
     def mirror(self, text: str) -> Step:
         """8: mirror; without an axis not at all."""
         letters = "".join(text.replace(",", " ").split())
-        if letters.strip("ABCUVWXYZ"):
+        if letters.strip("ABCXYZ"):
             raise BlockError(f"'{letters[:20]}' is not read in a mirror: write the letters of its axes")
-        if letters.strip("XYZ"):
-            cure = "mirror X, Y and Z only, or write the motions mirrored"
-            return lambda: self.control.findings.refused("CYCL DEF 8 of a rotary axis", self.control.line, cure)
         return lambda: self.frames.mirror(letters)
 
     def dwell(self, text: str) -> Step:

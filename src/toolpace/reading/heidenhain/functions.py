@@ -55,7 +55,9 @@ class ModeFunctions:
         """FUNCTION TCPM with what it chooses."""
         if "REFPNT" in text and "REFPNT TIP-TIP" not in text:
             return self.refused(
-                "FUNCTION TCPM REFPNT other than TIP-TIP", "write REFPNT TIP-TIP, with X Y Z of the tip"
+                "FUNCTION TCPM REFPNT other than TIP-TIP",
+                "no sheet tells the radius R2 by which the centre is away from the tip: write REFPNT TIP-TIP, with X Y "
+                "Z of the tip",
             )
         spatial = "AXIS SPAT" in text
 

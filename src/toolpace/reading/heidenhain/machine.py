@@ -123,10 +123,30 @@ class MachineFunctions:
             where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
             self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
         self.control.set_tip_mode(on)
+        self.check_preset()
+
+    def check_preset(self) -> None:
+        """Refuse M128 where the preset shifts a rotary axis that carries the part.
+
+        Whether the part is thought to be turned by that is a parameter of the machine (CfgPresetSettings,
+        presetToAlignAxis). A datum shift of the program is a position of the axis ("M128 on tilting tables").
+        """
+        control = self.control
+        if control.poses.machine is None or not self.state.tip_mode:
+            return
+        offset = control.datum.origin(control.coordinates.offset)[3:]
+        if any(offset) and any(control.poses.carried(offset)):
+            control.findings.refused(
+                "M128 with a preset that shifts a rotary axis of the table", control.line,
+                "parameters of the machine tell whether X and Y turn with it: set the shift to zero, and turn the part "
+                "by CYCL DEF 10",
+            )  # fmt: skip
 
     def spatial_angles(self, on: bool) -> None:
         """AXIS SPAT: A, B and C are angles in space; they are zero to begin with where the tool stands upright."""
         control, state = self.control, self.state
+        if on and self.frames.mirrored:
+            control.findings.refused("AXIS SPAT over a mirror of rotary axes", control.line, "mirror X, Y and Z only")
         state.spatial = on
         upright = direction_on_part(control, (0.0, 0.0, 1.0)) if on else []
         stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < 1e-9
@@ -161,6 +181,9 @@ class MachineFunctions:
         letters = list(function.words) or [name.upper() for name in control.poses.rotary_names]
 
         def run() -> None:
+            if self.frames.mirrored:
+                control.findings.refused("M94 of mirrored axes", control.line, "end the mirror before (CYCL DEF 8)")
+                return
             wanted = {letter: control.words[control.slot(letter)] % FULL_TURN for letter in letters}
             control.set_position(wanted)
             self.frames.rotary = list(control.coordinates.turn)
@@ -202,7 +225,9 @@ class MachineFunctions:
             if any(axis[1] for axis in axes):
                 self.control.findings.refused("incremental words with M91", self.control.line, "write absolute ones")
                 return
-            target, _ = self.motion.target([(slot, False, value, unit) for slot, _, value, unit in axes])
+            target, _ = self.motion.target(
+                [(slot, False, value, unit) for slot, _, value, unit in axes], of_program=False
+            )
             by_letter = {letter: target[axis[0]] for letter, axis in zip(letters, axes)}
             straight_in_machine(self.control, by_letter, rapid=rapid)
             self.state.came_from = []

@@ -13,6 +13,7 @@ from toolpace.reading.control.retract import turn_about
 from toolpace.reading.control.tool_axis import plane_axis, rotary_for
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
+from toolpace.reading.heidenhain.axial import HEAD, AxialAngles
 from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
@@ -23,9 +24,15 @@ from toolpace.units import DEGREE
 
 _WORD = re.compile(
     r"\s*(?:(TURN|MOVE|STAY|F\s*MAX|F\s*AUTO|MAX|SEQ\s*[-+]|SYM\s*[-+]|COORD\s+ROT|TABLE\s+ROT|ROT(?=\s+F)|MB(?=\s+MAX))"
-    r"|(SP[ABC]|EULPR|EULNU|EULROT|PROPR|PROMIN|ROT|P[123][XYZ]|[BN][XYZ]|DIST|ABST|MB|[ABCF])\s*(" + VALUE + "))"
+    r"|(SP[ABC]|EULPR|EULNU|EULROT|PROPR|PROMIN|(?:PRO)?ROT|P[123][XYZ]|[BN][XYZ]|DIST|ABST|MB|I?[ABC]|F)\s*("
+    + VALUE
+    + "))"
 )
 FORMS = ("SPATIAL", "EULER", "VECTOR", "POINTS", "RELATIV", "AXIAL", "RESET")
+PROJECTED = (
+    "in which sense its angles count is told by a picture of the manual only: write the plane as PLANE VECTOR or "
+    "PLANE SPATIAL"
+)
 ANGLES = ("A", "B", "C")
 STRAIGHT = 1e-9
 """Most of X and Y in a unit vector that is taken for upright."""
@@ -59,12 +66,15 @@ class Tilting:
 
     def __init__(self, control: Control, frames: Frames, machine: MachineFunctions, parameters: Parameters) -> None:
         self.control, self.frames, self.machine, self.parameters = control, frames, machine, parameters
+        self.axes = AxialAngles(control)
+        self.positions: list[float] | None = None
+        """Rotary words that the plane in force was told by [rad]; None where it was told otherwise."""
 
     def compile(self, text: str) -> Step:
         """PLANE and what stands behind it. Raises BlockError."""
         form, _, rest = text.partition(" ")
         if form not in FORMS:
-            cure = "write PLANE SPATIAL with its angles"
+            cure = PROJECTED if form == "PROJECTED" else "write PLANE SPATIAL with its angles"
             return lambda: self.control.findings.refused(f"PLANE {form}", self.control.line, cure)
         asked = self.words(rest)
         return lambda: self.run(form, asked)
@@ -85,15 +95,29 @@ class Tilting:
 
     def run(self, form: str, asked: Asked) -> None:
         """Tilt, and turn the rotary axes as asked."""
+        self.positions = None
         if form == "RESET":
+            self.axes.reset()
             self.frames.tilt(None)
+        elif self.hindered(by_axes=form == "AXIAL"):
+            return
         else:
             made = self.matrix(form, asked)
             if made is None:
                 return
             self.frames.tilt(made)
+        self.machine.motion.seen_upright = None
         self.machine.state.came_from = []
+        self.machine.state.spatial_angles = [None] * 3
         self.turn(asked, reset=form == "RESET")
+
+    def hindered(self, *, by_axes: bool) -> bool:
+        """Note what is in force over which a plane is not laid, if anything is."""
+        found = self.frames.hindrance(by_axes=by_axes)
+        if found is not None:
+            word, cure = found
+            self.control.findings.refused(word, self.control.line, cure)
+        return found is not None
 
     def matrix(self, form: str, asked: Asked) -> Matrix | None:
         """The rotation of a plane in the frame of the datum; None where it is refused."""
@@ -117,22 +141,16 @@ class Tilting:
         return made
 
     def axial(self, asked: Asked) -> Matrix | None:
-        """The plane across the tool at positions of the rotary axes, where tables make it."""
-        poses = self.control.poses
-        rotary = list(self.control.words[3:])
-        for letter in ANGLES:
-            if letter in asked.values:
-                rotary[self.control.slot(letter) - 3] = asked.value(letter) * DEGREE
-        if poses.machine is None:
-            raise BlockError("PLANE AXIAL needs the machine: give --machine NAME (machine= in Python)")
-        _, columns, axis = poses.linear_map(rotary)
-        _, zero, straight = poses.linear_map([0.0] * len(rotary))
-        turn = columns @ np.linalg.inv(zero)
-        if not np.allclose(turn @ straight, axis, atol=1e-9) or not upright(list(straight)):
-            cure = "write PLANE SPATIAL: on this machine axis positions alone do not tell the turn of the plane"
-            self.control.findings.refused("PLANE AXIAL", self.control.line, cure)
-            return None
-        return affine.linear(turn.tolist())
+        """The plane across the tool at positions of the rotary axes; None where it is refused."""
+        angles = {}
+        for word in asked.values:
+            if word.removeprefix("I") in ANGLES:
+                angles[word[-1]] = asked.value(word) * DEGREE, word.startswith("I")
+        self.positions = self.axes.take(angles)
+        made = self.axes.plane(self.positions)
+        if made is None:
+            self.control.findings.refused("PLANE AXIAL", self.control.line, HEAD)
+        return made
 
     def turn(self, asked: Asked, *, reset: bool) -> None:
         """MOVE, TURN or STAY; the angles go to Q120 to Q122."""
@@ -147,12 +165,17 @@ class Tilting:
         if control.poses.machine is None and not moves:
             return
         straight = reset
-        if "TABLEROT" in words and upright(plane_axis(control)):
+        if "TABLEROT" in words and self.positions is None and upright(plane_axis(control)):
             # the table turns to the angle of the plane, which is told without its axis where it is zero
             straight = np.allclose(self.frames.plane or affine.IDENTITY, affine.IDENTITY, atol=STRAIGHT)
             if not straight:
                 control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
-        wanted = [0.0] * len(control.poses.rotary) if straight else rotary_for(control, plane_axis(control), sign)
+        if straight:
+            wanted = [0.0] * len(control.poses.rotary)
+        elif self.positions is not None:
+            wanted = self.positions  # SEQ, TABLE ROT and COORD ROT do nothing with PLANE AXIAL
+        else:
+            wanted = rotary_for(control, plane_axis(control), sign)
         self.note(wanted)
         if not moves:
             return
@@ -172,14 +195,24 @@ class Tilting:
 
     def cycle_19(self, angles: dict[str, float], *, axial: bool) -> None:
         """CYCL DEF 19: tilt without turning the axes; all angles zero: not at all."""
+        self.positions = None
         if not any(angles.values()):
+            self.axes.reset()
             self.frames.tilt(None)
+        elif self.hindered(by_axes=True):
+            return
+        elif axial:
+            made = self.axial(Asked(dict(angles)))
+            if made is None:
+                return
+            self.frames.tilt(made)
         else:
-            asked = Asked(dict(angles))
-            spatial_of = spatial(*(angles.get(letter, 0.0) * DEGREE for letter in ANGLES))
-            self.frames.tilt(self.axial(asked) if axial else spatial_of)
+            self.frames.tilt(spatial(*(angles.get(letter, 0.0) * DEGREE for letter in ANGLES)))
+        self.machine.motion.seen_upright = None
         self.machine.state.came_from = []
-        if self.control.poses.machine is not None:
+        if self.positions is not None:
+            self.note(self.positions)
+        elif self.control.poses.machine is not None:
             self.note(rotary_for(self.control, plane_axis(self.control)))
 
 

@@ -16,6 +16,8 @@ from toolpace.units import MINUTE
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
+STRAIGHT = 1e-9
+"""By what a unit vector may miss an axis that it is along."""
 
 
 class Tools:
@@ -65,7 +67,16 @@ class Tools:
             cure = "write X, Y or Z for the tool axis"
             self.control.findings.refused(f"TOOL CALL with tool axis {letter}", self.control.line, cure)
             return
-        self.state.tool_axis = "XYZ".index(letter)
+        axis = "XYZ".index(letter)
+        lift = self.control.datum.lift
+        if self.control.poses.machine is not None and abs(lift[axis]) < 1.0 - STRAIGHT:
+            names = [name for name, way in zip("XYZ", lift) if abs(way) > 1.0 - STRAIGHT]
+            self.control.findings.refused(
+                f"TOOL CALL with tool axis {letter}", self.control.line,
+                f"the tool of this machine stands along {names[0] if names else 'none of X, Y and Z'}: write that "
+                "axis, or choose the machine with that head",
+            )  # fmt: skip
+        self.state.tool_axis = axis
 
     def name(self, found: re.Match[str]) -> str:
         """Number or name of the tool; "" where the block has none."""

@@ -23,12 +23,18 @@ from toolpace.units import DEGREE, MINUTE
 Step = Callable[[], None]
 Axis = tuple[int, bool, Value, float]
 """Column of the words, whether incremental, value, and its unit [m or rad]."""
+UPRIGHT = 3e-5
+"""By how much a unit vector may miss the normal of its plane: posts write angles with three decimals [rad]."""
 PROGRAM_CONTOUR = "give --compensation program where the contour is the tool's centre, or write R0"
 TURNING = {
     "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
     "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
 }
 """What is said of `feed_when_turning`."""
+NOT_TURNED = (
+    "a block moves X, Y or Z in a tilted plane that the rotary axes are not turned to, without M128: its words are the "
+    "tip in the plane all the same"
+)
 OTHER_FEEDS = {
     "FZ": "write F or FU, a length a turn, in place of a length a tooth",
     "FT": "write F in place of the time of a block",
@@ -70,6 +76,8 @@ class Motion:
         """What lays a corner before the line behind it."""
         self.approaches: ApproachLayer | None = None
         """What lays an approach before the contour behind it."""
+        self.seen_upright: tuple[float, ...] | None = None
+        """Rotary words at which the tool was last held against the plane in force."""
 
     # Words
 
@@ -83,14 +91,18 @@ class Motion:
             found.append((slot, incremental, value, self.state.unit if slot < 3 else DEGREE))
         return found
 
-    def target(self, axes: list[Axis]) -> tuple[list[float], int]:
-        """Words (3 + rotary) at the end of a block, and the bits of X, Y, Z that it names."""
+    def target(self, axes: list[Axis], *, of_program: bool = True) -> tuple[list[float], int]:
+        """Words (3 + rotary) at the end of a block, and the bits of X, Y, Z that it names.
+
+        of_program: in the program's coordinates, where a mirror of rotary axes counts, not in the machine's.
+        """
         words, named = list(self.control.words), 0
+        mirrored = self.frames.mirrored if of_program else ()
         for slot, incremental, value, unit in axes:
             figure = value if isinstance(value, float) else value()
             if not -LARGEST <= figure <= LARGEST:
                 raise BlockError(f"a coordinate of {figure:.6g} is beyond any machine: check its figures")
-            figure *= unit
+            figure *= -unit if slot in mirrored else unit
             words[slot] = words[slot] + figure if incremental else figure
             if slot < 3:
                 named |= 1 << slot
@@ -210,9 +222,21 @@ class Motion:
                 self.refuse_corner()
             else:
                 self.corners.lay(target)
+        if self.frames.plane is not None and not state.tip_mode:
+            self.say_where_not_turned(target)
         before = control.words
         control.straight(target, named, rapid=rapid)
         state.came_from, state.came_by = before, None
+
+    def say_where_not_turned(self, target: list[float]) -> None:
+        """Say what is assumed where the tool does not stand upright on the plane at the end of a block."""
+        control, at = self.control, tuple(target[3:])
+        if control.poses.machine is None or at == self.seen_upright:
+            return
+        axis = control.poses.axis(control.placement.place(target)[3:])
+        if math.dist(axis, self.frames.normal()) > UPRIGHT:
+            control.findings.assumed(NOT_TURNED)
+        self.seen_upright = at
 
     def contour_begins(self, way: list[float]) -> None:
         """A motion in this direction (3,) comes next."""
@@ -234,46 +258,6 @@ class Motion:
             turn_joints(control, target[3:], rapid=rapid)
             state.came_from = []
 
-    def normal_line(self, words: PathWords) -> Step:
-        """LN: the tip goes straight, the tool to the direction TX TY TZ; NX NY NZ is the way out of the part, and the
-        direction of the tool where that is not told.
-
-        "If no tool orientation is programmed in the LN block, the TNC maintains the tool perpendicular to the workpiece
-        contour" under M128; "if you have not activated M128, the TNC ignores the direction vector T" (iTNC 530
-        Conversational, "Face milling: 3-D compensation with and without tool orientation").
-        """
-        axes = self.resolved(words)
-        self.only(words, "LN", ("NX", "NY", "NZ", "TX", "TY", "TZ"))
-        given = [words.others.get(name) for name in ("TX", "TY", "TZ")]
-        normals = [words.others.get(name) for name in ("NX", "NY", "NZ")]
-        has_tool, has_normal = (any(value is not None for value in vector) for vector in (given, normals))
-
-        def run() -> None:
-            control = self.control
-            self.compensation(words.side)
-            rapid = self.set_feed(words)
-            if has_normal and self.state.oversize:
-                control.findings.refused(
-                    "NX NY NZ with an oversize of TOOL CALL", control.line,
-                    "the control moves the tool along the normal by DL, DR and DR2: let the CAM system do that, and "
-                    "call the tool without them",
-                )  # fmt: skip
-            target, named = self.target(axes)
-            normal, tool = direction_of("NX NY NZ", normals), direction_of("TX TY TZ", given)
-            upright = tool if has_tool else normal
-            if upright and self.state.tip_mode:
-                target[3:] = rotary_for(control, direction_on_part(control, upright))
-                self.state.spatial_angles = [None] * 3
-            elif has_tool:
-                control.findings.assumed("TX TY TZ of LN without M128 turns no axis: the control ignores it")
-            rows = len(control.moves)
-            self.straight(target, named, rapid)
-            if len(control.moves) > rows and normal:
-                x, y, z = direction_on_part(control, normal)
-                control.moves.normals[len(control.moves) - 1] = x, y, z
-
-        return run
-
     def only(self, words: PathWords, name: str, allowed: tuple[str, ...]) -> None:
         """Refuse a block with words that its kind does not have."""
         for other, value in words.others.items():
@@ -281,14 +265,3 @@ class Motion:
                 continue
             if other not in allowed:
                 raise BlockError(f"{other} is no word of {name}: check its spelling, or remove it")
-
-
-def direction_of(name: str, given: Sequence[Value | None]) -> list[float]:
-    """Unit vector (3,) of components, where any is given; else empty. Raises BlockError where it has no length."""
-    if all(value is None for value in given):
-        return []
-    vector = [0.0 if value is None else evaluate(value) for value in given]
-    length = math.hypot(*vector)
-    if not 1e-6 < length < 1e6:
-        raise BlockError(f"{name} is no direction: its length is {length:g}, write the components of a unit vector")
-    return [value / length for value in vector]
