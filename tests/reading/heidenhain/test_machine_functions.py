@@ -189,6 +189,13 @@ def test_oversize_of_the_tool_lifts_it():
     assert ends[:, 1] - ends[2, 1] == pytest.approx([0.5, -0.25, 0.0])
 
 
+def test_a_tool_axis_that_the_machine_does_not_have_is_said():
+    machine = Machine.load("xyzac-trunnion")
+    for axis, said in (("Z", False), ("X", True)):
+        assumed = " ".join(read(f"TOOL CALL 2 {axis}\nL X+1 F100", machine).assumed)
+        assert (f"TOOL CALL with tool axis {axis} sets the plane" in assumed) == said
+
+
 def test_q108_is_the_radius_of_the_tool():
     """Preassigned Q parameters: Q108 is the radius of the tool table, plus DR of TOOL CALL."""
     sheet = SetUp(tools={"2": Tool(0.1, 0.004)})

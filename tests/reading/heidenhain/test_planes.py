@@ -218,7 +218,6 @@ def test_a_shift_in_a_tilted_plane_is_along_its_axes_and_said():
     [
         ("PLANE PROJECTED PROPR+24 PROMIN+24 ROT+30 STAY", "PLANE PROJECTED"),
         ("PLANE PROJECTED PROPR+24 PROMIN+24 PROROT+30 STAY", "PLANE PROJECTED"),
-        ("TOOL CALL 1 X", "TOOL CALL with tool axis X"),
         ("PLANE SPATIAL SPA+0 SPB+0 SPC+20 TURN FMAX TABLE ROT", "TABLE ROT of a plane that is not tilted"),
         ("CYCL DEF 19.1 A+30 F1000 ABST50", "CYCL DEF 19 with a feed"),
         ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER", "FUNCTION TCPM REFPNT other than TIP-TIP"),

@@ -97,19 +97,25 @@ class Tilting:
         """Tilt, and turn the rotary axes as asked."""
         self.positions = None
         if form == "RESET":
-            self.axes.reset()
-            self.frames.tilt(None)
-        elif self.hindered(by_axes=form == "AXIAL"):
-            return
-        else:
+            self.reset(asked)
+        elif not self.hindered(by_axes=form == "AXIAL"):
             made = self.matrix(form, asked)
             if made is None:
                 return
             self.frames.tilt(made)
+            self.turn(asked, reset=False)
         self.machine.motion.seen_upright = None
         self.machine.state.came_from = []
         self.machine.state.spatial_angles = [None] * 3
-        self.turn(asked, reset=form == "RESET")
+
+    def reset(self, asked: Asked) -> None:
+        """The axes back to zero, and no plane: MOVE holds the tip on the part, as long as the plane is there."""
+        self.axes.reset()
+        turned = any(abs(angle) > STRAIGHT for angle in self.control.words[3:])
+        if "MOVE" in asked.words and turned and self.frames.plane is None and self.control.poses.machine is not None:
+            self.frames.tilt(affine.rotation(2, 0.0))
+        self.turn(asked, reset=True)
+        self.frames.tilt(None)
 
     def hindered(self, *, by_axes: bool) -> bool:
         """Note what is in force over which a plane is not laid, if anything is."""

@@ -68,14 +68,11 @@ class Tools:
             self.control.findings.refused(f"TOOL CALL with tool axis {letter}", self.control.line, cure)
             return
         axis = "XYZ".index(letter)
-        lift = self.control.datum.lift
-        if self.control.poses.machine is not None and abs(lift[axis]) < 1.0 - STRAIGHT:
-            names = [name for name, way in zip("XYZ", lift) if abs(way) > 1.0 - STRAIGHT]
-            self.control.findings.refused(
-                f"TOOL CALL with tool axis {letter}", self.control.line,
-                f"the tool of this machine stands along {names[0] if names else 'none of X, Y and Z'}: write that "
-                "axis, or choose the machine with that head",
-            )  # fmt: skip
+        if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - STRAIGHT:
+            self.control.findings.assumed(
+                f"TOOL CALL with tool axis {letter} sets the plane of arcs, turns and cycles; the tool stands as the "
+                "machine holds it, and its length counts along it"
+            )
         self.state.tool_axis = axis
 
     def name(self, found: re.Match[str]) -> str:
