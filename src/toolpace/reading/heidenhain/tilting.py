@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
 
@@ -181,7 +182,7 @@ class Tilting:
         elif self.positions is not None:
             wanted = self.positions  # SEQ, TABLE ROT and COORD ROT do nothing with PLANE AXIAL
         else:
-            wanted = rotary_for(control, plane_axis(control), sign)
+            wanted = self.rotary(sign)
         self.note(wanted)
         if not moves:
             return
@@ -191,6 +192,21 @@ class Tilting:
                 turn_about(control, wanted, pivot, rapid=rapid)
             else:
                 turn_joints(control, wanted, rapid=rapid)
+
+    def rotary(self, sign: int) -> list[float]:
+        """Rotary words [rad] of the plane: the nearer solution, or that with the master axis below or above zero.
+
+        Of two that are as near the one above zero: from A+0 C+0 the manual's table has A+45 C+90, not A-45 C-90
+        (TNC 640 Klartext, "Selection of tilting possibilities SEQ +/-").
+        """
+        control, axis = self.control, plane_axis(self.control)
+        found = rotary_for(control, axis, sign)
+        above, fault = control.orientation.rotary(axis, control.placement.place(control.words)[3:], 1)
+        if sign or fault:
+            return found
+        shift, present = control.placement.shift or (0.0,) * len(found), control.words[3:]
+        other = [a - b for a, b in zip(above, shift)]
+        return other if math.dist(other, present) < math.dist(found, present) + STRAIGHT else found
 
     def note(self, wanted: list[float]) -> None:
         """Set Q120, Q121, Q122 to the angles [deg] of A, B and C."""
@@ -219,7 +235,7 @@ class Tilting:
         if self.positions is not None:
             self.note(self.positions)
         elif self.control.poses.machine is not None:
-            self.note(rotary_for(self.control, plane_axis(self.control)))
+            self.note(self.rotary(0))
 
 
 def upright(axis: list[float]) -> bool:
