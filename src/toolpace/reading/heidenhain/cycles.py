@@ -14,7 +14,7 @@ from toolpace.reading.heidenhain.holes.patterns import Patterns
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
-from toolpace.reading.heidenhain.tilting import Tilting
+from toolpace.reading.heidenhain.tilting import MOST_ANGLE, Tilting
 from toolpace.units import DEGREE
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
@@ -26,6 +26,8 @@ _FIGURE = re.compile(r"(?:[^-+0-9,.Q]|\.(?![0-9]))*+(" + VALUE + r")\s*+")
 OLD_PECKING = {1: 200, 2: 201, 3: 202, 4: 211, 5: 206}
 """Lines of cycle 1 to the parameters of cycle 200 that mean the same."""
 ORIENTATION = 13
+LONGEST_DWELL = 3600.0
+"""[s] (TNC 640, "Input format and unit of TNC functions")."""
 LINES = ("7", "8", "9", "10", "11", "19", "26", "32")
 """Cycles that are written in lines 7.0, 7.1, ... and act at once."""
 CURE = "export this operation as motions (L and C blocks), or drill with cycles 200 to 207, 240 and 241"
@@ -172,12 +174,26 @@ class Cycles:
     def dwell(self, text: str) -> Step:
         """9: seconds."""
         value = self.figure(text, "CYCL DEF 9.1", "DWELL 2")
-        return lambda: self.control.dwell(evaluate(value))
+
+        def run() -> None:
+            seconds = evaluate(value)
+            if not 0.0 <= seconds <= LONGEST_DWELL:
+                raise BlockError(f"a dwell of {seconds:g} s is not between 0 and {LONGEST_DWELL:g}: correct it")
+            self.control.dwell(seconds)
+
+        return run
 
     def rotate(self, text: str) -> Step:
         """10: turn in the plane."""
         value, adds = self.figure(text, "CYCL DEF 10.1", "ROT+30"), "IROT" in text
-        return lambda: self.frames.rotate(self.state.tool_axis, evaluate(value) * DEGREE, adds)
+
+        def run() -> None:
+            angle = evaluate(value)
+            if abs(angle) > MOST_ANGLE:
+                raise BlockError(f"a rotation by {angle:g} is not between -360 and 360: correct it")
+            self.frames.rotate(self.state.tool_axis, angle * DEGREE, adds)
+
+        return run
 
     def scale(self, text: str) -> Step:
         """11: one factor for all axes."""

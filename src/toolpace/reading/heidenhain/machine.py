@@ -23,6 +23,8 @@ from toolpace.units import DEGREE
 
 UNKNOWN = "leave it out if it moves nothing, or name it under `ignored` in the controller's file"
 FULL_TURN = 360.0 * DEGREE
+MOST_FUNCTIONS = 4
+"""Of a block (TNC 640 Klartext, "Entering miscellaneous functions M"; iTNC 530 takes two)."""
 
 
 class Functions(NamedTuple):
@@ -68,6 +70,8 @@ class MachineFunctions:
     def compile(self, words: PathWords) -> Functions:
         """Steps of the M functions of a block. Raises BlockError."""
         made = Functions([], [], "")
+        if len(words.functions) > MOST_FUNCTIONS:
+            raise BlockError(f"more than {MOST_FUNCTIONS} M functions in one block: divide it")
         for function in words.functions:
             if not isinstance(function.code, float):
                 made.before.append(self.refused("M with a Q parameter", "write the number of the M function"))

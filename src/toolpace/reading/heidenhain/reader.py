@@ -61,6 +61,7 @@ class HeidenhainReader:
                 self.source.must_be_ended("END PGM, M2 nor M30")
                 break
         self.statements.approaches.refuse()
+        self.statements.motion.refuse_corner()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control
 

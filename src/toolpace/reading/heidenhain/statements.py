@@ -21,7 +21,7 @@ from toolpace.reading.heidenhain.holes.drilling import Holes
 from toolpace.reading.heidenhain.holes.patterns import Patterns
 from toolpace.reading.heidenhain.jumps import Jumps
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, named
 from toolpace.reading.heidenhain.klartext.words import AXES, VALUE, PathWords, path_words, signed
 from toolpace.reading.heidenhain.machine import MachineFunctions
 from toolpace.reading.heidenhain.state import INCH, State
@@ -238,7 +238,7 @@ class Statements:
         if found is None:
             cure = "write Q1 = with a formula of numbers and Q parameters"
             return lambda: self.findings.refused(text[:20], self.control.line, cure)
-        name, value = found[1], formula(found[2], parameters)
+        name, value = named(found[1]), formula(found[2], parameters)
         return lambda: parameters.assign(name, lambda: evaluate(value))
 
     def heading(self, text: str) -> Step:

@@ -35,6 +35,8 @@ PROJECTED = (
     "PLANE SPATIAL"
 )
 ANGLES = ("A", "B", "C")
+MOST_ANGLE = 360.0
+"""Of a tilt or a rotation [deg] (TNC 640, "Input format and unit of TNC functions")."""
 STRAIGHT = 1e-9
 """Most of X and Y in a unit vector that is taken for upright."""
 
@@ -53,9 +55,12 @@ class Asked:
             raise BlockError(f"PLANE lacks {name}: write all of its values")
         return evaluate(found)
 
-    def angles(self, *names: str) -> list[float]:
-        """Angles [rad]; missing ones are zero."""
-        return [self.value(name, 0.0) * DEGREE for name in names]
+    def angles(self, *names: str, default: float | None = None) -> list[float]:
+        """Angles [rad]. Raises BlockError where one is missing or more than a turn."""
+        found = [self.value(name, default) for name in names]
+        if max(map(abs, found)) > MOST_ANGLE:
+            raise BlockError(f"{', '.join(names)} of PLANE are angles between -360 and 360: correct them")
+        return [angle * DEGREE for angle in found]
 
     def vector(self, name: str) -> list[float]:
         """Components X, Y, Z (3,)."""
@@ -78,6 +83,8 @@ class Tilting:
             cure = PROJECTED if form == "PROJECTED" else "write PLANE SPATIAL with its angles"
             return lambda: self.control.findings.refused(f"PLANE {form}", self.control.line, cure)
         asked = self.words(rest)
+        if form != "RESET" and not asked.words & {"MOVE", "TURN", "STAY"}:
+            raise BlockError(f"PLANE {form} does not say how the axes turn: write MOVE, TURN or STAY")
         return lambda: self.run(form, asked)
 
     def words(self, text: str) -> Asked:
@@ -134,7 +141,7 @@ class Tilting:
             return euler(*asked.angles("EULPR", "EULNU", "EULROT"))
         if form == "RELATIV":
             now = affine.IDENTITY if self.frames.plane is None else self.frames.plane
-            return affine.product(now, spatial(*asked.angles("SPA", "SPB", "SPC")))
+            return affine.product(now, spatial(*asked.angles("SPA", "SPB", "SPC", default=0.0)))
         if form == "AXIAL":
             return self.axial(asked)
         if form == "VECTOR":

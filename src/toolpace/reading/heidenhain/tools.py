@@ -16,6 +16,9 @@ from toolpace.units import MINUTE
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
+DELTAS = ("DL", "DR", "DR2")
+MOST_DELTA, MOST_TOOL = 999.9999, 32767.9
+"""Of an oversize (TNC7; 99.9999 on older ones), and of a tool's number ("Input format and unit of TNC functions")."""
 STRAIGHT = 1e-9
 """By what a unit vector may miss an axis that it is along."""
 
@@ -47,7 +50,10 @@ class Tools:
                 self.axis(letter)
             figures = {name: evaluate(value) for name, value in words.items()}
             tool = self.name(found)
-            deltas = [figures[name] for name in ("DL", "DR", "DR2") if name in figures]
+            for name in DELTAS:
+                if abs(figures.get(name, 0.0)) > MOST_DELTA:
+                    raise BlockError(f"{name} of TOOL CALL is not between -999.9999 and 999.9999: correct it")
+            deltas = [figures[name] for name in DELTAS if name in figures]
             if tool or deltas:
                 self.state.oversize = any(deltas)
                 self.change(tool or self.control.tool, figures)
@@ -81,9 +87,12 @@ class Tools:
             return found[1].strip()
         if found[2]:
             return self.parameters.text(found[2])
-        if found[3]:
-            return f"{self.parameters.get(found[3]):g}"
-        return f"{float(found[4]):g}" if found[4] else ""
+        if not found[3] and not found[4]:
+            return ""
+        number = self.parameters.get(found[3]) if found[3] else float(found[4])
+        if not 0.0 <= number <= MOST_TOOL:
+            raise BlockError(f"tool {number:g} is not between 0 and {MOST_TOOL:g}: correct its number")
+        return f"{number:g}"
 
     def change(self, tool: str, figures: dict[str, float]) -> None:
         """Take it, and reckon with its length and oversize; 0 is none, whose length is zero."""

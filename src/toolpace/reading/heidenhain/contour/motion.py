@@ -258,6 +258,17 @@ class Motion:
             turn_joints(control, target[3:], rapid=rapid)
             state.came_from = []
 
+    def need_even_scale(self, first: int, second: int) -> None:
+        """Raise BlockError where an arc lies in a plane that CYCL DEF 26 scales unevenly.
+
+        "Coordinate axes sharing coordinates for arcs must be enlarged or reduced by the same factor" (TNC 620 Cycle
+        Programming, "Axis-specific scaling (cycle 26)").
+        """
+        for level in (self.frames.before, self.frames.within):
+            scale = level.steps.get("scale of axes")
+            if scale is not None and scale[first][first] != scale[second][second]:
+                raise BlockError("an arc in axes that CYCL DEF 26 scales differently: give both the same factor")
+
     def only(self, words: PathWords, name: str, allowed: tuple[str, ...]) -> None:
         """Refuse a block with words that its kind does not have."""
         for other, value in words.others.items():
