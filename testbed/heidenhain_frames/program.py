@@ -55,6 +55,8 @@ class Writer(PlaneBlocks):
                 choices += [self.retract] if self.turned or not self.plane else []
             else:
                 choices += [self.tip_off, self.retract]
+            choices += [self.shorter] if self.chance(0.3) else []
+            if self.tip:
                 choices += [self.shift, self.rotate] if self.chance(0.4) else []
             self.pick(*choices)()
         self.say(f"END PGM S {'INCH' if self.inch else 'MM'}")
@@ -89,6 +91,10 @@ class Writer(PlaneBlocks):
         text = f"CYCL DEF 247 PRESET ~\n Q339=+{name}" if self.chance(0.5) else f"PRESET SELECT #{name}"
         self.say(text, "take_preset", name)
         self.kinds.clear()
+
+    def shorter(self):
+        on = self.chance(0.6)
+        self.say("M126" if on else "L M127", "shorter_way", on)
 
     # Motion
 

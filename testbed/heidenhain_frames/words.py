@@ -78,6 +78,8 @@ class Words:
             low, high = np.degrees(self.chain.travel[name])
             adds = incremental and self.chance(0.2)
             span = 4.0 if adds else min(35.0, 0.6 * high, -0.6 * low)
+            if high - low > 1000.0 and not adds and self.chance(0.2):
+                span = 300.0  # an axis without end
             value = self.number(-span, span)
             if self.chance(0.7):
                 told.append(f"{'I' if adds else ''}{name}{value:+g}")

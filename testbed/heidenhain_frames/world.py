@@ -31,6 +31,7 @@ class World:
         self.angles = {"A": 0.0, "B": 0.0, "C": 0.0}
         self.rotary_shift = dict.fromkeys(chain.rotary, 0.0)
         self.mirrored: set[str] = set()
+        self.shortest = False
         upright = {name: np.zeros(1) for name in chain.rotary}
         nose, higher = (chain.joints(np.zeros((1, 3)), upright, length)[0] for length in (0.0, 1.0))
         self.lift = (higher - nose)[self.linear]
@@ -101,7 +102,13 @@ class World:
         for letter, (value, adds) in given.items():
             sign = -1.0 if letter in self.mirrored else 1.0
             at = rotary[letter] if adds else self.rotary_shift[letter]
-            rotary[letter] = at + sign * value * DEG
+            wanted = at + sign * value * DEG
+            if self.shortest and not adds:
+                low, high = self.chain.travel[letter]
+                turns = [wanted + 2.0 * np.pi * k for k in range(-40, 41)]
+                inside = [each for each in turns if low - 1e-9 <= each <= high + 1e-9]
+                wanted = min(inside, key=lambda each, here=rotary[letter]: abs(each - here), default=wanted)
+            rotary[letter] = wanted
         return rotary
 
     def chosen(self, seen, direction, sign=0):
@@ -205,6 +212,10 @@ class World:
     def tip_mode(self, seen, on, spatial=False):
         self.tip, self.spatial = on, on and spatial
         self.angles = {"A": 0.0, "B": 0.0, "C": 0.0}
+
+    def shorter_way(self, seen, on):
+        """M126 and M127."""
+        self.shortest = on
 
     def tool(self, seen, name, oversize):
         self.length = self.tools[name] + oversize

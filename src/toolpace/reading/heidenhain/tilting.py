@@ -193,6 +193,10 @@ class Tilting:
         self.note(wanted)
         if not moves:
             return
+        if "TURN" in words and self.machine.state.tip_mode:
+            cure = "write MOVE, or M129 before: whether the tip stays or the linear axes do is not known here"
+            control.findings.refused("PLANE .. TURN under M128", control.line, cure)
+            return
         rapid = "F" not in asked.values
         with control.feed.held(*((1.0, 1.0) if rapid else self.machine.motion.speed_of(asked.value("F")))):
             if "MOVE" in words:
