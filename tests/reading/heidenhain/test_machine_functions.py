@@ -119,6 +119,39 @@ def test_tcpm_with_spatial_angles():
     assert np.allclose(path.axis[-1], (0, -0.5, math.sqrt(0.75)), atol=1e-12)
 
 
+def test_words_that_are_the_centre_of_the_tools_corner():
+    """REFPNT CENTER-CENTER: X, Y, Z are the centre of the corner radius R2, which is above the tip along the tool."""
+    machine, corner = Machine.load("xyzbc-trunnion"), 0.004
+    setup = SetUp(tools={"5": Tool(0.1, 0.006, corner)})
+    begin = "TOOL CALL 5 Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
+    on = "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT {}\n"
+    text = on + "L X+{} Y+{} Z+{} B+30 C+40 F500\nFUNCTION RESET TCPM\nL Z+60"
+    axis = direct_axis(30.0, 40.0)
+    at = np.array([10.0, 5.0, 20.0])
+    columns = [machine.joints.index(letter) for letter in "XYZ"]
+    found = []
+    for word, place in (("CENTER-CENTER", at), ("TIP-TIP", at - corner * 1e3 * axis)):
+        path = read(text.format(word, *np.round(place, 9)), machine, begin=begin, setup=setup)
+        joints = machine.joints_at(path.tip, path.rotary, path.tool_length)[:, columns]
+        found.append([joints[path.block == line][-1] for line in (5, 7)])
+    assert np.allclose(found[0], found[1], atol=1e-9)
+
+
+def test_another_tool_under_center_center_is_refused():
+    setup = SetUp(tools={"5": Tool(0.1, 0.006, 0.004), "6": Tool(0.1)})
+    text = "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER\nL X+1 F100\nTOOL CALL 6 Z\nL X+2"
+    begin = "TOOL CALL {} Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
+    for tool, word in ((5, "TOOL CALL under REFPNT CENTER-CENTER"), (6, "FUNCTION TCPM REFPNT CENTER-CENTER")):
+        refusals = findings(text, MACHINE, begin=begin.format(tool), setup=setup).refusals
+        assert [each.word for each in refusals] == [word]
+
+
+def direct_axis(b, c):
+    """The tool's axis (3,) at B and C [deg] of ISO 841: turned about Y, then about Z."""
+    b, c = np.radians(b), np.radians(c)
+    return np.array([np.sin(b) * np.cos(c), np.sin(b) * np.sin(c), np.cos(b)])
+
+
 # M functions
 
 

@@ -118,8 +118,12 @@ class MachineFunctions:
         said = self.controller.option(f"{word}_means", "taken to move nothing")
         return lambda: self.control.findings.assumed(f"{word}: {said}")
 
-    def tip_mode(self, on: bool) -> None:
-        """M128 and M129; also FUNCTION TCPM and its reset."""
+    def tip_mode(self, on: bool, centre: float = 0.0) -> None:
+        """M128 and M129; also FUNCTION TCPM and its reset.
+
+        centre: how far [m] above the tip the point of the tool is that the words name (REFPNT CENTER-CENTER: the
+        centre of its corner radius); as if the tool were that much shorter.
+        """
         self.state.tip_mode = on
         if not on:
             self.state.spatial = False
@@ -127,6 +131,10 @@ class MachineFunctions:
             where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
             self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
         self.control.set_tip_mode(on)
+        if centre != self.state.centre:
+            oversize = self.control.coordinates.oversize + self.state.centre - centre
+            self.control.set_length(self.control.tool, oversize)
+            self.state.centre = centre
         self.check_preset()
 
     def check_preset(self) -> None:
