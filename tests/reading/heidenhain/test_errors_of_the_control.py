@@ -116,6 +116,11 @@ def test_what_the_control_stops_at_is_refused(message):
     assert [refusal.word for refusal in found.refusals] == [word]
 
 
+def test_a_corner_before_a_block_without_a_value_is_no_other_error():
+    found = findings("L X+0 Y+0 F100\nL X+10\nRND R2\nL Y+Q5\nRND R2\nL X+Q5\nRND R2\nL Y+0", MACHINE)
+    assert {refusal.word for refusal in found.refusals} <= {"Q5", "RND"}
+
+
 def test_what_is_within_the_bounds_is_read():
     """The same words at the bounds that the control still takes."""
     text = (

@@ -97,6 +97,16 @@ def test_transformations_act_in_the_order_of_their_programming():
     assert any("programmed before" in said for said in read(turn + mirror + "L X+1 F100").assumed)
 
 
+def test_a_transformation_that_is_programmed_anew_keeps_its_place_and_that_is_said():
+    turn = "CYCL DEF 10.0\nCYCL DEF 10.1 ROT+90\n"
+    again = "CYCL DEF 7.0\nCYCL DEF 7.1 X+20\n"
+    path = read(SHIFT + turn + again + "L X+1 Y+2 F100")
+    assert np.allclose(path.tip[-1] * 1e3, (18, -4, 0)) and any("keeps its place" in said for said in path.assumed)
+    # a rotation that is changed while it is the last says nothing more
+    turned = read(SHIFT + turn + "CYCL DEF 10.1 ROT+45\nL X+1 Y+2 F100")
+    assert not any("keeps its place" in said for said in turned.assumed)
+
+
 def test_scales():
     """Cycle 11, one factor; cycle 26, a factor for each axis about a centre. Arcs become larger with it."""
     assert last("CYCL DEF 11.0\nCYCL DEF 11.1 SCL 0.5\nL X+1 Y+2 Z+4 F100") == (0.5, 1, 2)

@@ -11,6 +11,7 @@ from toolpace.reading.coordinates.affine import Matrix
 
 IN_TILTED = "what is shifted, mirrored, turned or scaled in a tilted plane adds to what was before the plane"
 
+IN_ITS_PLACE = "a shift, mirror, rotation or scale that is programmed anew keeps its place in that order"
 IN_ORDER = "shift, mirror, rotation and scales each act in the frame of those that were programmed before"
 
 
@@ -21,13 +22,16 @@ class Level:
         self.steps: dict[str, Matrix] = {}
         self.shifts = [0.0, 0.0, 0.0]
         self.angle = 0.0
+        self.replaced = False
+        """Whether one was programmed anew while others that came behind it were in force."""
 
     def put(self, kind: str, matrix: Matrix) -> None:
         """Replace the transformation of a kind; one that does nothing gives up its place in the order."""
         if matrix == affine.IDENTITY:
             self.steps.pop(kind, None)
-        else:
-            self.steps[kind] = matrix
+            return
+        self.replaced |= kind in self.steps and self.steps[kind] != matrix and next(reversed(self.steps)) != kind
+        self.steps[kind] = matrix
 
     def matrix(self) -> Matrix:
         """All of them."""
@@ -90,6 +94,8 @@ class Frames:
         """Hand it to the control."""
         if len(self.before.steps) > 1 or len(self.within.steps) > 1:
             self.control.findings.assumed(IN_ORDER)
+        if self.before.replaced or self.within.replaced:
+            self.control.findings.assumed(IN_ITS_PLACE)
         matrix = self.matrix()
         matrix = affine.IDENTITY if matrix == affine.IDENTITY else matrix
         self.control.set_frame(matrix, tilted=self.plane is not None)

@@ -75,6 +75,7 @@ class HeidenhainReader:
             program.source.fail(str(error), block.line)
         except UnsetError as error:
             name = str(error)
+            self.state.corner = None  # the block that it waits for is this one
             if name:
                 self.findings.refused(name, line, RADIUS if name == "Q108" else UNSET)
 
