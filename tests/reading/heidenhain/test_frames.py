@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.support.controllers import with_options
 from tests.support.heidenhain import MACHINE, SetUp, findings, last, read, tips
 from toolpace.units import DEGREE
 
@@ -115,6 +116,25 @@ def test_scales():
     middle = (arc[1:] + arc[:-1]) / 2
     assert np.abs(np.hypot(arc[:, 0], arc[:, 1]) - 200).max() < 1e-6
     assert np.abs(np.hypot(middle[:, 0], middle[:, 1]) - 200).max() < 0.5e-3
+
+
+def test_the_axes_that_cycle_11_scales_are_a_parameter():
+    """ "The scaling factor can be applied in the working plane, or on all three coordinate axes at the same time
+    (depending on machine parameter 7410)" (TNC 410, "Scaling factor (cycle 11)")."""
+    text = "CYCL DEF 11.0\nCYCL DEF 11.1 SCL 0.5\nL X+1 Y+2 Z+4 F100"
+    assert any("X, Y and Z" in said for said in read(text).assumed)
+    plane = with_options("heidenhain", cycle_11_axes="plane")
+    assert last(text, controller=plane) == (0.5, 1, 4)
+    assert last("TOOL CALL 2 X\n" + text, controller=plane) == (1, 1, 2)
+    assert not any("CYCL DEF 11" in said for said in read(text.replace("0.5", "1")).assumed)
+
+
+def test_cycle_26_names_each_axis_that_is_scaled():
+    """Reset: "a scaling factor of 1 for the same axis"; what becomes of an axis that is left out is not said."""
+    text = "CYCL DEF 26.0\nCYCL DEF 26.1 X2 Y3\nL X+1 Y+1 F100\nCYCL DEF 26.0\nCYCL DEF 26.1 {}\nL X+1 Y+1"
+    (refusal,) = findings(text.format("X1")).refusals
+    assert refusal.word == "CYCL DEF 26 without an axis that is scaled"
+    assert last(text.format("X1 Y1")) == (1, 1, 0) and last(text.format("X1 Y3")) == (1, 3, 0)
 
 
 def test_a_preset_is_an_offset_of_the_set_up_sheet_and_ends_shifts():

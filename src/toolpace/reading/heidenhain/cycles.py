@@ -50,6 +50,7 @@ class Cycles:
         self.patterns, self.parameters = patterns, parameters
         self.controller = controller
         self.axial = controller.option("cycle_19_angles", "spatial") == "axes"
+        self.in_plane = controller.option("cycle_11_axes", "all") == "plane"
         self.state = tilting.machine.state
         self.lines: dict[str, Callable[[str], Step]] = {
             "7": self.shift,
@@ -198,14 +199,24 @@ class Cycles:
     def scale(self, text: str) -> Step:
         """11: one factor for all axes."""
         value = self.figure(text, "CYCL DEF 11.1", "SCL 0.99")
-        return lambda: self.frames.scale([self.factor(evaluate(value))] * 3)
+
+        def run() -> None:
+            by = [self.factor(evaluate(value))] * 3
+            if self.in_plane:
+                by[self.state.tool_axis] = 1.0
+            if by != [1.0] * 3:
+                axes = "the axes of the working plane" if self.in_plane else "X, Y and Z"
+                self.control.findings.assumed(f"CYCL DEF 11 scales {axes} (option cycle_11_axes; MP7410 of iTNC 530)")
+            self.frames.scale(by)
+
+        return run
 
     def scale_axes(self, text: str) -> Step:
         """26: a factor for each axis, about a centre."""
         axes = self.axes(text)
 
         def run() -> None:
-            by, centre = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0]
+            by, centre, told = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0], set()
             for mark, letter, value in axes:
                 slot = "XYZ".find(letter)
                 if slot < 0:
@@ -214,6 +225,10 @@ class Cycles:
                     centre[slot] = evaluate(value) * self.state.unit
                 else:
                     by[slot] = self.factor(evaluate(value))
+                    told.add(slot)
+            if any(slot not in told for slot in self.frames.scaled()):
+                cure = "name each axis that is scaled, with the factor 1 where that is to end"
+                self.control.findings.refused("CYCL DEF 26 without an axis that is scaled", self.control.line, cure)
             self.frames.scale(by, centre)
 
         return run

@@ -15,6 +15,10 @@ IN_ITS_PLACE = "a shift, mirror, rotation or scale that is programmed anew keeps
 IN_ORDER = "shift, mirror, rotation and scales each act in the frame of those that were programmed before"
 
 
+SCALES = ("scale", "scale of axes")
+"""Kinds of cycles 11 and 26."""
+
+
 class Level:
     """Transformations in the order in which they were first programmed: each acts in the frame of those before."""
 
@@ -32,6 +36,11 @@ class Level:
             return
         self.replaced |= kind in self.steps and self.steps[kind] != matrix and next(reversed(self.steps)) != kind
         self.steps[kind] = matrix
+
+    def uneven(self, first: int, second: int) -> bool:
+        """Whether scales differ along two of the axes 0, 1 and 2."""
+        scales = [self.steps[kind] for kind in SCALES if kind in self.steps]
+        return any(scale[first][first] != scale[second][second] for scale in scales)
 
     def matrix(self) -> Matrix:
         """All of them."""
@@ -64,7 +73,7 @@ class Frames:
         if self.within.steps:
             word = "PLANE over a shift, mirror, rotation or scale in the plane before"
             return word, "reset them before the next PLANE"
-        if "rotation" in steps or "scale of axes" in steps:
+        if "rotation" in steps or self.before.uneven(0, 1) or self.before.uneven(0, 2):
             return "PLANE over a rotation or scale of axes", "program them behind PLANE, and reset them before the next"
         if self.mirrored or ("mirror" in steps and (by_axes or steps["mirror"][2][2] < 0.0)):
             return "PLANE over a mirror", "program the mirror behind PLANE, or let the CAM system mirror the path"
@@ -153,6 +162,11 @@ class Frames:
             made = affine.product(affine.product(affine.shift(centre), made), back)
         self.level.put("scale" if centre is None else "scale of axes", made)
         self.apply()
+
+    def scaled(self) -> list[int]:
+        """Slots of X, Y, Z that cycle 26 scales where it would act now."""
+        scale = (self.before if self.plane is None else self.within).steps.get("scale of axes", affine.IDENTITY)
+        return [slot for slot in range(3) if scale[slot][slot] != 1.0]
 
     def tilt(self, plane: Matrix | None) -> None:
         """Tilt to a plane, a rotation in the frame of the datum; None: not at all."""

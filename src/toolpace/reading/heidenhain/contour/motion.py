@@ -259,15 +259,13 @@ class Motion:
             state.came_from = []
 
     def need_even_scale(self, first: int, second: int) -> None:
-        """Raise BlockError where an arc lies in a plane that CYCL DEF 26 scales unevenly.
+        """Raise BlockError where an arc lies in a plane that is scaled unevenly.
 
         "Coordinate axes sharing coordinates for arcs must be enlarged or reduced by the same factor" (TNC 620 Cycle
         Programming, "Axis-specific scaling (cycle 26)").
         """
-        for level in (self.frames.before, self.frames.within):
-            scale = level.steps.get("scale of axes")
-            if scale is not None and scale[first][first] != scale[second][second]:
-                raise BlockError("an arc in axes that CYCL DEF 26 scales differently: give both the same factor")
+        if self.frames.before.uneven(first, second) or self.frames.within.uneven(first, second):
+            raise BlockError("an arc in axes that CYCL DEF 26 scales differently: give both the same factor")
 
     def only(self, words: PathWords, name: str, allowed: tuple[str, ...]) -> None:
         """Refuse a block with words that its kind does not have."""
