@@ -59,6 +59,7 @@ SINUMERIK: dict[str, Kind] = {
 }
 HEIDENHAIN: dict[str, Kind] = {
     "builder_functions": ("ignored", "refused"),
+    "cycle_11_axes": ("all", "plane"),
     "cycle_19_angles": ("spatial", "axes"),
     "feed_when_turning": TURNING,
     "inch_feed": ("header", "tenth", "inch"),
