@@ -28,7 +28,7 @@ from toolpace.reading.source import Source
     ],
 )  # fmt: skip
 def test_signs_tell_the_controller_and_the_reason_is_said(text, name, why):
-    found, reason = recognise(Source.from_text(text))
+    found, reason, _ = recognise(Source.from_text(text))
     assert found.name == name and why in reason
 
 

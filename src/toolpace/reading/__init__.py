@@ -13,6 +13,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.dialect import CONTROLS
+from toolpace.reading.doubt import doubts
 from toolpace.reading.feeds import FeedChange, apply_feed, with_doubt_of_slow_feeds
 from toolpace.reading.findings import Findings
 from toolpace.reading.languages import Recognised, reader_of, recognised
@@ -101,6 +102,9 @@ def read_source(
     found = recognised(source, dialect, options)
     with at_rest():
         toolpath = _run(found, source, machine, options, findings)
+        for sentence in _doubts(found, source, machine, options, toolpath, findings):
+            findings.assumed(sentence)
+            toolpath = dataclasses.replace(toolpath, assumed=(*toolpath.assumed, sentence))
     return with_doubt_of_slow_feeds(toolpath) if change is None else change.apply(toolpath)
 
 
@@ -124,9 +128,34 @@ def read_commanded(
             f"{source.name} is {found.dialect}, and for no control: what a control makes of it begins with the "
             "program that a post-processor writes from it"
         )
+    findings = Findings() if findings is None else findings
     with at_rest():
-        reader = reader_of(source, machine, found.controller, options, Findings() if findings is None else findings)
-        return reader.executed().commanded()
+        control = reader_of(source, machine, found.controller, options, findings).executed()
+        commanded = control.commanded()
+        if found.others and len(commanded) > 1:
+            for sentence in _doubts(found, source, machine, options, control.toolpath(), findings):
+                findings.assumed(sentence)
+        return commanded
+
+
+def _doubts(
+    found: Recognised,
+    source: Source,
+    machine: Kinematics | None,
+    options: ReadOptions,
+    toolpath: ToolPath,
+    findings: Findings,
+) -> tuple[str, ...]:
+    """Sentences on what the other controls, that a program may be for, would read otherwise than it was read."""
+    refused = {refusal.word for refusal in findings.refusals}
+    lenient = dataclasses.replace(options, skip_unknown=True)
+
+    def as_for(controller: Controller) -> ToolPath | None:
+        own = Findings()
+        read = _run(dataclasses.replace(found, controller=controller), source, machine, lenient, own)
+        return read if refused.issuperset(refusal.word for refusal in own.refusals) else None
+
+    return doubts(toolpath, source, found.others, as_for)
 
 
 def _run(
