@@ -1,6 +1,6 @@
 """Which control programs are taken for, against the control that they were written for.
 
-    python -m testbed.recognised [--bare] FOLDER...
+    python -m testbed.recognised [--bare] [--list] FOLDER...
 
 Each folder is named for the true control and holds programs of it; `--bare` hides their names, as of programs that
 were saved as .nc. Programs that are taken for another's are read as both: what matters is those that move otherwise,
@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,21 +31,26 @@ MACHINES = ("xyzac-trunnion", "xyzbc-trunnion")
 """Programs are read on the first of them that reads them as their true control's."""
 READ: dict[str, Any] = {"skip_unknown": True, "compensation": "program"}
 """Words that are not read are passed over, so that what stands beside them is compared too."""
-OUTCOMES = ("alike", "refused", "said", "unsaid", "not told")
-"""Of a confused program: both read it alike; the control that it is taken for refuses it; they differ, and that is said,
-or is not; the true control's reading refuses it, so that nothing can be compared."""
+OUTCOMES = {
+    "alike": "both read it alike",
+    "refused": "refused, for the control that it is taken for",
+    "said": "read otherwise, and that is said",
+    "unsaid": "read otherwise, unsaid",
+    "by both": "refused for both",
+    "true only": "refused for the true control alone",
+}
+NO_PROGRAM = "no program"
 
 
-def outcome(source: Source, true: str, taken: str) -> str:
-    """What comes of taking a program for another control's: one of OUTCOMES."""
+def outcome(source: Source, true: str) -> str:
+    """What comes of taking a program for another control's: a key of OUTCOMES."""
     for name in MACHINES:
         machine = tp.Machine.load(name)
-        meant = _read(source, machine, ReadOptions.of(controller=true, **READ))
+        meant, found = (_read(source, machine, ReadOptions.of(controller=each, **READ)) for each in (true, None))
         if meant is not None:
             break
-    else:
-        return "not told" if _read(source, machine, ReadOptions.of(controller=taken, **READ)) is not None else "refused"
-    found = _read(source, machine, ReadOptions.of(**READ))
+    if meant is None:
+        return "by both" if found is None else "true only"
     if found is None:
         return "refused"
     if same(meant, found):
@@ -71,12 +76,21 @@ def _read(source: Source, machine: Machine, options: ReadOptions) -> ToolPath | 
 
 
 def taken_for(source: Source) -> str:
-    """The control that a program is taken for, `none` where it is refused as a program."""
+    """The control that a program is taken for; NO_PROGRAM where its dialect is not told."""
     try:
         found = recognised(source, None, ReadOptions())
     except ToolpaceError:
-        return "none"
+        return NO_PROGRAM
     return found.controller.name if found.controller is not None else found.dialect
+
+
+def programs(folder: Path, bare: bool) -> Iterator[tuple[str, Source]]:
+    """The text files of a folder, with their names; bare: as if they were called program.nc."""
+    for file in sorted(path for path in folder.iterdir() if path.is_file()):
+        try:
+            yield file.name, Source.from_bytes(file.read_bytes(), "program.nc" if bare else file.name)
+        except ToolpaceError:
+            print(f"{file}: no text file", file=sys.stderr)
 
 
 def main(arguments: Iterable[str]) -> int:
@@ -86,30 +100,22 @@ def main(arguments: Iterable[str]) -> int:
     parser.add_argument("--list", action="store_true", help="name each confused program")
     parser.add_argument("folders", nargs="+", type=Path)
     given = parser.parse_args(list(arguments))
-    confused: dict[tuple[str, str], Counter[str]] = {}
-    programs: Counter[str] = Counter()
+    columns = "".join(f" {words} |" for words in OUTCOMES.values())
+    print(f"| written for | taken for | programs |{columns}\n|---|---|---|{'---|' * len(OUTCOMES)}")
+    unsaid = 0
     for folder in given.folders:
-        for file in sorted(path for path in folder.iterdir() if path.is_file()):
-            try:
-                source = Source.from_bytes(file.read_bytes(), "program.nc" if given.bare else file.name)
-            except ToolpaceError:
-                continue
-            programs[folder.name] += 1
+        found: dict[str, Counter[str]] = {}
+        for name, source in programs(folder, given.bare):
             taken = taken_for(source)
-            if taken != folder.name:
-                came = "refused" if taken == "none" else outcome(source, folder.name, taken)
-                confused.setdefault((folder.name, taken), Counter())[came] += 1
-                if given.list:
-                    print(f"{folder.name} {taken} {came}: {file.name}", flush=True)
-    print("| written for | programs | taken for | how many | " + " | ".join(OUTCOMES) + " |")
-    print("|---|---|---|---|" + "---|" * len(OUTCOMES))
-    for true, count in programs.items():
-        rows = {taken: found for (name, taken), found in confused.items() if name == true}
-        right = count - sum(found.total() for found in rows.values())
-        print(f"| {true} | {count} | {true} | {right} |" + " |" * len(OUTCOMES))
-        for taken, found in sorted(rows.items(), key=lambda item: -item[1].total()):
-            print(f"| | | {taken} | {found.total()} | " + " | ".join(str(found[each] or "") for each in OUTCOMES) + " |")
-    return min(1, sum(found["unsaid"] for found in confused.values()))
+            came = "right" if taken == folder.name else outcome(source, folder.name)
+            found.setdefault(taken, Counter())[came] += 1
+            if given.list and came != "right":
+                print(f"{folder.name} {taken} {came}: {name}", file=sys.stderr, flush=True)
+        for taken, came_of in sorted(found.items(), key=lambda item: -item[1].total()):
+            figures = "".join(f" {came_of[key] or ''} |" for key in OUTCOMES)
+            print(f"| {folder.name} | {taken} | {came_of.total()} |{figures}", flush=True)
+            unsaid += came_of["unsaid"]
+    return min(1, unsaid)
 
 
 if __name__ == "__main__":
