@@ -19,7 +19,7 @@ SUFFIX_WEIGHT = 4.0
 """Of the ending of the name: whoever saved the program knew its control, as a word that one control alone has tells."""
 USUAL = ("fanuc", "haas", "linuxcnc")
 """Controls that a program without signs may be for."""
-MARGIN = 3.0
+MARGIN = 4.0
 """A control whose signs weigh less by this, or by more, is none that the program may be for."""
 
 
