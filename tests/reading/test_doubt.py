@@ -10,6 +10,7 @@ import toolpace as tp
 from testbed.recognised import OUTCOMES, RANDOM, main, random_outcomes
 from toolpace.reading import Findings, ReadOptions, Source, read_commanded, read_text
 from toolpace.reading.inspection import inspect_source
+from toolpace.reading.plain_motions import thinned
 
 HEAD = "G21 G90 G0 X0 Y0 Z5\nG1 X10 F600\n"
 CURE = "--controller"
@@ -42,6 +43,25 @@ def test_a_feed_before_its_unit_is_said():
 )
 def test_nothing_is_said_where_all_read_alike(text):
     assert not said(text)
+
+
+def test_a_doubt_amid_many_plain_motions_is_said_with_its_own_figures():
+    ways = "".join(f"N{n} G1 X{n}. Y1.5\n" for n in range(1, 200))
+    (sentence,) = said(f"O1234\nG21 G90 G54 G0 X0 Y0 Z5\nG10 L2 P1 X5\nF600\n{ways}G91 G10 L2 P1 X1\nG90\n{ways}")
+    assert sentence.startswith("line 206 'N1 G1 X1. Y1.5' goes to X2 Y1.5 Z5 mm of the part at 600 mm/min, as for fa")
+    assert "for linuxcnc it goes to X-3 Y1.5 Z5 mm" in sentence
+
+
+def test_most_plain_motions_are_read_once():
+    """So that a program which may be for four controls is not read four times."""
+    ways = [f"N{n}G1X{n}.Y1.5F600" for n in range(100)]
+    arcs = ["G2 X1. Y2. I.5 J.5"] * 9
+    short = thinned(Source.from_text("\n".join(["G21 G90 G0 X0 Y0 Z5", *ways, "G4 P2", *ways, *arcs, "X1", "G0 X2"])))
+    assert [n for n, line in enumerate(short.lines, 1) if line] == [
+        1, 2, 3, 4, 102, 103, 104, 105, *range(203, 214),
+    ]  # fmt: skip
+    jumping = thinned(Source.from_text("\n".join([*ways, "GOTO 50"])))
+    assert jumping.lines[50] == "N50"
 
 
 @pytest.mark.parametrize("given", [{"controller": "fanuc"}, {"name": "part.ngc"}])

@@ -147,15 +147,18 @@ def _doubts(
     findings: Findings,
 ) -> tuple[str, ...]:
     """Sentences on what the other controls, that a program may be for, would read otherwise than it was read."""
+    if not found.others:
+        return ()
     refused = {refusal.word for refusal in findings.refusals}
     lenient = dataclasses.replace(options, skip_unknown=True)
 
-    def as_for(controller: Controller) -> ToolPath | None:
+    def as_for(controller: Controller, program: Source) -> ToolPath | None:
         own = Findings()
-        read = _run(dataclasses.replace(found, controller=controller), source, machine, lenient, own)
+        read = _run(dataclasses.replace(found, controller=controller), program, machine, lenient, own)
         return read if refused.issuperset(refusal.word for refusal in own.refusals) else None
 
-    return doubts(toolpath, source, found.others, as_for)
+    assert found.controller is not None
+    return doubts(toolpath, found.controller, source, found.others, as_for)
 
 
 def _run(

@@ -10,6 +10,7 @@ import numpy as np
 from toolpace.arrays import Bools
 from toolpace.errors import ToolpaceError
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.plain_motions import thinned
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
@@ -20,32 +21,43 @@ SHOWN = 40
 CURE = "the program does not tell its control; name it with --controller"
 _DWELL = re.compile(r"G0*4(?![\d.])", re.IGNORECASE)
 
-Reading = Callable[[Controller], ToolPath | None]
-"""Reads the program as one for a controller; None where that refuses words. Raises ToolpaceError."""
+Reading = Callable[[Controller, Source], ToolPath | None]
+"""Reads a program as one for a controller; None where that refuses words. Raises ToolpaceError."""
 Difference = tuple[int, str, str]
 """A line, and what the one and the other make of it."""
 
 
-def doubts(ours: ToolPath, source: Source, others: Sequence[Controller], reading: Reading) -> tuple[str, ...]:
+def doubts(
+    ours: ToolPath, taken: Controller, source: Source, others: Sequence[Controller], reading: Reading
+) -> tuple[str, ...]:
     """Sentences on the first blocks whose way, feed or dwell others read differently.
 
-    ours: the program as it is read, with the name of its controller. Others that refuse the program are left out:
-    on them nothing moves elsewhere.
+    ours: the program as it is read for `taken`. Others that refuse the program are left out: on them nothing moves
+    elsewhere. Long programs are tried without most of their plain motions first.
     """
     found: dict[tuple[int, str], dict[str, list[str]]] = {}
+    short = thinned(source)
+    mine = _read(taken, short, reading) if others else None
     for other in others:
-        try:
-            theirs = reading(other)
-        except ToolpaceError:
-            theirs = None
+        its = _read(other, short, reading) if mine is not None else None
+        if mine is not None and its is not None and not any(_differences(mine, its, short)):
+            continue
+        theirs = _read(other, source, reading)
         for line, own, said in _differences(ours, theirs, source) if theirs is not None else ():
             found.setdefault((line, own), {}).setdefault(said, []).append(other.name)
     return tuple(
-        f"line {line} '{source.lines[line - 1].strip()[:SHOWN]}' {own}, as for {ours.controller}; "
+        f"line {line} '{source.lines[line - 1].strip()[:SHOWN]}' {own}, as for {taken.name}; "
         + "; ".join(f"for {' and '.join(names)} it {said}" for said, names in said_by.items())
         + f": {CURE}"
         for (line, own), said_by in sorted(found.items())
     )
+
+
+def _read(controller: Controller, source: Source, reading: Reading) -> ToolPath | None:
+    try:
+        return reading(controller, source)
+    except ToolpaceError:
+        return None
 
 
 def _differences(ours: ToolPath, theirs: ToolPath, source: Source) -> Iterator[Difference]:

@@ -5,19 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from toolpace.reading.plain_motions import PLAIN
+
 _BRACKETS = re.compile(r"[()]")
 _BRACKETS_BEHIND_A_BLANK = re.compile(r"(?:^|(?<=[\s\d.]))\([^()]*+\)")
-_PLAIN = re.compile(
-    r"[ \t]*+(?:N\d++)?(?:[ \t]*+(?:G0?[0-3](?![\d.])|[XYZABCIJKF][-+]?[\d.]++))*+[ \t]*+", re.IGNORECASE
-)
-"""A block of a motion, as every control has them."""
 
 
 class Text:
     """Lines of a program, in capitals; without plain motions, which most lines are and which tell nothing."""
 
     def __init__(self, lines: Iterable[str]) -> None:
-        self._lines = [line.upper() for line in lines if not _PLAIN.fullmatch(line)]
+        self._lines = [line.upper() for line in lines if not PLAIN.fullmatch(line)]
         self.whole = "\n".join(self._lines)
         """With the comments: what a post says of itself stands there."""
         self._without: dict[str, str] = {}
