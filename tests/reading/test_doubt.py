@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 
+import msgspec
 import pytest
 
 import toolpace as tp
 from testbed.recognised import OUTCOMES, RANDOM, main, random_outcomes
-from toolpace.reading import Findings, ReadOptions, Source, read_commanded, read_text
+from toolpace.errors import UsageError
+from toolpace.reading import Findings, ReadOptions, Source, read_commanded, read_source, read_text
+from toolpace.reading.controllers.plain_motions import thinned
 from toolpace.reading.inspection import inspect_source
-from toolpace.reading.plain_motions import thinned
+from toolpace.reading.languages import with_controller
+from toolpace.write.how_read import read_again, reading_record, write_how_read
 
 HEAD = "G21 G90 G0 X0 Y0 Z5\nG1 X10 F600\n"
 CURE = "--controller"
@@ -28,6 +32,7 @@ def test_a_dwell_that_is_seconds_or_milliseconds_is_said_with_its_block():
 def test_an_offset_that_adds_or_not_is_said_where_the_tool_goes_elsewhere():
     text = "O1234\nG21 G90 G54 G0 X0 Y0 Z5\nG10 L2 P1 X5\nG91 G10 L2 P1 X1\nG90 G1 X5 F600\n"
     (sentence,) = said(text)
+    assert sentence == read_text(text).assumed[0]
     assert sentence.startswith("line 5 'G90 G1 X5 F600' goes to X6 Y0 Z5 mm of the part at 600 mm/min, as for fanuc")
     assert "for linuxcnc it goes to X1 Y0 Z5 mm" in sentence
 
@@ -88,6 +93,16 @@ def test_inspecting_and_timing_say_it_too():
     findings = Findings()
     read_commanded(Source.from_text(HEAD + "G4 P500\nG1 X20\n"), findings=findings)
     assert any("'G4 P500'" in sentence for sentence in findings.assumptions)
+
+
+def test_a_plan_is_read_again_with_the_doubt_that_it_was_made_with(tmp_path):
+    source = Source.from_text(HEAD + "G4 P500\nG1 X20\n")
+    options, _ = with_controller(source, None, ReadOptions())
+    write_how_read(tmp_path, options)
+    again = read_again(tmp_path, reading_record(options))
+    assert read_source(source, None, None, again).assumed == read_source(source).assumed != ()
+    with pytest.raises(UsageError, match="others of reading names 'okuma'"):
+        read_again(tmp_path, msgspec.structs.replace(reading_record(options), others=("okuma",)))
 
 
 @pytest.mark.parametrize("dialect", ["haas", "linuxcnc"])

@@ -10,10 +10,10 @@ from toolpace.errors import UsageError
 from toolpace.reading.block_numbers import numbered_blocks
 from toolpace.reading.control.collector import at_rest
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.controllers.doubt import doubts
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.dialect import CONTROLS
-from toolpace.reading.doubt import doubts
 from toolpace.reading.feeds import FeedChange, apply_feed, with_doubt_of_slow_feeds
 from toolpace.reading.findings import Findings
 from toolpace.reading.languages import Recognised, reader_of, recognised
@@ -102,9 +102,11 @@ def read_source(
     found = recognised(source, dialect, options)
     with at_rest():
         toolpath = _run(found, source, machine, options, findings)
-        for sentence in _doubts(found, source, machine, options, toolpath, findings):
+        said = _doubts(found, source, machine, options, toolpath, findings)
+        for sentence in said:
             findings.assumed(sentence)
-            toolpath = dataclasses.replace(toolpath, assumed=(*toolpath.assumed, sentence))
+        # first, since a summary shows a dozen
+        toolpath = dataclasses.replace(toolpath, assumed=(*said, *toolpath.assumed))
     return with_doubt_of_slow_feeds(toolpath) if change is None else change.apply(toolpath)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from toolpace.reading.plain_motions import PLAIN
+from toolpace.reading.controllers.plain_motions import PLAIN
 
 _BRACKETS = re.compile(r"[()]")
 _BRACKETS_BEHIND_A_BLANK = re.compile(r"(?:^|(?<=[\s\d.]))\([^()]*+\)")

@@ -10,7 +10,7 @@ import numpy as np
 from toolpace.arrays import Bools
 from toolpace.errors import ToolpaceError
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.plain_motions import thinned
+from toolpace.reading.controllers.plain_motions import thinned
 from toolpace.reading.source import Source
 from toolpace.toolpath import ToolPath
 
