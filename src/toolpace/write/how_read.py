@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from toolpace.errors import UsageError
@@ -24,6 +25,7 @@ def reading_record(options: ReadOptions) -> ReadingRecord:
         skip_unknown=options.skip_unknown,
         compensation=options.compensation,
         max_blocks=options.most_blocks,
+        others=tuple(other.name for other in options.others),
     )
 
 
@@ -51,7 +53,7 @@ def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
                 f"{folder / PLAN}: {key} of reading is {said!r}, and {name} is {'' if there else 'not '}there; "
                 "plan again to write it anew"
             )
-    return ReadOptions.of(
+    options = ReadOptions.of(
         None,
         Controller.load(folder / CONTROLLER) if record.controller_file else None,
         load_setup(folder / SETUP) if record.setup_file else None,
@@ -60,3 +62,6 @@ def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
         record.compensation,
         record.max_blocks,
     )
+    if unknown := set(record.others) - set(Controller.names()):
+        raise UsageError(f"{folder / PLAN}: others of reading names '{min(unknown)[:40]}'; plan again to write it anew")
+    return replace(options, others=tuple(map(Controller.load, record.others)))
