@@ -39,6 +39,7 @@ def read(
     skip_unknown: bool = False,
     compensation: str = "",
     max_blocks: int | None = None,
+    lenient: bool = False,
 ) -> ToolPath:
     """Read a program.
 
@@ -55,11 +56,13 @@ def read(
     compensation: `program` where what G41 and G42 follow is the programmed contour; else they are refused, but with
         a radius of zero.
     max_blocks: most blocks that may be executed; more is taken for a loop without end.
+    lenient: whether blocks at which the control itself would stop are read where their meaning is certain (a file
+        without M2, a word twice), and said in `ToolPath.assumed`.
 
     The path starts where the program first has every axis positioned: where the machine stands before is
     unknown. Rotary joints that are not named by then are at zero. Raises ProgramError with file, line, text and cure.
     """
-    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks)
+    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient)
     return read_source(Source.load(path), machine, dialect, options, feed=feed)
 
 
@@ -75,10 +78,11 @@ def read_text(
     skip_unknown: bool = False,
     compensation: str = "",
     max_blocks: int | None = None,
+    lenient: bool = False,
     name: str = "program",
 ) -> ToolPath:
     """Read a program from its text; as `read`, with `name` in messages."""
-    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks)
+    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient)
     return read_source(Source.from_text(text, name), machine, dialect, options, feed=feed)
 
 

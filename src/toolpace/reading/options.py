@@ -27,6 +27,8 @@ class ReadOptions:
     setup: SetUp = field(default_factory=SetUp)
     skip_unknown: bool = False
     """Whether words that are not read are passed over, and said, in place of being refused."""
+    lenient: bool = False
+    """Whether what is read is said only, in place of being refused, where the control itself would stop at it."""
     block_delete: bool = True
     """Whether blocks that begin with `/` are passed over."""
     compensation: str = ""
@@ -45,6 +47,7 @@ class ReadOptions:
         block_delete: bool = True,
         compensation: str = "",
         max_blocks: int | None = None,
+        lenient: bool = False,
     ) -> ReadOptions:
         """Options as people give them: names and files are loaded. Raises UsageError."""
         if isinstance(controller, (str, Path)):
@@ -63,6 +66,7 @@ class ReadOptions:
             controller,
             setup=setup,
             skip_unknown=skip_unknown,
+            lenient=lenient,
             block_delete=block_delete,
             compensation=compensation,
             most_blocks=max_blocks,

@@ -23,6 +23,7 @@ def reading_record(options: ReadOptions) -> ReadingRecord:
         controller_file=CONTROLLER if options.controller is not None else "",
         setup_file=SETUP if has_setup(options.setup) else "",
         skip_unknown=options.skip_unknown,
+        lenient=options.lenient,
         compensation=options.compensation,
         max_blocks=options.most_blocks,
         others=tuple(other.name for other in options.others),
@@ -61,6 +62,7 @@ def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
         True,
         record.compensation,
         record.max_blocks,
+        record.lenient,
     )
     if unknown := set(record.others) - set(Controller.names()):
         raise UsageError(f"{folder / PLAN}: others of reading names '{min(unknown)[:40]}'; plan again to write it anew")

@@ -63,6 +63,7 @@ class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     setup_file: str = ""
     """The set-up sheet, beside this file; empty where there was none."""
     skip_unknown: bool = False
+    lenient: bool = False
     compensation: str = ""
     max_blocks: int | None = None
     """Null where it was not said."""

@@ -32,8 +32,10 @@ WORD_ADDRESS: dict[str, Kind] = {
     ),
     **dict.fromkeys(
         (
-            *("chip_break_mm", "dwell_point_s", "dwell_whole_s", "local_variables", "offset_group"),
-            *("peck_clearance_mm", "scale_of_whole", "system_variables_from"),
+            *("arc_radii_inch", "arc_radii_mm", "arc_radii_percent", "arc_radii_times", "arc_radius_least_mm"),
+            *("arc_reach_mm", "chip_break_mm", "deepest_calls", "dwell_point_s", "dwell_whole_s"),
+            *("last_variable", "local_variables", "offset_group", "peck_clearance_mm", "scale_of_whole"),
+            "system_variables_from",
         ),
         NUMBER,
     ),

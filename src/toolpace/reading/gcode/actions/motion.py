@@ -36,8 +36,7 @@ class MotionReader:
         self.source, self.control, self.state = control.source, control, state
         self.rotary = controller.option("rotary", "as written")
         self.rotary_varies = controller.option("rotary_varies", False)
-        by = controller.option
-        self.arcs = ArcReader(control, state, by("arc_centre", "by mode"), full=by("rs274_checks", False))
+        self.arcs = ArcReader(control, state, controller)
         self.by_radius = controller.option("inverse_time_by_radius", False)
         self.fanuc = controller.option("fanuc_checks", False)
         """Whether blocks are refused that Fanuc stops with an alarm."""
