@@ -253,3 +253,10 @@ def test_g500_counts_from_the_machine_zero_where_the_sheet_tells_offsets():
     unsaid = read(text, "xyzac-trunnion", start="", setup=SHEET)
     assert any("names no settable offset" in said for said in unsaid.assumed)
     assert not any("names no settable offset" in said for path in (g54, g500) for said in path.assumed)
+
+
+@pytest.mark.parametrize("text", ["{}TRAORI\nG1 X1 Y2 Z3", "TRAORI\n{}G1 X1 Y2 Z3"])
+def test_a_plane_and_traori_together_are_said(text):
+    path = read("G0 Z100\n" + text.format(IN_PLANE.format(1)), "xyzac-trunnion")
+    assert any("TRAORI and a plane of CYCLE800 together" in said for said in path.assumed)
+    assert path.tip[-1] * 1e3 == pytest.approx(turn("X", 30) @ [1, 2, 3], abs=1e-6)
