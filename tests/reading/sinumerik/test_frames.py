@@ -253,3 +253,23 @@ def test_g500_counts_from_the_machine_zero_where_the_sheet_tells_offsets():
     unsaid = read(text, "xyzac-trunnion", start="", setup=SHEET)
     assert any("names no settable offset" in said for said in unsaid.assumed)
     assert not any("names no settable offset" in said for path in (g54, g500) for said in path.assumed)
+
+
+@pytest.mark.parametrize("text", ["{}TRAORI\nG1 X1 Y2 Z3", "TRAORI\n{}G1 X1 Y2 Z3"])
+def test_a_plane_and_traori_together_are_said(text):
+    path = read("G0 Z100\n" + text.format(IN_PLANE.format(1)), "xyzac-trunnion")
+    assert any("TRAORI and a plane of CYCLE800 together" in said for said in path.assumed)
+    assert path.tip[-1] * 1e3 == pytest.approx(turn("X", 30) @ [1, 2, 3], abs=1e-6)
+
+
+def test_positions_of_a_plane_may_be_repeated_as_posts_round_them():
+    """CYCLE800 turns to 45 and 35.2643897 degrees here; a whole turn of the table is the same place."""
+    call = 'CYCLE800(0,"",0,64,0,0,0,45,54.7356103,0,0,0,0,1,0,1)\n'
+    found = swivelled(call)
+    angles = np.degrees(found.rotary[-1])
+    words = " ".join(f"{x}={v:.3f}" for x, v in zip(found.rotary_joints, angles))
+    assert not np.allclose(angles, np.round(angles, 3), rtol=0, atol=1e-6)
+    again = swivelled(f"{call}G0 {words}\n")
+    assert again.tip[-1] == pytest.approx(found.tip[-1], abs=1e-12) and any("repeat" in said for said in again.assumed)
+    turned = dict(zip(found.rotary_joints, angles))["C"] + 360
+    assert swivelled(f"{call}G0 C={turned:.12f}\n").tip[-1] == pytest.approx(found.tip[-1], abs=1e-9)

@@ -21,6 +21,7 @@ from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueF
 OLD_MODE = 1000
 """CYCLE832 modes from here on are those of old controls, whose hundreds switch TRAORI."""
 TOP_SURFACE = 1_000_000
+BOTH = "TRAORI and a plane of CYCLE800 together: the plane stays where it lies on the part"
 MOST_TRANSFORMATIONS = 4
 """Numbers of TRAORI that machines have."""
 
@@ -99,7 +100,9 @@ class Commands:
             ):
                 if fault:
                     raise ValueFault(f"TRAORI and TRAFOOF under {cure}")
-        if on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
+        if on and not coordinates.tip_mode and self.run.frames.tilted:
+            self.control.findings.assumed(BOTH)
+        elif on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
             self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
         self.control.set_tip_mode(on)
         state.tangent = None
@@ -126,6 +129,8 @@ class Commands:
 
     def _swivel(self, values: list[Value | None]) -> None:
         self.state.tangent = None
+        if self.control.coordinates.tip_mode and values:
+            self.control.findings.assumed(BOTH)
         swivel(values, self.control, self.run.frames, self.state)
 
     def _high_speed(self, values: list[Value | None]) -> None:

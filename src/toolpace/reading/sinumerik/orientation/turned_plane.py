@@ -12,6 +12,9 @@ from toolpace.reading.sinumerik.syntax.values import Unread
 
 SAME = 1e-6
 """Most distance from a rotary position, or a direction, that counts as being there [rad]."""
+ROUNDED = 1.2e-5
+"""Of a position that a post repeats with three decimals of a degree [rad]."""
+REPEATED = "rotary words in a plane of CYCLE800 that repeat its positions with three decimals are taken for them"
 
 
 def need_turned(control: Control, frames: Frames) -> None:
@@ -30,7 +33,7 @@ def need_turned(control: Control, frames: Frames) -> None:
                 "turn the rotary axes before, or write _DIR 1 or -1",
             )
         frames.turned_to = present
-    if not near(present, frames.turned_to):
+    if not near([math.remainder(a - b, 2.0 * math.pi) for a, b in zip(present, frames.turned_to)], [0.0, 0.0], SAME):
         raise Unread(
             "X, Y, Z in a plane of CYCLE800 whose rotary axes have moved since",
             "the control's plane stays where it was: write CYCLE800 again, or TRAORI",
@@ -44,7 +47,10 @@ def turned_alone(control: Control, frames: Frames, state: State, target: list[fl
     """
     if not frames.tilted or control.coordinates.tip_mode:
         return False
-    if near(target[3:], control.words[3:]):
+    if near(target[3:], control.words[3:], ROUNDED):
+        if not near(target[3:], control.words[3:], SAME):
+            control.findings.assumed(REPEATED)
+        target[3:] = control.words[3:]
         need_turned(control, frames)
         return False
     if named or state.motion not in ("G0", "G1"):
@@ -53,6 +59,6 @@ def turned_alone(control: Control, frames: Frames, state: State, target: list[fl
     return True
 
 
-def near(first: list[float], second: list[float]) -> bool:
-    """Whether rotary positions are the same."""
-    return all(abs(a - b) <= SAME for a, b in zip(first, second))
+def near(first: list[float], second: list[float], most: float) -> bool:
+    """Whether rotary positions are no farther apart than that [rad]."""
+    return all(abs(a - b) <= most for a, b in zip(first, second))
