@@ -137,6 +137,19 @@ def test_words_that_are_the_centre_of_the_tools_corner():
     assert np.allclose(found[0], found[1], atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "switch", ["TOOL CALL DL-4\nM128", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER"]
+)
+def test_the_path_starts_with_the_tip_that_the_first_motion_has(switch):
+    """Between the first position and the first motion another length comes in force: no way leads from one tip to the
+    other."""
+    setup = SetUp(tools={"5": Tool(0.15, 0.006, 0.004)})
+    begin = "TOOL CALL 5 Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
+    path = read(f"{switch}\nL X+5 F500\nL X+6", Machine.load("xyzbc-trunnion"), begin=begin, setup=setup)
+    assert np.allclose(path.tool_length, 0.146) and np.allclose(path.tip[:, 2], 0.054)
+    assert path.tip[0, 0] == 0.0 and len(path) == 3
+
+
 def test_another_tool_under_center_center_is_refused():
     setup = SetUp(tools={"5": Tool(0.1, 0.006, 0.004), "6": Tool(0.1)})
     text = "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER\nL X+1 F100\nTOOL CALL 6 Z\nL X+2"
