@@ -137,13 +137,26 @@ def test_words_that_are_the_centre_of_the_tools_corner():
     assert np.allclose(found[0], found[1], atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "switch", ["TOOL CALL DL-4\nM128", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER"]
+)
+def test_the_path_starts_with_the_tip_that_the_first_motion_has(switch):
+    """Between the first position and the first motion another length comes in force: no way leads from one tip to the
+    other."""
+    setup = SetUp(tools={"5": Tool(0.15, 0.006, 0.004)})
+    begin = "TOOL CALL 5 Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
+    path = read(f"{switch}\nL X+5 F500\nL X+6", Machine.load("xyzbc-trunnion"), begin=begin, setup=setup)
+    assert np.allclose(path.tool_length, 0.146) and np.allclose(path.tip[:, 2], 0.054)
+    assert path.tip[0, 0] == 0.0 and len(path) == 3
+
+
 def test_another_tool_under_center_center_is_refused():
     setup = SetUp(tools={"5": Tool(0.1, 0.006, 0.004), "6": Tool(0.1)})
     text = "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER\nL X+1 F100\nTOOL CALL 6 Z\nL X+2"
     begin = "TOOL CALL {} Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
-    for tool, word in ((5, "TOOL CALL under REFPNT CENTER-CENTER"), (6, "FUNCTION TCPM REFPNT CENTER-CENTER")):
+    for tool, word in ((5, "TOOL CALL of a tool under M128"), (6, "FUNCTION TCPM REFPNT CENTER-CENTER")):
         refusals = findings(text, MACHINE, begin=begin.format(tool), setup=setup).refusals
-        assert [each.word for each in refusals] == [word]
+        assert refusals[0].word == word
 
 
 def direct_axis(b, c):
@@ -159,6 +172,17 @@ def test_machine_coordinates():
     """M91: this block in machine coordinates; from the set-up sheet here, without it from the ends of travel."""
     setup = SetUp(machine_zero={"X": 0.1, "Y": 0.0, "Z": 0.5})
     assert last("L X+1 F100\nL Z-20 X-10 R0 FMAX M91\nL Y+5", MACHINE, setup=setup) == (90, 5, 480)
+
+
+@pytest.mark.parametrize(
+    ("block", "word"),
+    [("L Z+0 FMAX M91", "M91 and M92 under M128"), ("TOOL CALL 2 Z S100", "TOOL CALL of a tool under M128")],
+)
+def test_what_m128_must_be_reset_before(block, word):
+    """ "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")."""
+    assert [each.word for each in findings(f"L X+1 F100 M128\n{block}\nL X+2", MACHINE).refusals] == [word]
+    assert not findings(f"L X+1 F100 M128\nL M129\n{block}\nL X+2", MACHINE).refusals
+    assert not findings("L X+1 F100 M128\nTOOL CALL S2000 F300\nL X+2", MACHINE).refusals
 
 
 def test_incremental_machine_coordinates_are_refused():

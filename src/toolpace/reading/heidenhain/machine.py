@@ -234,6 +234,11 @@ class MachineFunctions:
 
         def run() -> None:
             rapid = self.motion.set_feed(words)
+            if self.state.tip_mode:
+                # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")
+                cure = "write M129 or FUNCTION RESET TCPM before"
+                self.control.findings.refused("M91 and M92 under M128", self.control.line, cure)
+                return
             if any(axis[1] for axis in axes):
                 self.control.findings.refused("incremental words with M91", self.control.line, "write absolute ones")
                 return

@@ -97,9 +97,10 @@ class Tools:
     def change(self, tool: str, figures: dict[str, float]) -> None:
         """Take it, and reckon with its length and oversize; 0 is none, whose length is zero."""
         control = self.control
-        if self.state.centre:
-            cure = "write FUNCTION RESET TCPM before, and FUNCTION TCPM behind it"
-            control.findings.refused("TOOL CALL under REFPNT CENTER-CENTER", control.line, cure)
+        if self.state.tip_mode:
+            # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128"
+            cure = "write M129 or FUNCTION RESET TCPM before, and switch it on again behind"
+            control.findings.refused("TOOL CALL of a tool under M128", control.line, cure)
             return
         table = {name.upper(): name for name in control.setup.tools}
         tool = table.get(tool, tool)
