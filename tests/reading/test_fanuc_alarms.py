@@ -113,6 +113,9 @@ FANUC = [
     ("G55 in G51.1", "G51.1 X5.\nG55", "G55 in turned"),
     ("G10 in G51", "G51 X0. Y0. P2000\nG10 L2 P1 X5.", "G10 in turned"),
     ("G68 in G51 I-1", "G51 X0. Y0. Z0. I-1000 J1000 K1000\nG68 X0. Y0. R30.\nX5. Y5.", "scales below zero"),
+    ("G68 in G68", "G68 X5. Y5. Z0. I0 J0 K1. R30.\nX0. Y0.\nG68 X0. Y0. R10.\nX5. Y5.", "in a three-dimensional turn"),
+    ("G91 G51.1", "G91 G51.1 X5.", "G51.1 under G91"),
+    ("G43.4 H", "G43.4 H1\nX5. Y5. Z50.\nX6. H2", "H2 alone"),
     ("G68 about X", "G68 X0. Y0. Z0. I1. J0 K0 R30.", "vector that is not the tool's"),
     ("G53.1 P", "G68.2 X0. Y0. Z0. J20.\nG53.1 P1", "G53.1 P1 is not read"),
 ]
@@ -131,6 +134,7 @@ HAAS = [
     ("324", "G4 P-5", "is not between 0 and a day"),
     ("326", "G4", "needs its time"),
     ("308", "G43 H-1", "no number of a tool"),
+    ("H", "G43 H1 Z50.\nZ40. H2", "H2 alone"),
     ("331", "G154 P100", "is no offset"),
     ("339", "G0 G1 X5.", "exclude each other"),
     ("339", "G90 G91 X5.", "exclude each other"),

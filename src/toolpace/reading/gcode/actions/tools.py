@@ -99,11 +99,13 @@ class Tools:
     def number_alone(self, numbers: Numbers) -> None:
         """H without G43: under it the offset of that number takes the place of the one before, number 0 ends it."""
         control, number = self.control, numbers["H"]
-        if not self.lengths_move or not control.coordinates.compensated or self.state.tip_mode:
+        if not self.lengths_move or not control.coordinates.compensated:
             return
-        if number and self.lengths_move == "refused":
+        if self.state.tip_mode and f"{number:g}" == self.state.length_word:
+            return
+        if self.state.tip_mode or (number and self.lengths_move == "refused"):
             numbers.clear()
-            raise RefusedError(f"H{number:g} without G43", f"it may change the length: write G43 H{number:g}")
+            raise RefusedError(f"H{number:g} alone", "it may change the length: write it with G43, G43.4 or G43.5")
         self.length(numbers, f"H{number:g}")
 
     def _settle(self, before: list[float], numbers: Numbers, word: str) -> None:

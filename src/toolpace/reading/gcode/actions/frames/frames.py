@@ -176,13 +176,15 @@ class Frames:
         if self.state.turned_plane not in (None, self.state.plane):
             raise RefusedError(f"{word} in another plane than the turn in force", "end that turn before: write G69")
         before = self.control.words[:3]
-        if any(letter in numbers for letter in "IJK"):
+        about_tool = any(letter in numbers for letter in "IJK")
+        if about_tool:
             self.transforms.turn_about_tool(numbers, word)
         else:
             self.transforms.turn(numbers, word)
+            self.state.turned_plane = self.state.plane
         self.apply()
-        self.state.turned_plane = self.state.plane
-        inside = [slot for slot in range(3) if slot != NORMAL[self.state.plane]]
+        normal = 2 if about_tool else NORMAL[self.state.plane]
+        inside = [slot for slot in range(3) if slot != normal]
         if any(abs(before[slot] - self.control.words[slot]) > STILL for slot in inside):
             self.state.not_alone = (inside[0], inside[1])
 

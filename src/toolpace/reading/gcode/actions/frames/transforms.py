@@ -39,6 +39,8 @@ class Transforms:
         self.angle = 0.0
         """Of the turn in force [rad]."""
         self.turned: Matrix | None = None
+        self.about_tool = False
+        """Whether that is a three-dimensional turn."""
 
     def handlers(self, changed: Handler) -> dict[str, Handler]:
         """What carries out each meaning; `changed` is called behind it."""
@@ -86,6 +88,8 @@ class Transforms:
         In scales the centre is scaled, the angle is not, and "scaling is applied first and then the coordinates are
         rotated" (B-63944EN-2, "Scaling and coordinate system rotation"). In a mirror the turn goes the other way.
         """
+        if self.about_tool:
+            raise RefusedError(f"{word} in a three-dimensional turn", "end that turn before it: write G69")
         normal = NORMAL[self.state.plane]
         angle = numbers.pop("R") * DEGREE
         about = self._centre(numbers, word, self.scaled)
@@ -127,11 +131,12 @@ class Transforms:
         at = self._centre(numbers, word, None)
         only_linear(numbers, word)
         self.angle = angle if k > 0.0 else -angle
+        self.about_tool = True
         self.turned = affine.product(affine.shift(at), affine.rotation(2, self.angle))
 
     def turn_off(self) -> None:
         """G69."""
-        self.turned, self.angle = None, 0.0
+        self.turned, self.angle, self.about_tool = None, 0.0, False
 
     def _centre(self, numbers: Numbers, word: str, inside: Matrix | None) -> list[float]:
         """A point of X, Y, Z, in coordinates inside others; of what is not named, the place where the machine is."""
@@ -183,6 +188,8 @@ class Transforms:
         """G51.1: the named axes turn round at the positions named."""
         self._need_inside(word, "turned coordinates (G68)", self.turned is not None)
         self._need_inside(word, "scaled coordinates (G51)", self.scaled is not None)
+        if not self.state.absolute:
+            raise RefusedError(f"{word} under G91", "its place may count from the tool: write G90 before it")
         named = {slot: numbers.pop(letter) * self.state.unit for slot, letter in enumerate("XYZ") if letter in numbers}
         only_linear(numbers, word)
         self.mirrors = self.mirrors | named
