@@ -71,13 +71,13 @@ def test_most_plain_motions_are_read_once():
 
 @pytest.mark.parametrize("given", [{"controller": "fanuc"}, {"name": "part.ngc"}])
 def test_nothing_is_said_where_the_control_is_known(given):
-    assert not said(HEAD + "G4 P2\nG1 X20\n", **given)
+    assert not said(HEAD + "G4 P2\nG1 X20\nM2\n", **given)
 
 
 def test_a_control_that_refuses_the_program_is_no_candidate():
     assert "linuxcnc" in said("O1234\n" + HEAD + "G4 P2\nG1 X20\n")[0]
     # G68 is refused for LinuxCNC
-    assert not said("O1234\n" + HEAD + "G68 X0 Y0 R10\nG4 P2\nG1 X20\nG69\n")
+    assert not said("O1234\n" + HEAD + "G68 X0 Y0 R10\nG1 X20 Y0\nG4 P2\nG69\n")
 
 
 def test_what_is_passed_over_does_not_hide_a_doubt():

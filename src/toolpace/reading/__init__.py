@@ -161,7 +161,9 @@ def _doubts(
     def as_for(controller: Controller, program: Source) -> ToolPath | None:
         own = Findings()
         read = _run(dataclasses.replace(found, controller=controller), program, machine, lenient, own)
-        return read if refused.issuperset(refusal.word for refusal in own.refusals) else None
+        # where a control only stops, it has moved till then
+        unread = {refusal.word for refusal in own.refusals if not refusal.certain}
+        return read if unread <= refused else None
 
     assert found.controller is not None
     return doubts(toolpath, found.controller, source, found.others, as_for)
