@@ -23,6 +23,8 @@ from toolpace.reading.source import Source
         ("%PM1\nN10 G54 I1\nN20 G7 A5=0.0 B5=0.0 L1=1\nN30 G174", "millplus", "MillPlus"),
         ("O0001 (P)\n(MACHINE: HAAS VF-4 5-AXIS)\nG91 G28 Z0.", "haas", "header"),
         ("(Exported by FreeCAD)\n(Post Processor: linuxcnc_post)\nG17 G54", "linuxcnc", "header"),
+        ("O0001\n(CONTROL: FANUC 31I)\nG154 P5", "fanuc", "header"),
+        ("O0001\n(MACHINE - MAZAK VTC-800)\nG54.1 P3", "mazak", "header"),
         ("(the HAAS is busy)\nG1 X1", "iso", "nothing"),
         ("G21 G90\nG0 X0 Y0\nG1 X1 F100", "iso", "nothing"), ("(G254 M428 O100 SUB)\nG1 X1", "iso", "nothing"),
     ],
