@@ -332,6 +332,7 @@ class Program:
             how = f"P{factors[0] * self.by.life:.0f}" if self.by.life > 1.0 else f"P{factors[0]:.1f}"
         elif self.by.life > 1.0:
             factors = np.array([float(self.rng.choice([0.5, 2.0, 1.0, -1.0])) for _ in range(3)])
+            factors[0] = 2.0 if np.all(factors == 1.0) else factors[0]
             how = " ".join(f"{x}{v * self.by.life:.0f}" for x, v in zip("IJK", factors))
         else:
             return
