@@ -99,6 +99,7 @@ def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadO
     return replace(
         then,
         controller=now.controller if reading.controller is not None else then.controller,
+        others=() if reading.controller is not None else then.others,
         setup=now.setup if reading.setup is not None else then.setup,
         skip_unknown=now.skip_unknown or then.skip_unknown,
         lenient=now.lenient or then.lenient,

@@ -67,6 +67,8 @@ class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     compensation: str = ""
     max_blocks: int | None = None
     """Null where it was not said."""
+    others: tuple[str, ...] = ()
+    """Built-in controllers that the program may be for as well; none where its controller was named."""
 
 
 class RoundRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.frames.frames import Frames
+from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.functions import Functions
 from toolpace.reading.gcode.actions.holes import Holes
 from toolpace.reading.gcode.actions.macros import Macros
@@ -64,14 +65,17 @@ class Executor:
         self.pattern = ""
         """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by)
-        self.places = Places(control, state, self.motion, frames, self.variables, by)
+        self.places = Places(control, state, self.motion, frames, by)
+        self.planes = Planes(control, state, frames, self.variables, by)
+        self.tools = Tools(control, state, options, by)
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
-            | Tools(control, state, options, by).handlers()
+            | self.tools.handlers()
             | frames.handlers()
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self.places.handlers()
+            | self.planes.handlers()
             | Functions(control, state, flow.variables).handlers()
             | SurfaceHoles(control, state, self.motion).handlers()
             | {
@@ -93,6 +97,8 @@ class Executor:
         """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
+        if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
+            self.planes.need_whole()
         numbers = self._numbers(block)
         if self.rs274:
             self._refuse_unused(block, numbers)
@@ -109,7 +115,7 @@ class Executor:
         elif number is not None:
             control.feed.set(number, state.unit, control.line)
         if "S" in numbers:
-            if self.rs274 and numbers["S"] < 0.0:
+            if numbers["S"] < 0.0:
                 raise WordError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
             control.feed.spindle = numbers["S"] / 60.0
             control.moves.switch()
@@ -120,6 +126,8 @@ class Executor:
         self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
             handlers[action.meaning](numbers, action.word)
+        if "H" in numbers and not any(action.meaning in ("call program", "call here") for action in actions):
+            self.tools.number_alone(numbers)
         for word in block.ignored:
             control.findings.ignored(word)
             if word == SMOOTHNESS:
@@ -183,6 +191,9 @@ class Executor:
         if state.in_machine:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))
         elif state.cycle is not None:
+            if state.scaled and "Q" in numbers:
+                numbers.clear()
+                raise RefusedError("Q of a cycle in scaled coordinates", "it is not scaled: end the scale before (G50)")
             dwell = numbers.pop("P", None)
             if self.pattern:
                 numbers["I"], numbers["J"] = numbers.get("I", 0.0), numbers.get("J", 0.0)
@@ -243,6 +254,7 @@ class Executor:
     def close(self) -> None:
         """The program ends: what waits for a further block is not to come."""
         self.splines.close()
+        self.planes.need_whole()
         self.motion.corners.refuse()
 
     def _spline(self, meaning: str) -> Handler:

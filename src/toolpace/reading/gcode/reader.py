@@ -87,6 +87,8 @@ class WordAddressReader:
         self.control.effort.lines_beside = self.flow.files.lines_beside
         self.compiler = Compiler(controller, deletes=options.block_delete)
         self.executor = Executor(self.control, self.state, self.flow, controller, options)
+        self.fanuc = by("fanuc_checks", False)
+        """Whether blocks are refused that Fanuc stops with an alarm."""
         self.assignments_last = by("assignments_last", False)
         """Whether the values of a block are those before it sets variables."""
         self.blocks: dict[str, Block] = {}
@@ -139,6 +141,8 @@ class WordAddressReader:
         """% opens the program, and closes it; in a file that is called it is passed over."""
         if frame.text is not self.flow.main:
             return
+        if len(self.flow.frames) > 1:
+            self.source.fail("the subprogram that is executed here ends without M99: write it", frame.next)
         if self.tape_line or self.control.effort.blocks:
             self.tape_closed = True
             if self.rs274 and not self.tape_line:
@@ -199,6 +203,8 @@ class WordAddressReader:
             for word, cure in block.refused:
                 self.findings.refused(word, line, cure)
             return
+        if self.fanuc and block.assignments and (block.fixed or block.computed or block.actions):
+            raise WordError("a variable is set beside other words, which stops with an alarm (PS0127): use two blocks")
         values = [(place.key(self.variables), value_of(node, self.variables)) for place, node in block.assignments]
         if not self.assignments_last:
             self._assign(values)

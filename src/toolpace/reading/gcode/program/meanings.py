@@ -29,11 +29,14 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "polar": ("polar", "cartesian"),
     "scale": ("scale", "scale off"),
     "mirror": ("mirror", "mirror off"),
-    "rotation": ("rotate", "tilt plane", "tilt plane by order", "carried frame", "rotation off"),
+    "rotation": (
+        "rotate", "tilt plane", "tilt plane upon plane", "plane of tool", "tilt plane by order", "carried frame",
+        "rotation off",
+    ),
     "action": (
         "dwell", "reference", "second reference", "from reference", "set offset", "local shift", "set position",
-        "clear position", "suspend position", "restore position", "turn to plane", "macro call",
-        "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
+        "clear position", "suspend position", "restore position", "turn to plane", "turn to plane about tip",
+        "macro call", "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
         "end of data", "limits",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",
