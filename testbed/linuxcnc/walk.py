@@ -53,6 +53,8 @@ class Walk:
     def _motion(self, motion: Motion) -> str:
         near = PRINTED * motion.unit
         if motion.normal < 0 and np.abs(motion.end - motion.start).max() <= near:
+            while self.at + 2 < len(self.points) and np.abs(self.points[self.at + 1] - motion.end).max() <= near:
+                self._pass_over()
             return ""
         if not math.isclose(self.waited, motion.waited, abs_tol=1e-3):
             return f"we waited {self.waited:g} s before it, rs274 {motion.waited:g} s"
@@ -84,8 +86,12 @@ class Walk:
             )
             if not other or np.abs(self.points[at] - motion.start).max() > 2 * near:
                 return
-            self.at = at
-            self.waited += float(self.ours.dwell[at])
+            self._pass_over()
+
+    def _pass_over(self) -> None:
+        """Go on to the next point."""
+        self.at += 1
+        self.waited += float(self.ours.dwell[self.at])
 
     @staticmethod
     def _of_time(motion: Motion, spent: float, near: float) -> str:
