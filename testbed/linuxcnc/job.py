@@ -45,6 +45,8 @@ class Job:
     """Of G28 (1) and G30 (2)."""
     tools: dict[int, float] = field(default_factory=dict)
     """Lengths [mm] by number."""
+    radii: dict[int, float] = field(default_factory=dict)
+    """Of tools [mm], by number."""
 
     def parameters(self) -> dict[int, float]:
         """Of the interpreter: 5161 and 5181 on are the references, 5221 on the offsets, twenty apart."""
@@ -63,7 +65,10 @@ class Job:
             offsets={name: {a: _si(a, self.offsets.get(name, {}).get(a, 0.0)) for a in AXES} for name in OFFSETS},
             references={n: {a: _si(a, self.references.get(n, {}).get(a, 0.0)) for a in AXES} for n in (1, 2)},
             machine_zero=zero,
-            tools={str(n): Tool(length * MILLIMETRE) for n, length in self.tools.items()},
+            tools={
+                str(n): Tool(length * MILLIMETRE, self.radii[n] * MILLIMETRE if n in self.radii else None)
+                for n, length in self.tools.items()
+            },
             start=zero,
         )
 

@@ -50,7 +50,10 @@ def setup_of_table(table: Mapping[str, object], source: str) -> SetUp:
 
 def setup_text(setup: SetUp) -> str:
     """The text of a sheet that reads as exactly this set-up, in metres and radians."""
-    tools = {name: {"length": tool.length, "radius": tool.radius} for name, tool in setup.tools.items()}
+    tools = {
+        name: {"length": tool.length} | ({} if tool.radius is None else {"radius": tool.radius})
+        for name, tool in setup.tools.items()
+    }
     tables: dict[str, Mapping[str, object]] = {
         "offsets": {name: dict(place) for name, place in setup.offsets.items()},
         "references": {str(number): dict(place) for number, place in setup.references.items()},
@@ -166,7 +169,7 @@ class _Sheet(TablesInUnits):
         for key, value in (("length", length), ("radius", radius)):
             if value < 0.0:
                 self.fail(place, f"{key} = {table[key]!r} is below zero; write it from the spindle nose, above zero")
-        return Tool(length, radius)
+        return Tool(length, radius if "radius" in table else None)
 
     def part(self) -> dict[str, tuple[float, float, float]]:
         table = self.table("part")

@@ -24,8 +24,8 @@ class Tool:
 
     length: float
     """From the spindle nose to the tip [m]."""
-    radius: float = 0.0
-    """[m]"""
+    radius: float | None = None
+    """[m]; None where the sheet does not tell it."""
 
 
 @dataclass(frozen=True)

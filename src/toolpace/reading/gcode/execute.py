@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.compensation import FORBIDDEN_FUNCTIONS, Compensation
 from toolpace.reading.gcode.actions.frames import Frames
 from toolpace.reading.gcode.actions.holes import Holes
 from toolpace.reading.gcode.actions.macros import Macros
@@ -59,9 +60,11 @@ class Executor:
         """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by)
         self.places = Places(control, state, self.motion, frames, self.variables, by)
-        self.handlers: dict[str, Handler] = (
+        self.compensation = Compensation(control, state, options, by)
+        self.handlers: dict[str, Handler] = self.compensation.guarded(
             self.modes.handlers()
-            | Tools(control, state, options, by).handlers()
+            | Tools(control, state, by).handlers()
+            | self.compensation.handlers()
             | frames.handlers()
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
@@ -87,6 +90,8 @@ class Executor:
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         numbers = self._numbers(block)
+        if control.stage is not None and self.rs274:
+            self._refuse_functions(block)
         if actions:
             if self.splines.opened is not None:
                 self.splines.close()
@@ -125,6 +130,12 @@ class Executor:
             control.moves.stop_by_mode()
         if self.after is not None:
             self.after()
+
+    def _refuse_functions(self, block: Block) -> None:
+        """What LinuxCNC's interpreter refuses under compensation, and switches before a G40 of the block."""
+        for word in (*block.ignored, *(action.word for action in block.actions)):
+            if word in FORBIDDEN_FUNCTIONS:
+                self.compensation.refuse(word)
 
     def _numbers(self, block: Block) -> Numbers:
         """The words of a block with their values."""
@@ -226,7 +237,12 @@ class Executor:
         self.state.motion = None
 
     def _program_stop(self, numbers: Numbers, word: str) -> None:
-        self.after = self.control.stop
+        def stop() -> None:
+            self.compensation.pause()
+            self.control.stop()
+
+        self.after = stop
 
     def _end(self, numbers: Numbers, word: str) -> None:
+        self.after = self.compensation.pause
         self.state.ended = True

@@ -86,7 +86,7 @@ class Tools:
             control.findings.assumed(NOT_LISTED.format(tool))
         control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
         known = control.setup.tool(tool)
-        if known is None:
+        if known is None or known.radius is None:
             if "Q108" not in map(str.upper, control.setup.variables):
                 self.parameters.shared.pop("Q108", None)
         else:

@@ -31,14 +31,15 @@ class System:
             return self._position(name, index[0])
         if name == "$P_TOOLR":
             tool = self.control.setup.tools.get(self.control.tool)
-            if tool is not None:
+            if tool is not None and tool.radius is not None:
                 return tool.radius / self.state.unit
         if name == "$P_TOOLNO" and self.control.tool.isdecimal():
             return int(self.control.tool)
         if name in ("$TC_DP3", "$TC_DP6") and index:
             tool = self.control.setup.tools.get(str(whole(index[0])))
-            if tool is not None:
-                return (tool.length if name == "$TC_DP3" else tool.radius) / self.state.unit
+            figure = None if tool is None else tool.length if name == "$TC_DP3" else tool.radius
+            if figure is not None:
+                return figure / self.state.unit
         if name == "$P_PFRAME":
             return self.frames.programmed()
         if name == "$P_UIFR" and len(index) == 1 and whole(index[0]) in self.frames.settable:

@@ -1,0 +1,145 @@
+"""Compensation of the cutter's radius: G41, G42, G41.1, G42.1 and G40."""
+
+from __future__ import annotations
+
+from toolpace.reading.compensation.linuxcnc import LeavingLinuxcnc, LinuxcncStage, Uncompensated
+from toolpace.reading.compensation.stage import Stage
+from toolpace.reading.control.control import Control
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.modal import Modal
+from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
+from toolpace.reading.options import PROGRAM, ReadOptions
+
+OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+FORBIDDEN = frozenset(
+    (
+        *("work offset", "numbered offset", "no offset", "set offset", "local shift", "set position"),
+        *("clear position", "suspend position", "restore position", "exact stop mode", "continuous path"),
+        *("to initial level", "to R level", "tool length", "told offset", "added offset", "tip mode", "length off"),
+        *("tool change", "tool at hand", "reference", "second reference", "machine coordinates"),
+        *("cubic spline", "quadratic spline", "nurbs"),
+    )
+)
+"""Meanings that LinuxCNC's interpreter refuses under compensation."""
+FORBIDDEN_FUNCTIONS = frozenset(("M48", "M49", "M50", "M51", "M52", "M53", "M62", "M63", "M64", "M65", "M66", "M67", "M68"))
+NO_RADIUS = (
+    "cutter compensation needs the tool's radius: write it on the set-up sheet ([tools.N] radius), let the CAM system "
+    "compensate and {}, or give --compensation program where the program is the path of the tool's centre"
+)
+
+
+class Compensation:
+    """Carries out the words of compensation."""
+
+    def __init__(self, control: Control, state: Modal, options: ReadOptions, by: Controller) -> None:
+        self.control, self.state = control, state
+        self.as_programmed = options.compensation == PROGRAM
+        self.rs274 = by.option("rs274_checks", False)
+
+    def handlers(self) -> dict[str, Handler]:
+        """What carries out each meaning."""
+        return {
+            "compensation": self.begin,
+            "compensation by diameter": self.begin_by_diameter,
+            "compensation off": self.end,
+        }
+
+    @property
+    def stage(self) -> Stage | None:
+        """What compensates now."""
+        stage = self.control.stage
+        return stage if isinstance(stage, Stage) else None
+
+    def guarded(self, handlers: dict[str, Handler]) -> dict[str, Handler]:
+        """The handlers, of which those that a control forbids under compensation look whether it is on."""
+        if not self.rs274:
+            return handlers
+        return handlers | {meaning: self._guarded(handlers[meaning]) for meaning in FORBIDDEN if meaning in handlers}
+
+    def _guarded(self, handler: Handler) -> Handler:
+        def guarded(numbers: Numbers, word: str) -> None:
+            if not self._of_other_offset(numbers, word):
+                self.refuse(word)
+            if word == "M6" and isinstance(self.control.stage, LeavingLinuxcnc):
+                self.control.stage.ask_machine()
+            handler(numbers, word)
+
+        return guarded
+
+    def _of_other_offset(self, numbers: Numbers, word: str) -> bool:
+        """Whether G10 sets an offset that is not in force."""
+        number = numbers.get("P", 0.0)
+        offset = self.control.coordinates.offset or OFFSETS[0]
+        return word == "G10" and 1.0 <= number <= len(OFFSETS) and OFFSETS[int(number) - 1] != offset
+
+    def refuse(self, word: str) -> None:
+        """Raise WordError where compensation is on."""
+        if self.stage is not None:
+            raise WordError(f"{word} cannot stand under cutter compensation: write G40 before it")
+
+    def begin(self, numbers: Numbers, word: str) -> None:
+        """G41, G42: by the radius of the tool of D, or of that in the spindle."""
+        number = numbers.pop("D", None)
+        if self.as_programmed:
+            self.control.findings.assumed("what G41 and G42 follow is the programmed contour, as --compensation says")
+            return
+        radius = self._radius(number, word)
+        if radius is None:
+            cure = "remove it" if self.rs274 else "write D0"
+            self.control.findings.refused(word, self.control.line, NO_RADIUS.format(cure))
+        else:
+            self._begin(1 if word == "G41" else -1, radius, word)
+
+    def begin_by_diameter(self, numbers: Numbers, word: str) -> None:
+        """G41.1, G42.1: D is the diameter; below zero it is that of the other side."""
+        diameter = numbers.pop("D", None)
+        if diameter is None:
+            raise WordError(f"{word} needs the diameter of the tool as D: write it like {word} D6")
+        if "L" in numbers:
+            raise WordError(f"{word} with L is for turning tools: remove L")
+        side = 1 if word == "G41.1" else -1
+        self._begin(-side if diameter < 0.0 else side, 0.5 * abs(diameter) * self.state.unit, word)
+
+    def _radius(self, number: float | None, word: str) -> float | None:
+        """Of the tool that D names [m]; None where no radius is told."""
+        control = self.control
+        if number is not None and (number != int(number) or number < 0.0):
+            raise WordError(f"D{number:g} of {word} is the number of a tool: write a whole one, from 0")
+        if self.rs274:
+            name = f"{number:g}" if number else control.tool
+            if name in ("", "0"):
+                return 0.0
+        elif number == 0.0:
+            return 0.0
+        else:
+            name = control.tool if number is None else f"{number:g}"
+        found = control.setup.tool(name)
+        if found is None and number and self.rs274 and control.setup.tools:
+            raise WordError(f"D{number:g} of {word} is no tool of the set-up sheet: list it there")
+        return None if found is None else found.radius
+
+    def _begin(self, side: int, radius: float, word: str) -> None:
+        control, state = self.control, self.state
+        if self.stage is not None:
+            raise WordError(f"{word} stands where compensation is on already: write G40 before it")
+        if not self.rs274:
+            return
+        if state.plane == 2:
+            raise WordError(f"{word} compensates in the planes of G17 and G18: choose one of them")
+        if not radius:
+            control.stage = Uncompensated(control, side, radius, state.plane)
+        else:
+            control.begin_here()
+            control.stage = LinuxcncStage(control, side, radius, state.plane, state.unit)
+
+    def end(self, numbers: Numbers, word: str) -> None:
+        """G40."""
+        numbers.pop("D", None)
+        self.control.findings.ignored(word)
+        if isinstance(self.control.stage, (LinuxcncStage, Uncompensated)):
+            self.control.stage.leave()
+
+    def pause(self) -> None:
+        """A stop of the program, or its end."""
+        if isinstance(self.control.stage, (LinuxcncStage, Uncompensated)):
+            self.control.stage.pause()
