@@ -29,7 +29,7 @@ def difference(job: Job) -> str:
     """What tells our reading from LinuxCNC's; empty where nothing does."""
     diameters = {n: 2.0 * radius / INCH for n, radius in job.radii.items()}
     lengths = {n: length / INCH for n, length in job.tools.items()}
-    theirs = judged(job.text, job.parameters(), lengths, diameters=diameters)
+    theirs = judged(job.text, job.parameters(), lengths, diameters)
     moving = any(_moves(motion) for motion in theirs.motions)
     try:
         ours = read_text(job.text, Cartesian(), controller="linuxcnc", setup=job.setup(), name="part.ngc")

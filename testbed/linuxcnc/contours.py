@@ -18,9 +18,9 @@ BESIDE = (
 )  # fmt: skip
 """Blocks between the elements of a contour, nearly all allowed there."""
 FORBIDDEN = (
-    "G55", "G92 X0", "G61", "G64", "G20", "G21", "G43 H1", "G49", "T2 M6", "G28", "G53 G0 X1", "G98", "G81 X1 Y1 Z-2 R1",
-    "G41 D1", "G42 D2", "G10 L2 P1 X1", "M48", "M62 P1", "G17 G1 X3 Y2", "G19", "G52 X1", "M66 P0 L0", "G5 X1 Y1 I1 J1 P1 Q1",
-    "G10 L2 P5 X4", "G18",
+    "G55", "G92 X0", "G61", "G64", "G21", "G43 H1", "G49", "T2 M6", "G28", "G53 G0 X1", "G98", "G81 X1 Y1 Z-2 R1",
+    "G41 D1", "G42 D2", "G10 L2 P1 X1", "M48", "M62 P1", "G17 G1 X3 Y2", "G19", "G52 X1", "M66 P0 L0",
+    "G5 X1 Y1 I1 J1 P1 Q1", "G10 L2 P5 X4", "G18",
 )  # fmt: skip
 """Blocks that the interpreter refuses under compensation, most of them."""
 
@@ -82,7 +82,7 @@ class Contour:
 
     def arc(self, centre: complex, sweep: float) -> None:
         """An arc about a centre [mm] from where the writer is."""
-        _, _, normal, i, j = PLANES[self.plane]
+        i, j = PLANES[self.plane][3:]
         start = self.at
         end = centre + (start - centre) * cmath.exp(1j * sweep)
         word = "G3" if sweep > 0 else "G2"

@@ -23,8 +23,8 @@ def judged(
     program: str,
     parameters: Mapping[int, float] | None = None,
     tools: Mapping[int, float] | None = None,
-    *,
     diameters: Mapping[int, float] | None = None,
+    *,
     block_delete: bool = True,
     seconds: float = SECONDS,
 ) -> Judged:
@@ -39,7 +39,7 @@ def judged(
         lines = [f"{number} {value:.12f}" for number, value in sorted((parameters or {5220: 1.0}).items())]
         (place / "part.var").write_text("\n".join(lines) + "\n", encoding="utf-8")
         wide = {number: f" D{diameter:.12f}" for number, diameter in (diameters or {}).items()}
-        table = [f"T{number} P{number} Z{length:.12f}{wide.get(number, '')}" for number, length in (tools or {}).items()]
+        table = [f"T{n} P{n} Z{length:.12f}{wide.get(n, '')}" for n, length in sorted((tools or {}).items())]
         (place / "part.tbl").write_text("\n".join(table) + "\n", encoding="utf-8")
         command = ["rs274", *(["-b"] if block_delete else []), "-g", "-v", "part.var", "-t", "part.tbl", "part.ngc"]
         done = subprocess.run(

@@ -205,7 +205,7 @@ def test_radius_compensation():
     assert read("G41 G1 X5\nG40 X6", compensation="program").assumed
     assert last("T1 M6\nG41 G1 X5\nG40 X6", setup=SetUp(tools={"1": Tool(0.1, 0.0)})) == [6, 0, 0]
     assert last("D0 G41 G1 X5\nG40 X6") == [6, 0, 0]
-    with pytest.raises(ProgramError, match="G41 is not read: give --compensation program"):
+    with pytest.raises(ProgramError, match="G41 is not read: the tool's radius is not known"):
         read("G41 G1 X5")
 
 

@@ -12,7 +12,7 @@ import cmath
 import math
 
 from toolpace.reading.compensation.elements import Line, Turn, unit
-from toolpace.reading.compensation.stage import Laid, Leaving, Stage, as_speed
+from toolpace.reading.compensation.stage import Laid, Leaving, OffsetStage, as_speed
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import RAPID, Rate
 from toolpace.reading.curves.arcs import Arc
@@ -26,10 +26,10 @@ SAME_TO_PLANNER = 1e-6
 """Ends of an arc so close [m] that it may be a whole turn, or nothing."""
 SLOWEST = 0.1 / MINUTE
 """Speed that a block under G93 does not go below, in lengths of the program a second."""
-GOUGES = "the tool does not fit into the inside corner before this block: take a smaller tool, or write a rounder corner"
+GOUGES = "the tool does not fit into the inside corner before this block: take a smaller tool, or round the corner"
 
 
-class LinuxcncStage(Stage):
+class LinuxcncStage(OffsetStage):
     """The stage between G41 or G42 and G40."""
 
     def __init__(self, control: Control, side: int, radius: float, plane: int, unit_of_length: float) -> None:
@@ -119,7 +119,7 @@ class LinuxcncStage(Stage):
             self._check_fit(path, path.radius)
         if self._is_inside(outside, path, before):
             if not self.waiting:
-                self.fail("M0 or M1 stands before an inside corner, which its interpreter then gouges: move it elsewhere")
+                self.fail("M0 or M1 stands before an inside corner, and the interpreter gouges there: move it elsewhere")
             self._settle(self._meeting(outside, path, before))
         elif outside > NO_CORNER:
             if isinstance(path, Line):
@@ -248,13 +248,16 @@ class LinuxcncStage(Stage):
             self.fail(GOUGES)
 
 
-class Uncompensated(Stage):
+class Uncompensated(OffsetStage):
     """G41 or G42 with a radius of zero: the contour is the way, and what compensation forbids is forbidden."""
 
     def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
         """Laid as it is."""
         self.at = self.point(end)
         self.control.lay(end, rate, kind, arc)
+
+    def redirect(self, end: list[float]) -> None:
+        """Not asked for: the language has no corners that are written behind their lines."""
 
     def other_motion(self, what: str) -> None:
         """ProgramError: the interpreter refuses it."""

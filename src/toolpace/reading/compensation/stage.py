@@ -29,7 +29,7 @@ class Laid:
     """Of the program's element, where it is an arc [rad]."""
 
 
-class Stage:
+class OffsetStage:
     """Follows a contour at a side of it, at the distance of a radius."""
 
     compensates = True
@@ -85,14 +85,16 @@ class Stage:
         """Move the ends of all motions that wait to a point, and settle them."""
         control = self.control
         for laid in self.waiting:
-            laid.words = self._at(laid.words, end)
-            if isinstance(laid.path, Turn):
-                laid.path = laid.path.between(self.begun, end)
-            elif laid.path is not None:
-                laid.path = Line(self.begun, end)
+            laid.words, laid.path = self._at(laid.words, end), self.trimmed(laid, end)
             control.relay(laid.row, laid.words, self._arc(laid))
         self.at = end
         self.waiting = []
+
+    def trimmed(self, laid: Laid, end: complex) -> Element | None:
+        """The way of a motion that waits, to another end."""
+        if isinstance(laid.path, Turn):
+            return laid.path.between(self.begun, end)
+        return None if laid.path is None else Line(self.begun, end)
 
     def _at(self, words: list[float], point: complex) -> list[float]:
         found = list(words)
@@ -111,7 +113,7 @@ class Leaving:
     compensates = False
     cure = "an arc cannot lead away from a compensated contour: write a straight motion behind G40"
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: OffsetStage) -> None:
         self.control, self.stage = stage.control, stage
 
     @property
@@ -134,7 +136,9 @@ class Leaving:
         self.stage.fail("a corner behind the end of a compensation is not read: write it out")
 
     def other_motion(self, what: str) -> None:
-        """The machine goes on from where it is; coordinates change about it."""
+        """The machine goes on from where it is, and coordinates change about it; holes and splines need their place."""
+        if what in ("a cycle of holes", "a spline"):
+            self.stage.fail(f"{what} behind the end of a compensation: write a straight motion in the plane before it")
 
 
 def as_speed(rate: Rate, start: list[float], end: list[float], arc: Arc | None, least: float = 0.0) -> Rate:

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field, replace
 from toolpace.commanded import Commanded
 from toolpace.reading.control.commanded_moves import commanded_of
 from toolpace.reading.control.feed import Feed, FeedRules
-from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, MoveTable, Rate
+from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, MoveTable, Rate, Stage
 from toolpace.reading.control.operations import Operations
-from toolpace.reading.control.stage import Stage
 from toolpace.reading.control.unroll import Unroll
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
@@ -311,6 +310,7 @@ class Control:
         """End a motion that was noted elsewhere, at words (3 + rotary), along another arc where it was one."""
         place = self.placement.place(words)
         self.moves.rows[row] = (*place, *self.moves.rows[row][len(place) :])
+        self.moves.arcs.pop(row, None)
         if arc is not None:
             self.moves.arcs[row] = self._carried(arc)
 

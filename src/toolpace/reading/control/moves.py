@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -43,6 +43,26 @@ class Asked(NamedTuple):
     """[m]"""
     axis: float = math.nan
     """[rad]"""
+
+
+class Stage(Protocol):
+    """What may stand between the motions of a program and the moves, and lays other ways in their place."""
+
+    compensates: bool
+    """Whether the program's contour is being followed beside it; else the way back to it is still to come."""
+
+    @property
+    def kept(self) -> list[float]:
+        """Words (3 + rotary) that axes keep which a motion in machine coordinates does not name."""
+
+    def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
+        """A motion of the program between words (3 + rotary)."""
+
+    def redirect(self, end: list[float]) -> None:
+        """The last motion of the program, which was straight, ends earlier."""
+
+    def other_motion(self, what: str) -> None:
+        """A motion that is no line and no arc of a contour comes next, or coordinates change."""
 
 
 class Moves:

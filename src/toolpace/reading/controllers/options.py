@@ -37,6 +37,8 @@ WORD_ADDRESS: dict[str, Kind] = {
         ),
         NUMBER,
     ),
+    "compensation": ("", "linuxcnc", "type A", "type B"),
+    "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),
     "extended_offsets": ("", "G54.1", "G154"),
     "first_offset": TEXT,

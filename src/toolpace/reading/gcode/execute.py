@@ -90,6 +90,7 @@ class Executor:
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         numbers = self._numbers(block)
+        moves = len(control.moves)
         if control.stage is not None and self.rs274:
             self._refuse_functions(block)
         if actions:
@@ -130,6 +131,8 @@ class Executor:
             control.moves.stop_by_mode()
         if self.after is not None:
             self.after()
+        if control.stage is not None:
+            self.compensation.behind_block(moves)
 
     def _refuse_functions(self, block: Block) -> None:
         """What LinuxCNC's interpreter refuses under compensation, and switches before a G40 of the block."""
@@ -163,6 +166,7 @@ class Executor:
     def _rest(self, numbers: Numbers, number: float | None, free: bool) -> None:
         """What no word of the block has taken: the motion, and letters that mean nothing for it."""
         state, control, slots = self.state, self.control, self.control.slots
+        state.radius_number = numbers.get("D", state.radius_number)
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
                 if self.rs274 and letter in "HD" and not free:

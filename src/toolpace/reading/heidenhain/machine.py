@@ -34,6 +34,7 @@ class Functions(NamedTuple):
     """In which coordinates the block is: "machine", "untilted", or "" for the program's."""
 
 
+OF_CORNERS = ("M97", "M98")
 OF_HEIDENHAIN = frozenset((0, 1, 2, 3, 4, 5, 6, 8, 9, 13, 14, 30))
 """M functions up to M88 that the control itself has (TNC 640, Klartext, "M functions"); others are the builder's."""
 
@@ -89,6 +90,8 @@ class MachineFunctions:
     def other(self, word: str) -> Step:
         """A function without a meaning for motion, or one that is refused."""
         findings = self.control.findings
+        if word in OF_CORNERS:
+            return lambda: self.corner(word)
         if word in self.controller.ignored:
             return lambda: findings.ignored(word)
         if word in self.controller.refused:
@@ -103,6 +106,15 @@ class MachineFunctions:
 
             return run
         return self.refused(word, UNKNOWN)
+
+    def corner(self, word: str) -> None:
+        """M97 and M98, which change corners of a compensated contour, and nothing else."""
+        stage = self.control.stage
+        if stage is not None and stage.compensates:
+            cure = "corners of a compensated contour are read as they are without it: remove it"
+            self.control.findings.refused(word, self.control.line, cure)
+        else:
+            self.control.findings.ignored(word)
 
     def refused(self, word: str, cure: str) -> Step:
         """A step that notes a refused word."""

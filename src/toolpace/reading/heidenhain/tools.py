@@ -78,6 +78,9 @@ class Tools:
     def change(self, tool: str, figures: dict[str, float]) -> None:
         """Take it, and reckon with its length and oversize; 0 is none, whose length is zero."""
         control = self.control
+        if control.stage is not None and control.stage.compensates:
+            raise BlockError("TOOL CALL under RL or RR is not read: write R0 before it")
+        self.state.oversize = figures.get("DR", 0.0) * self.state.unit
         table = {name.upper(): name for name in control.setup.tools}
         tool = table.get(tool, tool)
         if tool != control.tool or tool == "0":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from toolpace.reading.compensation.following import Follower
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik import state as modes
@@ -154,6 +155,8 @@ class Executor:
         state = self.state
         if modes.apply(state, code):
             self.memory.unit = state.unit
+            if self.control.stage is not None:
+                self._under_compensation(code)
             if code in modes.TOLERANCES:
                 self.control.findings.ignored(code)
         elif code in IN_MACHINE:
@@ -170,6 +173,14 @@ class Executor:
             now.claim = code
         elif code != "G4":
             self._named(code, now)
+
+    def _under_compensation(self, code: str) -> None:
+        """A mode changes while a contour is followed. Raises ProgramError."""
+        stage = self.control.stage
+        if isinstance(stage, Follower):
+            if stage.plane != self.state.plane:
+                stage.other_motion(f"a change of the plane ({code})")
+            self.tooling.change_rules()
 
     def _named(self, code: str, now: Now) -> None:
         """A word that the controller's file explains, a command, or a subprogram."""

@@ -52,6 +52,8 @@ class System:
         if slot is None:
             raise Unread(f"{name}[{letter}]", "the machine has no such axis: name one of its axes")
         unit = self.state.unit if slot < 3 else DEGREE
+        if name != "$P_EP" and self.control.stage is not None:
+            raise Unread(f"{name}[{letter}]", "the radius is compensated here: read it behind G40 and a motion")
         if name in ("$P_EP", "$AA_IW"):
             return self.control.words[slot] / unit
         control = self.control

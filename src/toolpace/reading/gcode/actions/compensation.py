@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from toolpace.reading.compensation.following import Follower, follow
 from toolpace.reading.compensation.linuxcnc import LeavingLinuxcnc, LinuxcncStage, Uncompensated
-from toolpace.reading.compensation.stage import Stage
+from toolpace.reading.compensation.rules import ACROSS, AROUND, INSIDE, LINES, Rules
+from toolpace.reading.compensation.stage import OffsetStage
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.reading.options import PROGRAM, ReadOptions
 
 OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
@@ -17,15 +19,21 @@ FORBIDDEN = frozenset(
         *("clear position", "suspend position", "restore position", "exact stop mode", "continuous path"),
         *("to initial level", "to R level", "tool length", "told offset", "added offset", "tip mode", "length off"),
         *("tool change", "tool at hand", "reference", "second reference", "machine coordinates"),
-        *("cubic spline", "quadratic spline", "nurbs"),
+        *("cubic spline", "quadratic spline", "nurbs", "save modes", "save modes for return", "restore modes"),
     )
 )
 """Meanings that LinuxCNC's interpreter refuses under compensation."""
-FORBIDDEN_FUNCTIONS = frozenset(("M48", "M49", "M50", "M51", "M52", "M53", "M62", "M63", "M64", "M65", "M66", "M67", "M68"))
+FORBIDDEN_FUNCTIONS = frozenset((*(f"M{number}" for number in (*range(48, 54), *range(62, 69))),))
+"""M48 to M53 and M62 to M68, which it refuses too."""
 NO_RADIUS = (
     "cutter compensation needs the tool's radius: write it on the set-up sheet ([tools.N] radius), let the CAM system "
     "compensate and {}, or give --compensation program where the program is the path of the tool's centre"
 )
+COMPENSATE = (LinuxcncStage, Uncompensated, Follower)
+TYPES = {"type A": ACROSS, "type B": AROUND}
+"""How it begins and ends (Fanuc B-63944EN, "Details of cutter compensation"): parameter 5003#0 and #1."""
+ALARM = "the control stops with an alarm (PS0041)"
+WITHOUT_D = "compensation without D is not read: write the number of the tool whose radius counts, like {} D1"
 
 
 class Compensation:
@@ -35,6 +43,9 @@ class Compensation:
         self.control, self.state = control, state
         self.as_programmed = options.compensation == PROGRAM
         self.rs274 = by.option("rs274_checks", False)
+        self.by = by.option("compensation", "")
+        """Whose rules are followed; "" is refused."""
+        self.said = by.option("compensation_said", "")
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -45,10 +56,10 @@ class Compensation:
         }
 
     @property
-    def stage(self) -> Stage | None:
+    def stage(self) -> OffsetStage | None:
         """What compensates now."""
         stage = self.control.stage
-        return stage if isinstance(stage, Stage) else None
+        return stage if isinstance(stage, OffsetStage) else None
 
     def guarded(self, handlers: dict[str, Handler]) -> dict[str, Handler]:
         """The handlers, of which those that a control forbids under compensation look whether it is on."""
@@ -105,14 +116,17 @@ class Compensation:
         control = self.control
         if number is not None and (number != int(number) or number < 0.0):
             raise WordError(f"D{number:g} of {word} is the number of a tool: write a whole one, from 0")
-        if self.rs274:
-            name = f"{number:g}" if number else control.tool
-            if name in ("", "0"):
-                return 0.0
-        elif number == 0.0:
+        if not self.rs274 and number is None:
+            number = self.state.radius_number
+            if number is None:
+                raise RefusedError(word, WITHOUT_D.format(word))
+        self.state.radius_number = number
+        name = f"{number:g}" if number else control.tool if self.rs274 else ""
+        if name in ("", "0"):
             return 0.0
-        else:
-            name = control.tool if number is None else f"{number:g}"
+        if number in self.state.told_radii:
+            raise RefusedError(f"{word} D{number:g}", "G10 tells its radius: write it on the set-up sheet, without G10")
+        control.findings.used.tools.setdefault(name)
         found = control.setup.tool(name)
         if found is None and number and self.rs274 and control.setup.tools:
             raise WordError(f"D{number:g} of {word} is no tool of the set-up sheet: list it there")
@@ -122,24 +136,38 @@ class Compensation:
         control, state = self.control, self.state
         if self.stage is not None:
             raise WordError(f"{word} stands where compensation is on already: write G40 before it")
-        if not self.rs274:
-            return
+        if self.rs274:
+            self._begin_linuxcnc(side, radius, word)
+        elif radius and self.by not in TYPES:
+            raise RefusedError(word, "how this control compensates is not known here: let the CAM system compensate")
+        elif radius:
+            rules = Rules(LINES, TYPES[self.by], INSIDE, gouge=ALARM, assumed=self.said)
+            follow(control, side, radius, state.plane, rules)
+
+    def _begin_linuxcnc(self, side: int, radius: float, word: str) -> None:
+        control, state = self.control, self.state
         if state.plane == 2:
             raise WordError(f"{word} compensates in the planes of G17 and G18: choose one of them")
-        if not radius:
-            control.stage = Uncompensated(control, side, radius, state.plane)
-        else:
+        if radius:
             control.begin_here()
             control.stage = LinuxcncStage(control, side, radius, state.plane, state.unit)
+        else:
+            control.stage = Uncompensated(control, side, radius, state.plane)
 
     def end(self, numbers: Numbers, word: str) -> None:
         """G40."""
         numbers.pop("D", None)
         self.control.findings.ignored(word)
-        if isinstance(self.control.stage, (LinuxcncStage, Uncompensated)):
+        if isinstance(self.control.stage, COMPENSATE):
             self.control.stage.leave()
 
     def pause(self) -> None:
         """A stop of the program, or its end."""
-        if isinstance(self.control.stage, (LinuxcncStage, Uncompensated)):
+        if isinstance(self.control.stage, COMPENSATE):
             self.control.stage.pause()
+
+    def behind_block(self, moves: int) -> None:
+        """A block ends, before which there were so many motions."""
+        stage = self.control.stage
+        if isinstance(stage, Follower) and len(self.control.moves) == moves:
+            stage.idle_block()

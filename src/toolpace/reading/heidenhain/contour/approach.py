@@ -90,6 +90,7 @@ class Approaches:
                 raise BlockError("APPR needs a place to begin at: position before it")
             sizes = self._sizes(form.name, words)
             self.motion.compensation(words.side)
+            self._refuse_compensated(f"APPR {form.name}")
             rapid = moves.rows[-1][moves.kind] == RAPID
             target, named = self.polar.polar(words, axes) if form.polar else self.motion.target(axes)
             start, axis = control.words, self.state.tool_axis
@@ -168,6 +169,7 @@ class Approaches:
 
         def run() -> None:
             control, state = self.control, self.state
+            self._refuse_compensated(f"DEP {form.name}")
             self.motion.refuse_corner()
             rapid = self.motion.set_feed(words)
             sizes, side = self._sizes(form.name, words), self._side()
@@ -194,6 +196,14 @@ class Approaches:
             state.side = "R0"
 
         return run
+
+    def _refuse_compensated(self, name: str) -> None:
+        """What of these ways is the centre's, and what the contour's, is not sure enough. Raises BlockError."""
+        if self.control.stage is not None and self.control.stage.compensates:
+            raise BlockError(
+                f"{name} with a radius to compensate is not read: write the way as L with RL, RR or R0, or give "
+                "--compensation program where the contour is the tool's centre"
+            )
 
     # Words
 

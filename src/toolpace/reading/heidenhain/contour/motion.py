@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from toolpace.reading.compensation.following import Follower, follow
+from toolpace.reading.compensation.rules import ACROSS, ARC, Rules
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.control.joint_moves import turn_joints
@@ -17,13 +19,19 @@ from toolpace.reading.heidenhain.frames import Frames, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.reading.heidenhain.klartext.words import PathWords
-from toolpace.reading.heidenhain.state import State
+from toolpace.reading.heidenhain.state import ARC_PLANE, State
 from toolpace.units import DEGREE, MINUTE
 
 Step = Callable[[], None]
 Axis = tuple[int, bool, Value, float]
 """Column of the words, whether incremental, value, and its unit [m or rad]."""
-PROGRAM_CONTOUR = "give --compensation program where the contour is the tool's centre, or write R0"
+PROGRAM_CONTOUR = (
+    "the tool's radius is not known: write it on the set-up sheet ([tools.N] radius), give --compensation program "
+    "where the contour is the tool's centre, or write R0"
+)
+RULES = Rules(ARC, ACROSS, most_idle=2, gouge="the control stops with an error")
+"""TNC 640, Klartext, "Tool radius compensation": an arc at outside corners, the ways' intersection at inside ones, and
+across the contour at its ends; how many blocks across the plane it looks over is not said."""
 TURNING = {
     "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
     "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
@@ -137,15 +145,32 @@ class Motion:
             raise BlockError(f"feed F{number:g} must be above zero (and at most 1e9): correct F")
         return number * self.state.feed_unit / MINUTE, number * DEGREE / MINUTE
 
-    def compensation(self, side: str) -> bool:
-        """Take R0, RL, RR; returns whether the block can be read."""
-        self.state.side = side or self.state.side
-        if side in ("", "R0") or self.follow_contour:
-            if side not in ("", "R0"):
-                self.control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
-            return True
-        self.control.findings.refused(side, self.control.line, PROGRAM_CONTOUR)
-        return True
+    def compensation(self, side: str) -> None:
+        """Take R0, RL, RR, or none."""
+        before, self.state.side = self.state.side, side or self.state.side
+        control = self.control
+        stage = control.stage if isinstance(control.stage, Follower) else None
+        if side in ("", "R0"):
+            if side and stage is not None:
+                stage.leave()
+        elif self.follow_contour:
+            control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
+        elif stage is not None:
+            if before != side:
+                raise BlockError(f"{side} changes the side of the tool while it compensates: write R0 before it")
+        else:
+            self._follow(side)
+
+    def _follow(self, side: str) -> None:
+        control, known = self.control, self.control.setup.tool(self.control.tool)
+        if known is None or known.radius is None:
+            control.findings.refused(side, control.line, PROGRAM_CONTOUR)
+            return
+        radius = known.radius + self.state.oversize
+        if radius < 0.0:
+            raise BlockError(f"the radius of the tool and DR come to {radius * 1e3:.6g} mm: correct them")
+        if radius:
+            follow(control, 1 if side == "RL" else -1, radius, ARC_PLANE[self.state.tool_axis], RULES)
 
     # Blocks
 
@@ -244,6 +269,8 @@ class Motion:
         def run() -> None:
             control, line = self.control, self.control.line
             self.compensation(words.side)
+            if control.stage is not None and control.stage.compensates:
+                raise BlockError("LN under RL or RR, compensation in space, is not read: let the CAM system compensate")
             rapid = self.set_feed(words)
             target, named = self.target(axes)
             tool = [0.0 if value is None else evaluate(value) for value in given]
