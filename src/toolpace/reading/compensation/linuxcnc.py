@@ -119,7 +119,7 @@ class LinuxcncStage(OffsetStage):
             self._check_fit(path, path.radius)
         if self._is_inside(outside, path, before):
             if not self.waiting:
-                self.fail("M0 or M1 stands before an inside corner, and the interpreter gouges there: move it elsewhere")
+                self.fail("M0 or M1 stands before an inside corner, and the interpreter gouges it: move it elsewhere")
             self._settle(self._meeting(outside, path, before))
         elif outside > NO_CORNER:
             if isinstance(path, Line):
