@@ -8,7 +8,6 @@ import pytest
 import toolpace as tp
 from testbed import replans
 from toolpace.deflect.commanded import CommandedMotion
-from toolpace.deflect.course import Detour
 from toolpace.deflect.way_back.search import joints_alone
 from toolpace.deflect.way_back.splines import Problem, detour_of
 
@@ -41,13 +40,24 @@ def test_a_tool_found_ahead_goes_on_and_wins_the_time():
 
 @pytest.mark.parametrize("later", [0.05, 0.15])
 def test_a_place_to_rejoin_is_come_to_at_speed(later: float):
-    """By joint splines, on a line at 100 mm/s; the positions there are those of the plan."""
+    """By joint splines or beside the path, on a line at 100 mm/s; the positions there are those of the plan."""
     old = replans.planned("line", 6000.0)
     time = 0.3 * old.duration
     place = float(old.parameter(time + later))
     new = tp.replan(old, time, old.tip(time)[0] + [0.0, 1e-3, 0.0], planner="direct", rejoin=place)
     run = new.axis_path.runs[0]
-    assert isinstance(run.detour, Detour) and run.join == pytest.approx(place, abs=1e-9)
+    assert run.join == pytest.approx(place, abs=1e-9)
     assert new.at(run.detour.duration).q == pytest.approx(old.at(time + later).q, abs=1e-9)
     assert run.detour.duration < 0.35
     assert new.usage().worst <= 1.0001
+
+
+@pytest.mark.parametrize(("kind", "feed"), [("arc", 6000.0), ("five 1", 1800.0), ("spline", 6000.0)])
+def test_a_place_that_is_come_to_in_time_is_rejoined_without_time_lost(kind: str, feed: float):
+    old, chain = replans.planned(kind, feed), replans.chain_of(kind)
+    time, later = 0.3 * old.duration, 0.15
+    tip = chain.forward(old.at([time]).q, chain.own_length)[0][0] + np.array([0.0, 2e-4, 0.0])
+    place = float(old.parameter(time + later))
+    new = tp.replan(old, time, tip, replans.machine_of(kind), rejoin=place)
+    assert new.duration == pytest.approx(old.duration - time, abs=1e-9)
+    np.testing.assert_allclose(new.at([later]).q, old.at([time + later]).q, atol=1e-9)

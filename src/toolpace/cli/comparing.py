@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 from rich.box import SIMPLE
@@ -11,12 +11,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli import arguments
 from toolpace.cli.steps import Steps, new_console
-from toolpace.cli.summary import limit_in_words
-from toolpace.comparing import Compared, compared
 from toolpace.errors import printable
 from toolpace.units import format_time
+
+if TYPE_CHECKING:
+    from toolpace.comparing import Compared
 
 Plans = Annotated[list[str], Parameter(help="Two to eight folders that `toolpace plan` wrote.")]
 Page = Annotated[
@@ -38,6 +38,9 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
         toolpace compare part-plan part-plan-5um
         toolpace compare on-trunnion on-head --page compared.html
     """
+    from toolpace.cli import arguments
+    from toolpace.cli.summary import limit_in_words
+    from toolpace.comparing import compared
     from toolpace.comparing.page import comparison_page
     from toolpace.files import write_text
 

@@ -9,11 +9,9 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from toolpace.cli import arguments
 from toolpace.cli.options import Switch
 from toolpace.cli.steps import Steps, new_console
 from toolpace.errors import UsageError, printable
-from toolpace.jobs import job
 
 TargetName = Annotated[
     str,
@@ -79,6 +77,8 @@ class TargetOptions:
 
     def given(self) -> dict[str, Any]:
         """Those that were given, in SI and as the targets have them. Raises UsageError."""
+        from toolpace.cli import arguments
+
         found: dict[str, Any] = {}
         for each in fields(self):
             value = getattr(self, each.name)
@@ -111,7 +111,9 @@ def counts_given(text: str) -> dict[str, str]:
 
 def run_export(directory: str, to: str, out: str | None, options: TargetOptions) -> int:
     """Write a plan for a control, and say what was written."""
+    from toolpace.cli import arguments
     from toolpace.exporting import PlannedMotion, target_of, write_export
+    from toolpace.jobs import job
 
     console = new_console()
     target = target_of(to, options.given())

@@ -7,7 +7,6 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from toolpace.cli import arguments
 from toolpace.cli.steps import new_console
 from toolpace.errors import UsageError
 
@@ -25,6 +24,7 @@ STREAMERS = 8
 
 def run_follow(law: str, backlog: str, record: str | None, name: str, streamer: int) -> int:
     """Play a law until a signal asks to end."""
+    from toolpace.cli import arguments
     from toolpace.follow import Follower
     from toolpace.hal import Component, Settings, hal_module
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from toolpace.cli import options
 from toolpace.cli.many import options as many
-from toolpace.cli.many.asked import AskedBatch
 from toolpace.cli.where import HERE, Where
 
 
@@ -39,6 +38,7 @@ def batch_command(
         toolpace batch parts/ --what inspect
         toolpace batch parts/ -m my-mill.toml --what export --to table
     """
+    from toolpace.cli.many.asked import AskedBatch
     from toolpace.cli.many.run import run_jobs
 
     client = where.client()

@@ -101,14 +101,14 @@ def way_back_of(problem: Problem, standby: Standby, rejoin: float | None = None,
     """The way back to a given time of the commanded law, or wherever it is best; None where none passes.
 
     `lag` is the time lost before [s], which is made up for where the deflection itself leads onwards. Where the feed
-    binds, and not the joints, the way beside the path is as fast as any.
+    binds, and not the joints, or where the place to rejoin is given, the way beside the path may lose less.
     """
     found: list[Course | None] = []
     fed = fed_time(problem)
     by_joints = fed <= FED * problem.guess or (fed <= ABOVE_FED * problem.guess and begins_above_feed(problem))
     if by_joints:
         found.append(with_pieces(problem, rejoin, lag, COARSE_TRIES))
-        if found[0] is not None and found[0].duration <= LONG * problem.guess:
+        if rejoin is None and found[0] is not None and found[0].duration <= LONG * problem.guess:
             return found[0]
     found.append(sure_way(problem, standby, rejoin, min(map(price, found), default=np.inf)))
     if by_joints and min(map(price, found)) > LONG * problem.guess:
