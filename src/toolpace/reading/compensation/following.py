@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from typing import NoReturn
 
 from toolpace.reading.compensation.elements import SAME, Element, Line, Turn, turning, unit
-from toolpace.reading.compensation.meetings import gone, meeting, offset, swept_between
-from toolpace.reading.compensation.rules import ACROSS, ARC, AROUND, CENTRE, CONTOUR, LINES, MEETING, Rules
-from toolpace.reading.compensation.stage import Laid, Leaving, OffsetStage
+from toolpace.reading.compensation.meetings import gone, meetings, offset, swept_between
+from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, LINES, MEETING, Rules
+from toolpace.reading.compensation.stage import Laid, OffsetStage
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import Rate
-from toolpace.reading.coordinates.affine import scale_of
 from toolpace.reading.curves.arcs import Arc
 
 TANGENT = 2e-3
@@ -79,13 +78,6 @@ class Follower(OffsetStage):
         """ProgramError: what it does to the offset is not sure."""
         self.fail(f"{what} under cutter compensation is not read: end the compensation before it")
 
-    def leave(self) -> None:
-        """The word that ends the compensation. Raises ProgramError."""
-        if self.last is None and self.entering is not None:
-            self.fail("the compensation ends before it has followed a contour: take its words out")
-        self.pause()
-        self.control.stage = None if self.last is None else Departing(self)
-
     def pause(self) -> None:
         """The contour ends here, or the program. Raises ProgramError where its last element was a gouge."""
         if self.last is not None and gone(self.last.way, self.last.begins, self.last.way.end) < -ROUNDED:
@@ -110,7 +102,7 @@ class Follower(OffsetStage):
         turned = self.side * turning(entering.begins, element.begins)
         if self.rules.ends == ACROSS or turned > -TANGENT:
             return [way.start]
-        return self._beyond(corner, entering.begins, element.begins, -turned)
+        return self.beyond(corner, entering.begins, element.begins, -turned)
 
     # Corners
 
@@ -121,11 +113,11 @@ class Follower(OffsetStage):
                 f"looks over {self.rules.most_idle} of them: write them elsewhere"
             )
         way = self._way(path)
-        words = self._before(start, end)
+        words = self.at_corner(start, end)
         if self.entering is not None:
             points = self._reach(self.entering, path, way)
-            self._finish(points[0])
-            self._lines(points[1:], start, words, rate, kind)
+            self.finish(points[0])
+            self.lines(points[1:], start, words, rate, kind)
             self.entering = None
         else:
             assert self.last is not None
@@ -143,20 +135,23 @@ class Follower(OffsetStage):
         turned = self.side * turning(last.element.ends, path.begins)
         if abs(turned) <= TANGENT:
             aside = unit(last.element.ends + path.begins) * 1j * self.side
-            self._finish(corner + self.radius * aside)
+            self.finish(corner + self.radius * aside)
         elif abs(turned) > BACK:
             self.fail("the contour goes back on itself at the corner before this block: write an arc or a line between")
         elif turned > 0.0:
-            found = meeting(last.way, way, corner)
-            self._finish(self._on_both(last.way, way, found))
+            self.finish(self._inside(last.way, way, corner))
         else:
             self._outside(last, path, way, -turned, start, words, rate, kind)
 
-    def _on_both(self, before: Element, behind: Element, found: complex | None) -> complex:
-        """The point where two ways meet at an inside corner, which both are cut back to. Raises ProgramError."""
-        if found is None or min(gone(behind, behind.start, found), gone(before, found, before.end)) < -ROUNDED:
+    def _inside(self, before: Element, behind: Element, corner: complex) -> complex:
+        """The point next to an inside corner where two ways meet, which both are cut back to. Raises ProgramError."""
+        found = [
+            point for point in meetings(before, behind)
+            if min(gone(behind, behind.start, point), gone(before, point, before.end)) >= -ROUNDED
+        ]  # fmt: skip
+        if not found:
             self._refuse_gouge()
-        return found
+        return min(found, key=lambda point: abs(point - corner))
 
     def _outside(
         self, last: Followed, path: Element, way: Element, turned: float, start: list[float], words: list[float],
@@ -166,17 +161,17 @@ class Follower(OffsetStage):
         corner = path.start
         by = self._by(turned)
         if by == ARC:
-            self._finish(last.way.end)
+            self.finish(last.way.end)
             turn = Turn(last.way.end, way.start, corner, -self.side * turned)
             self.add(way.start, start, words, turn, rate, kind)
         elif by == MEETING:
             near = corner + self.radius * unit(last.element.ends + path.begins) * 1j * self.side
-            found = meeting(last.way, way, near)
-            if found is None:
+            found = meetings(last.way, way)
+            if not found:
                 self.fail("the ways beside this outside corner do not meet: write a rounder corner, or one of lines")
-            self._finish(found)
+            self.finish(min(found, key=lambda point: abs(point - near)))
         else:
-            points = self._beyond(corner, last.element.ends, path.begins, turned)
+            points = self.beyond(corner, last.element.ends, path.begins, turned)
             points = points if isinstance(last.element, Line) else [last.way.end, *points]
             points = points if isinstance(path, Line) else [*points, way.start]
             if self.idle and len(points) > 1:
@@ -184,8 +179,8 @@ class Follower(OffsetStage):
                     "a block that moves nothing in the plane stands at an outside corner that the control goes round "
                     "in several lines: write it elsewhere"
                 )
-            self._finish(points[0])
-            self._lines(points[1:], start, words, rate, kind)
+            self.finish(points[0])
+            self.lines(points[1:], start, words, rate, kind)
 
     def _by(self, turned: float) -> str:
         """How an outside corner that turns by so much [rad] is gone round."""
@@ -198,7 +193,7 @@ class Follower(OffsetStage):
             return ARC
         return rules.outside
 
-    def _beyond(self, corner: complex, before: complex, behind: complex, turned: float) -> list[complex]:
+    def beyond(self, corner: complex, before: complex, behind: complex, turned: float) -> list[complex]:
         """Where tangents of two offset ways meet beyond an outside corner; two points where that is farther than the
         radius, and the rules say so."""
         first = corner + self.radius * 1j * self.side * before
@@ -210,18 +205,18 @@ class Follower(OffsetStage):
 
     # Motions
 
-    def _lines(self, points: list[complex], start: list[float], words: list[float], rate: Rate, kind: float) -> None:
+    def lines(self, points: list[complex], start: list[float], words: list[float], rate: Rate, kind: float) -> None:
         for point in points:
             self.add(point, start, words, Line(self.at, point), rate, kind)
 
-    def _before(self, start: list[float], end: list[float]) -> list[float]:
+    def at_corner(self, start: list[float], end: list[float]) -> list[float]:
         """Words at a corner: across the plane the block begins behind it."""
         words = list(end)
         normal = 3 - self.first - self.second
         words[normal] = start[normal]
         return words
 
-    def _finish(self, end: complex) -> None:
+    def finish(self, end: complex) -> None:
         """Settle the end of the last element. Raises ProgramError where its way would go backwards."""
         last = self.last
         if last is not None and self.entering is None and gone(last.way, last.begins, end) < -ROUNDED:
@@ -274,41 +269,3 @@ class Follower(OffsetStage):
         if rule != CONTOUR and not inner:
             return rate
         return rate._replace(speed=rate.speed * (1.0 + (-self.radius if inner else self.radius) / path.radius))
-
-
-def follow(control: Control, side: int, radius: float, plane: int, rules: Rules) -> None:
-    """Follow the contour from now on. Raises ProgramError where it is not read.
-
-    side: 1 left of it, -1 right. radius: of the tool [m]. plane: 0 XY, 1 ZX, 2 YZ.
-    """
-
-    def fail(message: str) -> NoReturn:
-        control.source.fail(message, control.line)
-
-    if not len(control.moves):
-        fail("compensation begins before the program has gone to a place: position with G0 before it")
-    if control.placement.tip_mode and not control.coordinates.tilted:
-        fail("cutter compensation in tool-centre-point mode is not read: let the CAM system compensate")
-    if not math.isclose(scale_of(control.placement.matrix), 1.0, abs_tol=1e-9):
-        fail("cutter compensation in scaled coordinates is not read: let the CAM system apply the scale")
-    control.stage = Follower(control, side, radius, plane, rules)
-
-
-class Departing(Leaving):
-    """Leaves a contour: across its end, or round the corner to the way that leads away."""
-
-    def __init__(self, follower: Follower) -> None:
-        super().__init__(follower)
-        self.follower = follower
-
-    def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
-        """The first straight motion in the plane leads away. Raises ProgramError."""
-        follower, last = self.follower, self.follower.last
-        path = follower.element(start, end, arc)
-        if path is not None and last is not None and follower.rules.ends == AROUND and isinstance(path, Line):
-            turned = follower.side * turning(last.element.ends, path.begins)
-            if turned < -TANGENT:
-                points = follower._beyond(path.start, last.element.ends, path.begins, -turned)
-                follower._finish(points[0])
-                follower._lines(points[1:], start, follower._before(start, end), rate, kind)
-        super().move(start, end, arc, rate, kind)

@@ -23,19 +23,13 @@ def offset(element: Element, aside: float) -> Element | None:
     return Turn(start, end, element.centre, element.sweep)
 
 
-def meeting(before: Element, behind: Element, near: complex) -> complex | None:
-    """The point next to `near` in which two ways meet, as lines and circles without ends; None where they do not."""
-    if isinstance(before, Line) and isinstance(behind, Line):
-        found = _lines(before, behind)
-    elif isinstance(before, Turn) and isinstance(behind, Turn):
-        found = _circles(before.centre, before.radius, behind.centre, behind.radius)
-    elif isinstance(before, Line):
-        assert isinstance(behind, Turn)
-        found = _line_and_circle(before, behind)
-    else:
-        assert isinstance(behind, Line)
-        found = _line_and_circle(behind, before)
-    return min(found, key=lambda point: abs(point - near), default=None)
+def meetings(before: Element, behind: Element) -> list[complex]:
+    """The points in which two ways meet, as lines and circles without ends."""
+    if isinstance(before, Line):
+        return _lines(before, behind) if isinstance(behind, Line) else _line_and_circle(before, behind)
+    if isinstance(behind, Line):
+        return _line_and_circle(behind, before)
+    return _circles(before.centre, before.radius, behind.centre, behind.radius)
 
 
 def _lines(first: Line, second: Line) -> list[complex]:

@@ -37,8 +37,8 @@ class State:
     """How a compensated contour is gone to and left: NORM, KONT, KONTC, KONTT."""
     retract: str = "G460"
     """What is done where that way and the contour do not meet."""
-    contour_feed: str = "CFC"
-    """What F is the speed of under compensation."""
+    contour_feed: str = ""
+    """What F is the speed of under compensation: CFC, CFTCP, CFIN; "" where the program does not say."""
     overshoot: float = 0.0
     """DISC: how far arcs about outside corners are drawn out [%]."""
     in_frame: bool = False

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from toolpace.reading.compensation.following import Follower, follow
+from toolpace.reading.compensation.ends import follow, leave
+from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, INSIDE, MEETING, Rules
 from toolpace.reading.control.control import Control
 from toolpace.reading.options import PROGRAM, ReadOptions
@@ -19,7 +20,8 @@ SLIGHT, MOST_MET = 10.0 * DEGREE, 100.0 * DEGREE
 """MD20230 and MD20210 as they are delivered: turn of an outside corner up to which there is no arc under G450, and from
 which on there is one under G451."""
 SAID = "outside corners that turn by up to 10 degrees are met, from 100 degrees on there is an arc (MD20230, MD20210)"
-FEEDS = {"CFC": CONTOUR, "CFTCP": CENTRE, "CFIN": INSIDE}
+SAID_OF_FEED = "F is of the contour on arcs of a compensated contour: CFC is in force where the program does not say"
+FEEDS = {"": CONTOUR, "CFC": CONTOUR, "CFTCP": CENTRE, "CFIN": INSIDE}
 
 
 class Tooling:
@@ -84,7 +86,7 @@ class Tooling:
         state.compensation = code
         if code == "G40":
             if stage is not None:
-                stage.leave()
+                leave(stage)
             return
         radius = self.radius
         if radius is None:
@@ -110,6 +112,7 @@ class Tooling:
             said_of_limits=SAID,
             most_idle=3,
             gouge="the control stops with an alarm (10750, 10751), or leaves elements out",
+            assumed="" if state.contour_feed else SAID_OF_FEED,
         )
 
     def change_rules(self) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from toolpace.reading.compensation.following import Follower, follow
+from toolpace.reading.compensation.ends import follow, leave
+from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.linuxcnc import LeavingLinuxcnc, LinuxcncStage, Uncompensated
 from toolpace.reading.compensation.rules import ACROSS, AROUND, INSIDE, LINES, Rules
 from toolpace.reading.compensation.stage import OffsetStage
@@ -29,9 +30,9 @@ NO_RADIUS = (
     "cutter compensation needs the tool's radius: write it on the set-up sheet ([tools.N] radius), let the CAM system "
     "compensate and {}, or give --compensation program where the program is the path of the tool's centre"
 )
-COMPENSATE = (LinuxcncStage, Uncompensated, Follower)
 TYPES = {"type A": ACROSS, "type B": AROUND}
-"""How it begins and ends (Fanuc B-63944EN, "Details of cutter compensation"): parameter 5003#0 and #1."""
+"""How it begins and ends, by parameter 5003#0 and #1 (Fanuc B-63944EN, "Details of cutter or tool nose radius
+compensation")."""
 ALARM = "the control stops with an alarm (PS0041)"
 WITHOUT_D = "compensation without D is not read: write the number of the tool whose radius counts, like {} D1"
 
@@ -158,13 +159,17 @@ class Compensation:
         """G40."""
         numbers.pop("D", None)
         self.control.findings.ignored(word)
-        if isinstance(self.control.stage, COMPENSATE):
-            self.control.stage.leave()
+        stage = self.control.stage
+        if isinstance(stage, Follower):
+            leave(stage)
+        elif isinstance(stage, (LinuxcncStage, Uncompensated)):
+            stage.leave()
 
     def pause(self) -> None:
         """A stop of the program, or its end."""
-        if isinstance(self.control.stage, COMPENSATE):
-            self.control.stage.pause()
+        stage = self.control.stage
+        if isinstance(stage, (LinuxcncStage, Uncompensated, Follower)):
+            stage.pause()
 
     def behind_block(self, moves: int) -> None:
         """A block ends, before which there were so many motions."""

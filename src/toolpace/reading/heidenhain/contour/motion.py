@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
-from toolpace.reading.compensation.following import Follower, follow
+from toolpace.reading.compensation.ends import follow, leave
+from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.rules import ACROSS, ARC, Rules
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
@@ -152,7 +153,7 @@ class Motion:
         stage = control.stage if isinstance(control.stage, Follower) else None
         if side in ("", "R0"):
             if side and stage is not None:
-                stage.leave()
+                leave(stage)
         elif self.follow_contour:
             control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
         elif stage is not None:

@@ -1,0 +1,61 @@
+"""Where a compensation begins and ends."""
+
+from __future__ import annotations
+
+import math
+from typing import NoReturn
+
+from toolpace.reading.compensation.elements import Line, turning
+from toolpace.reading.compensation.following import TANGENT, Follower
+from toolpace.reading.compensation.rules import AROUND, Rules
+from toolpace.reading.compensation.stage import Leaving
+from toolpace.reading.control.control import Control
+from toolpace.reading.control.moves import Rate
+from toolpace.reading.coordinates.affine import scale_of
+from toolpace.reading.curves.arcs import Arc
+
+
+def follow(control: Control, side: int, radius: float, plane: int, rules: Rules) -> None:
+    """Follow the contour from now on. Raises ProgramError where it is not read.
+
+    side: 1 left of it, -1 right. radius: of the tool [m]. plane: 0 XY, 1 ZX, 2 YZ.
+    """
+
+    def fail(message: str) -> NoReturn:
+        control.source.fail(message, control.line)
+
+    if not len(control.moves):
+        fail("compensation begins before the program has gone to a place: position with G0 before it")
+    if control.placement.tip_mode and not control.coordinates.tilted:
+        fail("cutter compensation in tool-centre-point mode is not read: let the CAM system compensate")
+    if not math.isclose(scale_of(control.placement.matrix), 1.0, abs_tol=1e-9):
+        fail("cutter compensation in scaled coordinates is not read: let the CAM system apply the scale")
+    control.stage = Follower(control, side, radius, plane, rules)
+
+
+def leave(follower: Follower) -> None:
+    """The word that ends the compensation. Raises ProgramError."""
+    if follower.last is None and follower.entering is not None:
+        follower.fail("the compensation ends before it has followed a contour: take its words out")
+    follower.pause()
+    follower.control.stage = None if follower.last is None else Departing(follower)
+
+
+class Departing(Leaving):
+    """Leaves a contour: across its end, or round the corner to the way that leads away."""
+
+    def __init__(self, follower: Follower) -> None:
+        super().__init__(follower)
+        self.follower = follower
+
+    def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
+        """The first straight motion in the plane leads away. Raises ProgramError."""
+        follower, last = self.follower, self.follower.last
+        path = follower.element(start, end, arc)
+        if path is not None and last is not None and follower.rules.ends == AROUND and isinstance(path, Line):
+            turned = follower.side * turning(last.element.ends, path.begins)
+            if turned < -TANGENT:
+                points = follower.beyond(path.start, last.element.ends, path.begins, -turned)
+                follower.finish(points[0])
+                follower.lines(points[1:], start, follower.at_corner(start, end), rate, kind)
+        super().move(start, end, arc, rate, kind)
