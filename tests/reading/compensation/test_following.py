@@ -340,6 +340,7 @@ def test_cfc_and_cftcp_tell_what_f_is_the_speed_of():
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nY50\nG40 G2 X30 Y50 R15\n", "straight motion behind G40"),
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nZ-5\nZ-6\nY50\nG40 X9\n", "2 blocks before this one"),
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nM8\nM3\nY50\nG40 X9\n", "2 blocks before this one"),
+        ("fanuc", "G41 D1 G1 X0 Y0 F500\nX50\nM0\nY50\nG40 X9\n", "M0 or M1 stands"),
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nX50\nZ-5\nX0 Y-20\nG40 X-20\n", "in several lines"),
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nY50\nY20\nG40 X9\n", "goes back on itself"),
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nY50\nG42 D1 X50\nG40 X9\n", "write G40 before it"),

@@ -14,6 +14,11 @@ from toolpace.reading.control.moves import Rate
 from toolpace.reading.coordinates.affine import scale_of
 from toolpace.reading.curves.arcs import Arc
 
+BESIDE = (
+    "the tool's centre goes {:.6g} mm beside the contour, the radius on the set-up sheet: where the program is the "
+    "centre's path and the control holds wear alone, give --compensation program"
+)
+
 
 def follow(control: Control, side: int, radius: float, plane: int, rules: Rules) -> None:
     """Follow the contour from now on. Raises ProgramError where it is not read.
@@ -30,6 +35,7 @@ def follow(control: Control, side: int, radius: float, plane: int, rules: Rules)
         fail("cutter compensation in tool-centre-point mode is not read: let the CAM system compensate")
     if not math.isclose(scale_of(control.placement.matrix), 1.0, abs_tol=1e-9):
         fail("cutter compensation in scaled coordinates is not read: let the CAM system apply the scale")
+    control.findings.assumed(BESIDE.format(radius * 1e3))
     control.stage = Follower(control, side, radius, plane, rules)
 
 

@@ -44,6 +44,8 @@ class Follower(OffsetStage):
         """The motion that leads to the contour, until the contour is there."""
         self.idle = 0
         """Blocks since the last element that moved nothing in the plane."""
+        self.paused = False
+        """Whether the program has stopped since then."""
         if rules.assumed:
             control.findings.assumed(rules.assumed)
 
@@ -54,7 +56,7 @@ class Follower(OffsetStage):
         if rate.time:
             self.fail("a time of a block (G93) under cutter compensation is not read: write a feed a minute")
         path = self.element(start, end, arc)
-        if path is None:
+        if path is None or (arc is None and abs(path.end - path.start) < SAME):
             self.waiting.append(self.add(self.at, start, end, None, rate, kind))
             self.idle += self.last is not None or self.entering is not None
         elif self.last is None and self.entering is None:
@@ -80,6 +82,7 @@ class Follower(OffsetStage):
 
     def pause(self) -> None:
         """The contour ends here, or the program. Raises ProgramError where its last element was a gouge."""
+        self.paused = True
         if self.last is not None and gone(self.last.way, self.last.begins, self.last.way.end) < -ROUNDED:
             self._refuse_gouge()
 
@@ -92,7 +95,7 @@ class Follower(OffsetStage):
     def _enter(self, path: Element, start: list[float], end: list[float], rate: Rate, kind: float) -> None:
         if not isinstance(path, Line):
             self.fail("compensation begins with a straight motion, and this is an arc: write a line before it")
-        self.entering = path
+        self.entering, self.paused = path, False
         begun = self.at
         self.wait(self.add(path.end, start, end, Line(begun, path.end), rate, kind), begun)
 
@@ -112,6 +115,8 @@ class Follower(OffsetStage):
                 f"{self.idle} blocks before this one move nothing in the plane of the compensation, and the control "
                 f"looks over {self.rules.most_idle} of them: write them elsewhere"
             )
+        if self.paused:
+            self.fail("M0 or M1 stands before this element, and the control does not look over it: move it elsewhere")
         way = self._way(path)
         words = self.at_corner(start, end)
         if self.entering is not None:
