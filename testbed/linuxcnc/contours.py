@@ -45,6 +45,10 @@ class Contour:
     def number(self, value: float) -> str:
         return f"{value / self.scale:.{self.digits}f}"
 
+    def apart(self, height: float) -> float:
+        """A height that is another one, also as it is printed."""
+        return height if abs(height - self.height) > 0.1 else height + 1.0
+
     def to(self, point: complex, height: float | None = None) -> list[str]:
         """Words to a point of the plane; the writer is there, as rounded, then."""
         first, second, normal, _, _ = PLANES[self.plane]
@@ -75,7 +79,7 @@ class Contour:
         return f"F{self.random.uniform(100, 2000) / self.scale:.1f}" if self.chance(0.15) else ""
 
     def line(self, point: complex, *, rapid: float = 0.1, rise: float = 0.06) -> None:
-        height = self.random.uniform(-8, 8) if self.chance(rise) else None
+        height = self.apart(self.random.uniform(-8, 8)) if self.chance(rise) else None
         turned = f"A{self.random.uniform(-40, 40):.2f}" if self.chance(0.02) else ""
         word = "G0" if self.chance(rapid) else "G1"
         self.put(word, *self.to(point, height), turned, self.feed() if word == "G1" else "")
@@ -107,7 +111,7 @@ class Contour:
         if self.chance(0.5):
             normal = PLANES[self.plane][2]
             for _ in range(self.random.choice([1, 2, 2])):
-                height = self.random.uniform(-8, 8)
+                height = self.apart(self.random.uniform(-8, 8))
                 text = self.number(height - (0.0 if self.absolute else self.height))
                 self.height = float(text) * self.scale + (0.0 if self.absolute else self.height)
                 self.put(self.random.choice(["G0", "G1"]), normal + text, self.feed() if self.inverse else "")

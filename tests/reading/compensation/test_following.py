@@ -393,12 +393,51 @@ KLARTEXT = "L X-20 Y-20 Z+0 R0 FMAX\nL X+0 Y+0 RL F500\nL Y+50\n{}L X-20 R0\nM30
     ("block", "said"),
     [
         ("L X-3\nL Y+0\n", "does not fit"), ("L X+50 RR\n", "write R0 before it"),
-        ("DEP LT LEN5\n", "DEP LT"), ("L X+50 M97\n", "M97"), ("TOOL CALL 2 Z\n", "write R0 before it"),
+        ("APPR LT X+20 Y+60 LEN5 RL\n", "APPR under RL"), ("L X+50 M97\n", "M97"),
+        ("TOOL CALL 2 Z\n", "write R0 before it"),
         ("LN X+5 Y+5 Z+5 NX0 NY0 NZ1 TX0 TY0 TZ1\n", "LN"), ("CYCL DEF 7.0\nCYCL DEF 7.1 X+5\n", "coordinates"),
     ],
 )  # fmt: skip
 def test_what_is_refused_in_klartext(block, said):
     assert said in refused(KLARTEXT.format(block), "heidenhain")
+
+
+@pytest.mark.parametrize(
+    ("approach", "helper", "departure", "away"),
+    [
+        ("APPR LT X+5 Y+5 LEN10 RL", (1, -5), "DEP LT LEN10", [(105, 99)]),
+        # across: "PN is separated from PE by the distance LEN plus the tool radius"
+        ("APPR LN X+5 Y+5 LEN10 RL", (-9, 5), "DEP LN LEN20", [(95, 119)]),
+        ("APPR LCT X+5 Y+5 R5 RL", None, "DEP LCT X+105 Y+120 R5", [(100, 104), (100, 120), (105, 120)]),
+        ("APPR CT X+5 Y+5 CCA90 R+8 RL", (-7, -3), "DEP CT CCA90 R+8", [(103, 107)]),
+    ],
+)
+def test_approach_and_departure_are_ways_of_the_centre(approach, helper, departure, away):
+    """Their sizes are those of the centre's way, to and from the places across the contour's ends."""
+    text = f"L X-10 Y-10 Z+0 R0 FMAX\n{approach} F300\nL Y+95\nL X+95\n{departure}\nM30\nEND PGM A MM\n"
+    found = read(text, "heidenhain")
+    path, line = found.tip[:, :2] * 1e3, found.block
+    if helper is not None:
+        assert np.allclose(path[1], helper)
+    assert np.isclose(path, (1, 5)).all(axis=1).any() and np.allclose(path[line == 5][-1], (1, 95))
+    assert np.allclose(path[line == 6][-1], (95, 99))
+    assert np.allclose(path[-1], away[-1])
+
+
+def test_the_examples_of_the_manual_with_a_tool_of_ten_millimetres():
+    """APPR LCT R5 stands there with a tool of radius 10: an arc of the contour could have no room for it."""
+    sheet = SetUp(tools={"1": Tool(0.0, 0.010)})
+    linear = (
+        "L X-10 Y-10 R0 FMAX\nL Z-5 R0 F1000 M3\nAPPR LT X+5 Y+5 LEN10 RL F300\nL Y+95\nL X+95\nCHF 10\nL Y+5\n"
+        "CHF 20\nL X+5\nDEP LT LEN10 F1000\nL Z+250 R0 FMAX M2\nEND PGM A MM\n"
+    )
+    circular = (
+        "L X-10 Y-10 R0 FMAX\nL Z-5 R0 F1000 M3\nAPPR LCT X+5 Y+5 R5 RL F300\nL X+5 Y+85\nRND R10 F150\n"
+        "L X+30 Y+85\nCR X+70 Y+95 R+30 DR-\nL X+95\nL X+95 Y+40\nCT X+40 Y+5\nL X+5\nDEP LCT X-20 Y-20 R5 F1000\n"
+        "L Z+250 R0 FMAX M2\nEND PGM A MM\n"
+    )
+    ends = [read(text, "heidenhain", sheet).tip[-1] * 1e3 for text in (linear, circular)]
+    assert np.allclose(ends, [(-5, -5, 250), (-20, -20, 250)])
 
 
 def test_klartext_without_a_radius_names_the_cure():

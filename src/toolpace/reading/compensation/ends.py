@@ -47,6 +47,15 @@ def leave(follower: Follower) -> None:
     follower.control.stage = None if follower.last is None else Departing(follower)
 
 
+def leave_here(follower: Follower) -> None:
+    """End the compensation across the contour's end; the program goes on from where the centre is.
+
+    Raises ProgramError.
+    """
+    leave(follower)
+    follower.control.stage, follower.control.words = None, follower.control.reached()
+
+
 class Departing(Leaving):
     """Leaves a contour: across its end, or round the corner to the way that leads away."""
 

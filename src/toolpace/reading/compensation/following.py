@@ -92,6 +92,11 @@ class Follower(OffsetStage):
 
     # The ends of the contour
 
+    def begin_across(self, along: complex) -> None:
+        """The centre stands across the beginning of the contour, at the program's point, and goes along there."""
+        corner = self.point(self.control.words)
+        self.entering = Line(corner - along, corner)
+
     def _enter(self, path: Element, start: list[float], end: list[float], rate: Rate, kind: float) -> None:
         if not isinstance(path, Line):
             self.fail("compensation begins with a straight motion, and this is an arc: write a line before it")

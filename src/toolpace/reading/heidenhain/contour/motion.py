@@ -7,32 +7,23 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
-from toolpace.reading.compensation.ends import follow, leave
-from toolpace.reading.compensation.following import Follower
-from toolpace.reading.compensation.rules import ACROSS, ARC, Rules
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.control.joint_moves import turn_joints
 from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.orientation import near
+from toolpace.reading.heidenhain.contour.compensation import Compensation
 from toolpace.reading.heidenhain.frames import Frames, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.reading.heidenhain.klartext.words import PathWords
-from toolpace.reading.heidenhain.state import ARC_PLANE, State
+from toolpace.reading.heidenhain.state import State
 from toolpace.units import DEGREE, MINUTE
 
 Step = Callable[[], None]
 Axis = tuple[int, bool, Value, float]
 """Column of the words, whether incremental, value, and its unit [m or rad]."""
-PROGRAM_CONTOUR = (
-    "the tool's radius is not known: write it on the set-up sheet ([tools.N] radius), give --compensation program "
-    "where the contour is the tool's centre, or write R0"
-)
-RULES = Rules(ARC, ACROSS, most_idle=2, gouge="the control stops with an error")
-"""TNC 640, Klartext, "Tool radius compensation": an arc at outside corners, the ways' intersection at inside ones, and
-across the contour at its ends; how many blocks across the plane it looks over is not said."""
 TURNING = {
     "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
     "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
@@ -70,11 +61,11 @@ class ApproachLayer(Protocol):
 
 
 class Motion:
-    """Straight motion, feed and compensation."""
+    """Straight motion and feed."""
 
     def __init__(self, control: Control, state: State, frames: Frames, follow_contour: bool) -> None:
         self.control, self.state, self.frames = control, state, frames
-        self.follow_contour = follow_contour
+        self.compensation = Compensation(control, state, follow_contour, self.approach_waits)
         self.corners: CornerLayer | None = None
         """What lays a corner before the line behind it."""
         self.approaches: ApproachLayer | None = None
@@ -117,7 +108,7 @@ class Motion:
         found = near(angle + added, control.words[slot] + added, float(low), float(high))
         return angle if found is None else found - added
 
-    # Feed and compensation
+    # Feed
 
     def set_feed(self, words: PathWords) -> bool:
         """Take the F of a block; returns whether it is a rapid."""
@@ -146,33 +137,6 @@ class Motion:
             raise BlockError(f"feed F{number:g} must be above zero (and at most 1e9): correct F")
         return number * self.state.feed_unit / MINUTE, number * DEGREE / MINUTE
 
-    def compensation(self, side: str) -> None:
-        """Take R0, RL, RR, or none."""
-        before, self.state.side = self.state.side, side or self.state.side
-        control = self.control
-        stage = control.stage if isinstance(control.stage, Follower) else None
-        if side in ("", "R0"):
-            if side and stage is not None:
-                leave(stage)
-        elif self.follow_contour:
-            control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
-        elif stage is not None:
-            if before != side:
-                raise BlockError(f"{side} changes the side of the tool while it compensates: write R0 before it")
-        else:
-            self._follow(side)
-
-    def _follow(self, side: str) -> None:
-        control, known = self.control, self.control.setup.tool(self.control.tool)
-        if known is None or known.radius is None:
-            control.findings.refused(side, control.line, PROGRAM_CONTOUR)
-            return
-        radius = known.radius + self.state.oversize
-        if radius < 0.0:
-            raise BlockError(f"the radius of the tool and DR come to {radius * 1e3:.6g} mm: correct them")
-        if radius:
-            follow(control, 1 if side == "RL" else -1, radius, ARC_PLANE[self.state.tool_axis], RULES)
-
     # Blocks
 
     def line(self, words: PathWords) -> Step:
@@ -188,7 +152,7 @@ class Motion:
 
         def run() -> None:
             if side:
-                self.compensation(side)
+                self.compensation.take(side)
             fast = rapid if plain else self.set_feed(words)
             if not axes and not absent:
                 return
@@ -240,9 +204,13 @@ class Motion:
         control.straight(target, named, rapid=rapid)
         state.came_from, state.came_by = before, None
 
+    def approach_waits(self) -> bool:
+        """Whether an approach waits for its contour."""
+        return self.approaches is not None and self.approaches.waiting is not None
+
     def contour_begins(self, way: list[float]) -> None:
         """A motion in this direction (3,) comes next."""
-        if self.approaches is not None and self.approaches.waiting is not None:
+        if self.approaches is not None and self.approach_waits():
             self.approaches.lay(way)
 
     def refuse_corner(self) -> None:
@@ -269,7 +237,7 @@ class Motion:
 
         def run() -> None:
             control, line = self.control, self.control.line
-            self.compensation(words.side)
+            self.compensation.take(words.side)
             if control.stage is not None and control.stage.compensates:
                 raise BlockError("LN under RL or RR, compensation in space, is not read: let the CAM system compensate")
             rapid = self.set_feed(words)
