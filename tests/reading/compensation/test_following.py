@@ -276,6 +276,16 @@ def test_types_of_beginning_and_end(tmp_path, kind, contour, wanted):
     assert np.allclose(path[1 : 1 + len(wanted)], wanted, atol=1e-4)
 
 
+def test_corners_of_arcs_are_an_option(tmp_path):
+    """Yasnac's corners of Haas: each place of the centre is a radius away from the corner."""
+    file = tmp_path / "mine.toml"
+    head = 'name = "mine"\nlike = "haas"\nlanguage = "word-address"\n'
+    file.write_text(f'{head}[options]\ncompensation_corners = "arcs"\n')
+    text = HEADS["haas"] + "G0 X-20 Y-20 Z0\nG41 D1 G1 X0 Y0 F500\nY50\nX50\nG40 X80\nM30\n"
+    found = read_text(text, None, controller=file, setup=SHEET, name="part.nc")
+    assert np.allclose(np.linalg.norm(found.tip[2:-2, :2] * 1e3 - [0, 50], axis=1), R) and len(found.tip) > 10
+
+
 def test_one_plunge_between_two_elements_stands_at_their_corner():
     found = read("G0 X-20 Y-20 Z5\nG41 D1 G1 X0 Y0 F500\nZ-5\nY50\nX50\nG40 Y80\nM30\n", "fanuc")
     assert (found.tip[:3] * 1e3).round(4).tolist() == [[-20, -20, 5], [-4, 0, 5], [-4, 0, -5]]

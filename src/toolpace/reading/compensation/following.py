@@ -209,7 +209,7 @@ class Follower(OffsetStage):
         first = corner + self.radius * 1j * self.side * before
         second = corner + self.radius * 1j * self.side * behind
         beyond = self.radius * math.tan(0.5 * turned)
-        if self.rules.outside == LINES and beyond > self.radius * (1.0 + 1e-9):
+        if self.rules.outside != MEETING and beyond > self.radius * (1.0 + 1e-9):
             return [first + self.radius * before, second - self.radius * behind]
         return [first + beyond * before]
 

@@ -38,6 +38,7 @@ WORD_ADDRESS: dict[str, Kind] = {
         NUMBER,
     ),
     "compensation": ("", "linuxcnc", "type A", "type B"),
+    "compensation_corners": ("lines", "arcs"),
     "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),
     "extended_offsets": ("", "G54.1", "G154"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from toolpace.reading.compensation.ends import follow, leave
 from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.linuxcnc import LeavingLinuxcnc, LinuxcncStage, Uncompensated
-from toolpace.reading.compensation.rules import ACROSS, AROUND, INSIDE, LINES, Rules
+from toolpace.reading.compensation.rules import ACROSS, ARC, AROUND, INSIDE, LINES, Rules
 from toolpace.reading.compensation.stage import OffsetStage
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
@@ -46,6 +46,7 @@ class Compensation:
         self.rs274 = by.option("rs274_checks", False)
         self.by = by.option("compensation", "")
         """Whose rules are followed; "" is refused."""
+        self.corners = ARC if by.option("compensation_corners", "lines") == "arcs" else LINES
         self.said = by.option("compensation_said", "")
 
     def handlers(self) -> dict[str, Handler]:
@@ -142,7 +143,7 @@ class Compensation:
         elif radius and self.by not in TYPES:
             raise RefusedError(word, "how this control compensates is not known here: let the CAM system compensate")
         elif radius:
-            rules = Rules(LINES, TYPES[self.by], INSIDE, gouge=ALARM, assumed=self.said)
+            rules = Rules(self.corners, TYPES[self.by], INSIDE, gouge=ALARM, assumed=self.said)
             follow(control, side, radius, state.plane, rules)
 
     def _begin_linuxcnc(self, side: int, radius: float, word: str) -> None:
