@@ -8,7 +8,7 @@ from typing import NoReturn
 
 from toolpace.reading.compensation.elements import SAME, Element, Line, Turn, turning, unit
 from toolpace.reading.compensation.meetings import gone, meetings, offset, swept_between
-from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, LINES, MEETING, Rules
+from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, MEETING, Rules
 from toolpace.reading.compensation.stage import Laid, OffsetStage
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import Rate
@@ -205,11 +205,11 @@ class Follower(OffsetStage):
 
     def beyond(self, corner: complex, before: complex, behind: complex, turned: float) -> list[complex]:
         """Where tangents of two offset ways meet beyond an outside corner; two points where that is farther than the
-        radius, and the rules say so."""
+        radius."""
         first = corner + self.radius * 1j * self.side * before
         second = corner + self.radius * 1j * self.side * behind
         beyond = self.radius * math.tan(0.5 * turned)
-        if self.rules.outside != MEETING and beyond > self.radius * (1.0 + 1e-9):
+        if beyond > self.radius * (1.0 + 1e-9):
             return [first + self.radius * before, second - self.radius * behind]
         return [first + beyond * before]
 
