@@ -93,15 +93,17 @@ class Compensation:
     def begin(self, numbers: Numbers, word: str) -> None:
         """G41, G42: by the radius of the tool of D, or of that in the spindle."""
         number = numbers.pop("D", None)
+        if self._as_programmed():
+            return
+        try:
+            self._begin(1 if word == "G41" else -1, self._radius(number, word), word)
+        except RefusedError as error:  # the motion of the block is still read
+            self.control.findings.refused(error.word, self.control.line, error.cure)
+
+    def _as_programmed(self) -> bool:
         if self.as_programmed:
             self.control.findings.assumed("what G41 and G42 follow is the programmed contour, as --compensation says")
-            return
-        radius = self._radius(number, word)
-        if radius is None:
-            cure = "remove it" if self.rs274 else "write D0"
-            self.control.findings.refused(word, self.control.line, NO_RADIUS.format(cure))
-        else:
-            self._begin(1 if word == "G41" else -1, radius, word)
+        return self.as_programmed
 
     def begin_by_diameter(self, numbers: Numbers, word: str) -> None:
         """G41.1, G42.1: D is the diameter; below zero it is that of the other side."""
@@ -110,11 +112,13 @@ class Compensation:
             raise WordError(f"{word} needs the diameter of the tool as D: write it like {word} D6")
         if "L" in numbers:
             raise WordError(f"{word} with L is for turning tools: remove L")
+        if self._as_programmed():
+            return
         side = 1 if word == "G41.1" else -1
         self._begin(-side if diameter < 0.0 else side, 0.5 * abs(diameter) * self.state.unit, word)
 
-    def _radius(self, number: float | None, word: str) -> float | None:
-        """Of the tool that D names [m]; None where no radius is told."""
+    def _radius(self, number: float | None, word: str) -> float:
+        """Of the tool that D names [m]. Raises RefusedError where no radius is told."""
         control = self.control
         if number is not None and (number != int(number) or number < 0.0):
             raise WordError(f"D{number:g} of {word} is the number of a tool: write a whole one, from 0")
@@ -132,13 +136,15 @@ class Compensation:
         found = control.setup.tool(name)
         if found is None and number and self.rs274 and control.setup.tools:
             raise WordError(f"D{number:g} of {word} is no tool of the set-up sheet: list it there")
-        return None if found is None else found.radius
+        if found is None or found.radius is None:
+            raise RefusedError(word, NO_RADIUS.format("remove it" if self.rs274 else "write D0"))
+        return found.radius
 
     def _begin(self, side: int, radius: float, word: str) -> None:
         control, state = self.control, self.state
         if self.stage is not None:
             raise WordError(f"{word} stands where compensation is on already: write G40 before it")
-        if self.rs274:
+        if self.by == "linuxcnc":
             self._begin_linuxcnc(side, radius, word)
         elif radius and self.by not in TYPES:
             raise RefusedError(word, "how this control compensates is not known here: let the CAM system compensate")
