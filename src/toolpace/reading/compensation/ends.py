@@ -19,6 +19,8 @@ BESIDE = (
     "centre's path and the control holds wear alone, give --compensation program"
 )
 
+STAYS = "behind the end of a compensation the tool's centre stays beside the contour until a block moves in its plane"
+
 
 def follow(control: Control, side: int, radius: float, plane: int, rules: Rules) -> None:
     """Follow the contour from now on. Raises ProgramError where it is not read.
@@ -67,6 +69,8 @@ class Departing(Leaving):
         """The first straight motion in the plane leads away. Raises ProgramError."""
         follower, last = self.follower, self.follower.last
         path = follower.element(start, end, arc)
+        if path is None:
+            self.control.findings.assumed(STAYS)
         if path is not None and last is not None and follower.rules.ends == AROUND and isinstance(path, Line):
             turned = follower.side * turning(last.element.ends, path.begins)
             if turned < -TANGENT:
