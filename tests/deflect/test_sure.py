@@ -17,7 +17,7 @@ from toolpace.deflect.detour import DetourRun
 from toolpace.deflect.feed import fastest_braking
 from toolpace.deflect.way_back.aside import Aside
 from toolpace.deflect.way_back.splines import Problem
-from toolpace.deflect.way_back.sure import Standby, best_aside, guessed, price, waits, with_pace
+from toolpace.deflect.way_back.sure import Spare, Standby, best_aside, guessed, price, waits, with_pace
 from toolpace.errors import InfeasibleError
 from toolpace.machine.limits import Limits
 
@@ -114,8 +114,8 @@ def test_no_other_pace_is_much_sooner_than_those_that_are_tried(seed: int):
     offset = 10.0 ** random.uniform(-5.0, -2.3) * random.normal(size=5) * [1.0, 1.0, 1.0, 0.0, 0.0]
     problem = problem_at("five 2", 1800.0, random.uniform(0.05, 0.9), offset)
     given = problem, problem.start, problem.left
-    best = min(with_pace(*given, pace, None, None, np.inf)[1] for pace in np.linspace(0.0, 1.0, 11))
-    assert price(best_aside(problem, None, None, np.inf)) <= 1.25 * best
+    best = min(with_pace(*given, pace, None, None, np.inf, Spare())[1] for pace in np.linspace(0.0, 1.0, 11))
+    assert price(best_aside(problem, None, None, np.inf, Spare())) <= 1.25 * best
 
 
 @pytest.mark.parametrize("pace", [0.0, 0.5, 0.95])

@@ -17,7 +17,9 @@ from functools import lru_cache
 import numpy as np
 
 from toolpace.arrays import Floats, Ints
+from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
+from toolpace.axispath.travel import check_travel, joint_ranges
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.laws.law import TimeLaw
 from toolpace.laws.slowed import SlowedLaw
@@ -100,13 +102,9 @@ def pace_of(bending: Floats, machine: Machine, limits: Limits, rest: Sequence[Co
 
     or what both joints do at most, where a limit is infinite.
     """
-    size = float(np.linalg.norm(bending))
+    size = most_moved(bending, machine)
     if size == 0.0:
         return 1.0
-    # how far a linear joint moves for a unit of the tip at most: 1 where they are square to each other
-    rotary = np.zeros((4, 2))
-    step = machine.joints_at(np.vstack([np.zeros((1, 3)), np.eye(3)]), rotary)
-    size *= float(np.linalg.norm((step[1:] - step[0])[:, machine.linear], 2))
     rates = np.array([getattr(limits, kind)[machine.rotary].sum() for kind in KINDS])
     if not np.isfinite(rates).all():
         done = np.max([peaks_of(motion.run, motion.law, tuple(machine.rotary)) for motion in rest], axis=0)
@@ -117,6 +115,29 @@ def pace_of(bending: Floats, machine: Machine, limits: Limits, rest: Sequence[Co
         least = float(getattr(limits, kind)[machine.linear].min())
         paces.append((1.0 + size * more / least) ** (1.0 / order))
     return max(paces)
+
+
+def most_moved(offset: Floats, machine: Machine) -> float:
+    """By how much an offset (3,) of the tip moves a linear joint at most, however the rotary ones stand [m]."""
+    # by 1 for a unit of the tip where the linear joints are square to each other
+    step = machine.joints_at(np.vstack([np.zeros((1, 3)), np.eye(3)]), np.zeros((4, 2)))
+    return float(np.linalg.norm(offset)) * float(np.linalg.norm((step[1:] - step[0])[:, machine.linear], 2))
+
+
+def check_aimed_travel(aim: Aim, rest: Sequence[CommandedMotion], begin: float) -> None:
+    """Raise ReachError where a motion aimed off leaves the travel: on the `rest` of what was planned, from a parameter
+    of the first run on."""
+    machine = aim.machine
+    if machine is None:
+        return
+    moved = np.zeros(len(machine.joints))
+    moved[machine.linear] = most_moved(aim.offset, machine)
+    ranges = np.stack([joint_ranges(motion.run) for motion in rest])
+    low, high = ranges[:, 0].min(axis=0) - moved, ranges[:, 1].max(axis=0) + moved
+    if (low >= machine.travel[:, 0]).all() and (high <= machine.travel[:, 1]).all():
+        return
+    runs = tuple(aim.motion(motion).run for motion in rest)
+    check_travel(AxisPath(runs, machine.joints, machine), begin=begin)
 
 
 @lru_cache(8)

@@ -45,10 +45,13 @@ class DetourRun(AxisRun):
         """Whether the path over the parameter is twice continuously differentiable at the rejoining."""
         if not self.smooth:
             self.v, self.a = 1.0, 0.0
-        self.join = min(max(place, commanded.run.s0), commanded.run.s1)
+        self.leads_to_start = self.ends_here and detour.rejoin <= commanded.law.duration / 2.0
+        """Whether the joints come to rest where the run that is rejoined starts: all of that is still to come, as the
+        next run. What stands at the start may be a rounding behind it."""
+        self.join = commanded.run.s0 if self.leads_to_start else min(max(place, commanded.run.s0), commanded.run.s1)
         self.s0 = float(self.parameter(np.zeros(1))[0, 0])
         self.s1 = self.join if self.ends_here else commanded.run.s1
-        self.dwell = commanded.run.dwell if place > commanded.run.s0 else 0.0
+        self.dwell = 0.0 if self.leads_to_start else commanded.run.dwell
         self.kinks = detour.times[1:-1]
         """(k,) times since the start at which the jerk may jump [s]."""
         own = self.parameter(self.kinks)[0]
@@ -59,12 +62,6 @@ class DetourRun(AxisRun):
         self.hints = np.concatenate([own, after]) if len(hints) else own
         self.blocks = commanded.run.blocks
         self.tool_length = commanded.run.tool_length
-
-    @property
-    def leads_to_start(self) -> bool:
-        """Whether the joints come to rest where the run that is rejoined starts: all of that is still to come, as the
-        next run."""
-        return self.ends_here and self.join <= self.rest_of.s0
 
     @cached_property
     def above(self) -> tuple[float, float]:

@@ -18,6 +18,8 @@ STEP = 1e-6
 difference is off by 1e-12 of it, and by 1e-10 m/s of rounding."""
 LOOKS = 8
 """Looks at the tip in each step of a detour."""
+HALVINGS = 30
+"""Of the time between two looks, to find when the feed falls: a nanosecond of a second."""
 
 
 def tip_velocity(machine: Machine, q: Floats, qd: Floats) -> Floats:
@@ -41,12 +43,49 @@ def tip_rates(machine: Machine, q: Floats) -> Floats:
 
 def feed_at(run: AxisRun, s: Floats) -> Floats:
     """(n,) feed of the blocks at s (n,) [m/s]; inf where there is none. What times a block is no feed of the tip."""
+    follow = on_program(run)
+    if follow is None:
+        return np.full(len(s), np.inf)
+    feed: Floats = follow.run.feed[follow.run.block_index(s)]
+    return feed
+
+
+def feed_changes(course: Course, t: Floats) -> Floats:
+    """(k,) ascending times just before and just behind the places where another feed begins, of a way back from t[0]
+    to t[-1].
+
+    Between two looks (n,) at ascending times the tip may be abreast of a block with a lower feed, or still go at the
+    feed of the block before.
+    """
+    run = on_program(course.commanded.run)
+    if run is None:
+        return np.empty(0)
+    feed, begins = run.run.feed, run.run.block_start[1 : len(run.run.feed)]
+    abreast = course.abreast(t)
+    # a place to rejoin may be one that was passed already
+    onward = abreast[-1] >= abreast[0]
+    first, last = (abreast[0], abreast[-1]) if onward else (abreast[-1], abreast[0])
+    places = begins[(feed[1:] != feed[:-1]) & (begins > first) & (begins <= last)]
+    if len(places) == 0:
+        return np.empty(0)
+    behind = np.clip(np.searchsorted(abreast if onward else -abreast, places if onward else -places), 1, len(t) - 1)
+    low, high = t[behind - 1], t[behind]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        order = np.argsort(middle, kind="stable")
+        there = np.empty_like(middle)
+        there[order] = course.abreast(middle[order])
+        passed = there >= places if onward else there < places
+        low, high = np.where(passed, low, middle), np.where(passed, middle, high)
+    found: Floats = np.sort(np.concatenate([low, high]))
+    return found
+
+
+def on_program(run: AxisRun) -> FollowRun | None:
+    """The run that follows a program, aimed off or not; None where there is none."""
     while isinstance(run, AimedOffRun):
         run = run.base
-    if not isinstance(run, FollowRun):
-        return np.full(len(s), np.inf)
-    feed: Floats = run.run.feed[run.run.block_index(s)]
-    return feed
+    return run if isinstance(run, FollowRun) else None
 
 
 def fastest_braking(rates: Floats, start: Floats, t: Floats, limits: Limits, share: float) -> Floats:
@@ -77,19 +116,30 @@ def looks_at(times: Floats) -> Floats:
     return np.append((times[:-1, None] + np.diff(times)[:, None] * inside).ravel(), times[-1])
 
 
-def tip_speed(detour: Course, machine: Machine) -> tuple[Floats, Floats, Floats]:
-    """Times along a detour, speed of the tip and the feed of where it is, each (n,)."""
-    t = looks_at(detour.times)
-    q, qd = detour.motion(t)[:2]
-    return t, np.linalg.norm(tip_velocity(machine, q, qd), axis=1), feed_at(detour.commanded.run, detour.abreast(t))
+def feed_used(course: Course, machine: Machine, t: Floats) -> Floats:
+    """(n,) speed of the tip over the feed of where it is, at ascending times (n,) of a way back."""
+    q, qd = course.motion(t)[:2]
+    feed = feed_at(course.commanded.run, course.abreast(t))
+    if not np.isfinite(feed).any():
+        return np.zeros(len(t))
+    used: Floats = np.linalg.norm(tip_velocity(machine, q, qd), axis=1) / feed
+    return used
 
 
-def above_feed(detour: Course, machine: Machine | None) -> tuple[float, float]:
-    """Largest share of the feed by which the tip is above it on a detour, and the last time when it is [s]."""
+def feed_used_at_looks(course: Course, machine: Machine) -> tuple[Floats, Floats]:
+    """Times (n,) of the looks at a way back, and the most (n,) of the feed used there and up to the next look."""
+    t = looks_at(course.times)
+    used, changes = feed_used(course, machine, t), feed_changes(course, t)
+    if len(changes):
+        np.maximum.at(used, np.searchsorted(t, changes, side="right") - 1, feed_used(course, machine, changes))
+    return t, used
+
+
+def above_feed(course: Course, machine: Machine | None) -> tuple[float, float]:
+    """Largest share of the feed by which the tip is above it on a way back, and the last time when it is [s]."""
     if machine is None:
         return 0.0, 0.0
-    t, speed, feed = tip_speed(detour, machine)
-    ratio = speed / feed
+    t, ratio = feed_used_at_looks(course, machine)
     over = np.flatnonzero(ratio > DETOUR)
     if len(over) == 0:
         return 0.0, 0.0

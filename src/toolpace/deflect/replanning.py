@@ -21,7 +21,7 @@ import numpy.typing as npt
 from toolpace.arrays import Floats
 from toolpace.axispath.axispath import AxisPath
 from toolpace.axispath.run import AxisRun
-from toolpace.deflect.aim import Aim
+from toolpace.deflect.aim import Aim, check_aimed_travel
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.detour import DetourRun
 from toolpace.deflect.law.direct import direct_law
@@ -33,7 +33,7 @@ from toolpace.deflect.standing import Standing, on_path
 from toolpace.deflect.way_back.search import way_back_of
 from toolpace.deflect.way_back.splines import Problem
 from toolpace.deflect.way_back.sure import NOT_BEGUN, Standby
-from toolpace.errors import InfeasibleError, UsageError, did_you_mean
+from toolpace.errors import InfeasibleError, ReachError, UsageError, did_you_mean
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
 from toolpace.planning.planner import Planner
@@ -80,10 +80,11 @@ def replan(
     Without a machine `deflection` holds the joints (m,). From its start on the motion keeps to every limit. The
     feed is that of the block which the tool is abreast of; what the tip is above it by at the start, for the joints'
     velocities cannot change at once, is braked as fast as jerk allows and told in the `notes`, and by
-    `axis_path.runs[0].above`. The tool rejoins the path as soon as it can ("fastest"), at the parameter `rejoin`, or,
-    as in the paper, at the "projection" of the deflection on the path or on the `interval` (from s, to s) of it; where
-    no motion rejoins it at full pace there, it rests there and comes to that pace behind. A motion that was replanned
-    before goes back to what was planned first.
+    `axis_path.runs[0].above`; so is what it comes to be above it by where a table that turns carries it, found aside,
+    faster than the feed, whatever the joints do. The tool rejoins the path as soon as it can ("fastest"), at the
+    parameter `rejoin`, or, as in the paper, at the "projection" of the deflection on the path or on the `interval`
+    (from s, to s) of it; where no motion rejoins it at full pace there, it rests there and comes to that pace behind.
+    A motion that was replanned before goes back to what was planned first.
 
     `planner` is an object, or in short the name of one with its `options`, as for `plan`: "optimal" times detour and
     the way on anew where the detour costs time, as far as the rejoining needs, and so does a planner of one's own;
@@ -101,6 +102,15 @@ def replan(
         aim = bent(trajectory, standing, start[0], deflection, machine)
     else:
         start[0] = deflected_pose(trajectory, time, deflection, machine, axis=axis, axis_tolerance=axis_tolerance)
+    if aim is not None and aim is not standing.aim:
+        planned = [standing.original, *behind(trajectory, standing)]
+        begin = float(standing.original.place(np.array([standing.clock]))[0])
+        try:
+            check_aimed_travel(aim, planned, begin)
+        except ReachError as error:
+            raise InfeasibleError(
+                f"bending at {time:.6g} s: the motion that makes up for it leaves the travel: {error}"
+            ) from None
     wanted = aim.motion(standing.original) if aim else standing.original
     left = standing.clock * (aim.pace if aim else 1.0)
     target = rejoin_time(wanted, deflection, rejoin, interval)

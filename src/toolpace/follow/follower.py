@@ -26,6 +26,8 @@ from toolpace.trajectory import Trajectory
 
 ROUNDING = 2e-4
 """Share of a limit by which a plan may be said to pass it."""
+MOVES = 1e-6
+"""Velocity of a joint with which a plan begins in motion [m/s, rad/s]: more than rounding, less than anybody sees."""
 NOTHING = Measurement(math.nan)
 
 
@@ -53,8 +55,9 @@ class Follower:
                 raise UsageError(f"follower: unknown argument '{name}'; {did_you_mean(name, known)}")
         if not isinstance(trajectory, Trajectory):
             raise UsageError(
-                f"follower: {type(trajectory).__name__} in place of a trajectory; give what plan or replan returns"
+                f"follower: {type(trajectory).__name__} in place of a trajectory; give what plan returns"
             )
+        check_at_rest(trajectory)
         driven, checked = driven_by(machine, trajectory.joints), Figures(**figures)
         pace = pace_within(trajectory, driven, 1.0 - checked.reserve)
         samples = samples_of(trajectory, driven, checked.period, pace)
@@ -169,6 +172,17 @@ class Follower:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write path, machine and figures as one flat file of float64, for control code: kernels/follow/layout.py."""
         write_law(path, self.piece)
+
+
+def check_at_rest(trajectory: Trajectory) -> None:
+    """Raise UsageError where a trajectory begins in motion, as one that was replanned does."""
+    speed = np.abs(trajectory.at([0.0]).qd[0])
+    if (speed > MOVES).any():
+        joint = trajectory.joints[int(np.argmax(speed))]
+        raise UsageError(
+            f"follower: the trajectory begins in motion, {joint} at {speed.max():.3g} m/s or rad/s, and a follower"
+            " starts at rest; give what plan returns, not replan: a follower corrects what it is told of a deflection"
+        )
 
 
 def pace_within(trajectory: Trajectory, driven: Driven, share: float) -> float:

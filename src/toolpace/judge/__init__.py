@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,6 +20,7 @@ from toolpace.errors import UsageError
 from toolpace.judge.columns import column_checks
 from toolpace.judge.figures import Figures
 from toolpace.judge.motion import motion_checks, rest_checks, step_check
+from toolpace.judge.poles import pole_rounding
 from toolpace.judge.program import ProgramJudgement, program_checks
 from toolpace.judge.tool import tool_checks
 from toolpace.judge.tool_lengths import length_checks, tool_table
@@ -121,7 +123,8 @@ def _judged(
     if not checks[0].ok:
         return Verification(tuple(checks), step, len(points)), None
     units = _units(machine)
-    checks += motion_checks(points, limits, units, step)
+    rounding = cache(lambda: pole_rounding(points.q, machine)) if isinstance(machine, Machine) else None
+    checks += motion_checks(points, limits, units, step, rounding)
     checks += column_checks(points, limits, units, step)
     checks += rest_checks(points, limits, units, step)
     judged = ProgramJudgement([], math.nan, math.nan)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -54,13 +54,16 @@ def position_noise(q: Floats, t: Floats, speed: float) -> float:
     return _EPS * (4.0 * max(float(np.abs(q).max()), 1.0) + speed * float(np.abs(t).max()))
 
 
-def motion_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
+def motion_checks(
+    points: SetPoints, limits: Limits, units: Sequence[str], dt: float, rounding: Callable[[], Floats] | None = None
+) -> list[Check]:
     """Velocity, acceleration and jerk of every joint.
 
     The k-th difference over dt^k is a mean of the k-th derivative with a positive weight (a B-spline, Peano),
     so a motion within its limits never shows more. Rounding of positions adds 2^k noise / dt^k. A jump in
     position, velocity or acceleration shows as too much velocity, acceleration or jerk: continuity needs no
-    check of its own.
+    check of its own. `rounding` tells what positions (n, m) may be off by beside that; it is asked where a limit seems
+    to be passed.
     """
     checks = []
     for order, kind in enumerate(_KINDS, start=1):
@@ -69,6 +72,8 @@ def motion_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
             q = points.q[:, j]
             noise = 2.0**order * position_noise(q, points.t, float(np.abs(points.qd[:, j]).max())) / dt**order
             value, at = largest_difference(q, points.t, order, dt)
+            if value > limit * (1.0 + TOLERANCE) + noise and rounding is not None:
+                value, at = largest_difference(q, points.t, order, dt, rounding()[:, j])
             column = np.abs((points.qd, points.qdd, points.qddd)[order - 1][:, j])
             worst = int(np.argmax(column))
             note = ""
@@ -81,15 +86,22 @@ def motion_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
     return checks
 
 
-def largest_difference(q: Floats, t: Floats, order: int, dt: float) -> tuple[float, int]:
+def largest_difference(
+    q: Floats, t: Floats, order: int, dt: float, rounding: Floats | None = None
+) -> tuple[float, int]:
     """Largest |difference| / dt^order and the set-point in its middle; a shorter last step by divided
-    differences."""
+    differences. What `rounding` (n,) of the positions may make of it is taken off."""
     n = len(q)
     if n <= order:
         return 0.0, 0
     value, at = 0.0, 0
     short = t[-1] - t[-2] < 0.999 * dt
     even = np.abs(np.diff(q[: n - 1] if short else q, n=order))
+    if rounding is not None:
+        most = rounding[: len(even)]
+        for k in range(1, order + 1):
+            most = np.maximum(most, rounding[k : k + len(even)])
+        even = np.maximum(even - 2.0**order * most, 0.0)
     if len(even):
         k = int(np.argmax(even))
         value, at = float(even[k]) / dt**order, k + order // 2

@@ -36,6 +36,8 @@ LEFT = DETOUR - ALLOWED
 """Of the pace, from which a parabola leads to the end: by that much a detour may pass what the motion itself may."""
 PARTS = 8
 """Steps of the rise in which the motion is looked at."""
+STEEPEST = 1e4
+"""The largest k, where no limit tells one [1/s]."""
 PROBES = 400
 """Instants at which rates without a limit are looked at."""
 
@@ -93,7 +95,7 @@ def steepest(commanded: CommandedMotion, begin: float, limits: Limits) -> float:
         by_acceleration = np.where(np.isfinite(limits.acceleration), a / v, np.inf)
         # the root of k^2 v + 3 k a = j
         by_jerk = 2.0 * ROOM * j / (3.0 * a + np.sqrt(9.0 * a * a + 4.0 * ROOM * v * j))
-    return float(np.nanmin(np.minimum(by_acceleration, np.where(np.isfinite(j), by_jerk, np.inf))))
+    return float(np.nanmin([*np.minimum(by_acceleration, np.where(np.isfinite(j), by_jerk, np.inf)), STEEPEST]))
 
 
 @dataclass(frozen=True, eq=False)

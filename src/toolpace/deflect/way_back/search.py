@@ -15,7 +15,7 @@ import numpy as np
 
 from toolpace.arrays import Floats
 from toolpace.deflect.course import Course, Detour
-from toolpace.deflect.feed import feed_at, tip_speed, tip_velocity
+from toolpace.deflect.feed import feed_at, feed_used_at_looks, tip_velocity
 from toolpace.deflect.way_back.mesh import FINER
 from toolpace.deflect.way_back.splines import (
     ENOUGH,
@@ -28,7 +28,7 @@ from toolpace.deflect.way_back.splines import (
     solved,
     with_feed,
 )  # fmt: skip
-from toolpace.deflect.way_back.sure import Standby, fed_time, price, sure_way
+from toolpace.deflect.way_back.sure import Spare, Standby, fed_time, price, sure_way
 from toolpace.machine.limits import KINDS
 from toolpace.planning.guarantee import DETOUR
 
@@ -98,7 +98,8 @@ def joints_alone(problem: Problem, period: float, rejoin: float | None, wish: fl
 
 
 def way_back_of(problem: Problem, standby: Standby, rejoin: float | None = None, lag: float = 0.0) -> Course | None:
-    """The way back to a given time of the commanded law, or wherever it is best; None where none passes.
+    """The way back to a given time of the commanded law, or wherever it is best; None where none keeps to limits and
+    travel. Where the feed cannot be kept, it is the way that passes it least.
 
     `lag` is the time lost before [s], which is made up for where the deflection itself leads onwards. Where the feed
     binds, and not the joints, or where the place to rejoin is given, the way beside the path may lose less.
@@ -110,10 +111,12 @@ def way_back_of(problem: Problem, standby: Standby, rejoin: float | None = None,
         found.append(with_pieces(problem, rejoin, lag, COARSE_TRIES))
         if rejoin is None and found[0] is not None and found[0].duration <= LONG * problem.guess:
             return found[0]
-    found.append(sure_way(problem, standby, rejoin, min(map(price, found), default=np.inf)))
+    spare = Spare()
+    found.append(sure_way(problem, standby, rejoin, min(map(price, found), default=np.inf), spare))
     if by_joints and min(map(price, found)) > LONG * problem.guess:
         found.append(with_pieces(replace(problem, pieces=FINER), rejoin, lag, FINE_TRIES))
-    return min(found, key=price)
+    best = min(found, key=price)
+    return spare.nearest(problem) if best is None else best
 
 
 def begins_above_feed(problem: Problem) -> bool:
@@ -284,10 +287,7 @@ def too_fast(spline: Spline, detour: Detour, share: float) -> Floats:
     """(n,) speed of the tip over what is allowed at the looks along a detour."""
     machine = spline.problem.machine
     assert machine is not None
-    t, speed, feed = tip_speed(detour, machine)
-    if not np.isfinite(feed).any():
-        return np.zeros(len(t))
-    ratio: Floats = speed / feed
+    t, ratio = feed_used_at_looks(detour, machine)
     if ratio.max() <= DETOUR:
         return ratio
     _, until, _ = allowed_speed(spline.problem, detour, share)

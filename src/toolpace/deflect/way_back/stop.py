@@ -25,8 +25,10 @@ BRAKED = 0.95
 """Share of the jerk with which joints brake in proportion; what is left is for what is beside their direction."""
 PARTS = 8
 """Steps in which what dies away is looked at."""
+LONGEST = 0.1
+"""Time in which an acceleration builds up that counts, where none is limited [s]."""
 STILL = 1e-12
-"""Velocity over its limit, and acceleration over its, from which a joint stands."""
+"""Velocity over its limit, and acceleration over its, up to which a joint stands; without a limit in SI units."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +101,8 @@ class StopTogether(Stop):
         """Direction (m,) of the motion, and its rates along it."""
         weight = 1.0 / np.where(np.isfinite(self.limits.jerk), self.limits.jerk, 1.0)
         v, a = self.start[1], self.start[2]
-        way = v + a * float(np.min(self.limits.acceleration * weight))
+        built = (self.limits.acceleration * weight)[np.isfinite(self.limits.acceleration)]
+        way = v + a * float(built.min(initial=LONGEST))
         square = float((way * weight) @ (way * weight))
         if square == 0.0:
             return way, 0.0, 0.0
@@ -173,7 +176,8 @@ def motion_of(steps: tuple[tuple[float, float], ...], q: float, v: float, a: flo
 
 def stop_of_joint(v: float, a: float, most_v: float, most_a: float, jerk: float) -> tuple[tuple[float, float], ...]:
     """Lengths [s] and jerks of the steps in which one joint comes to rest."""
-    if not (abs(v) > STILL * most_v or abs(a) > STILL * most_a):
+    scales = (most if np.isfinite(most) else 1.0 for most in (most_v, most_a))
+    if all(abs(rate) <= STILL * scale for rate, scale in zip((v, a), scales)):
         return ()
     if not np.isfinite(jerk):
         jerk = max(most_a if np.isfinite(most_a) else 0.0, abs(a), abs(v)) * 1e3

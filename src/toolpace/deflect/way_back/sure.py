@@ -11,7 +11,7 @@ sure: an instant of a motion, the motion that shall be rejoined, the limits
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import sqrt
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy as np
 from toolpace.arrays import Floats
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.course import Course
-from toolpace.deflect.feed import feed_at, tip_velocity
+from toolpace.deflect.feed import above_feed, feed_at, feed_changes, feed_used, tip_velocity
 from toolpace.deflect.way_back.aside import Aside, Before, Shape
 from toolpace.deflect.way_back.restart import Restart, Rise, steepest
 from toolpace.deflect.way_back.splines import Problem
@@ -56,6 +56,8 @@ NOT_BEGUN = 1e-6
 """Time of a run up to which it has not been begun [s]."""
 RISE = 1.1
 """Times the feed to which the acceleration of the start may carry the tip while all joints brake in proportion."""
+SPARES, ALIKE = 10, 0.01
+"""Ways above the feed that are looked at closely, where no other is left; and the share of the feed that is as good."""
 ROUNDING = 1e-9
 """Of positions against travel [m or rad]."""
 
@@ -94,6 +96,30 @@ class Look:
         return self.inside and self.joints <= DETOUR and self.feed <= DETOUR
 
 
+@dataclass(eq=False)
+class Spare:
+    """Ways that keep to joints and travel, and not to the feed: where the tool, found aside on a table that turns, is
+    carried faster than the feed whatever the joints do."""
+
+    ways: list[tuple[float, Aside]] = field(default_factory=list)
+    """With the share of the feed that each was seen to use."""
+
+    def keep(self, way: Aside, seen: Look) -> None:
+        """Keep a way that was looked at, if it may be needed."""
+        if seen.inside and seen.joints <= DETOUR:
+            self.ways.append((seen.feed, way))
+
+    def nearest(self, problem: Problem) -> Aside | None:
+        """That of least feed, and of those that are nearly alike in it of least time; None where there is none."""
+        held: list[tuple[float, float, Aside]] = []
+        for _, way in sorted(self.ways, key=lambda each: each[0])[:SPARES]:
+            seen = look(problem, way, FINAL)
+            if seen.inside and seen.joints <= DETOUR:
+                held.append((above_feed(way, problem.machine)[0], price(way), way))
+        least = min((share for share, _, _ in held), default=0.0)
+        return min(held, key=lambda each: (max(each[0], least + ALIKE), each[1]), default=(0.0, 0.0, None))[2]
+
+
 def look(problem: Problem, course: Aside | Restart, looks: int) -> Look:
     """At a way, so many times in each step."""
     inner = np.arange(looks) / looks
@@ -110,6 +136,11 @@ def look(problem: Problem, course: Aside | Restart, looks: int) -> Look:
         allowed = feed_at(problem.commanded.run, course.abreast(t))
         if np.isfinite(allowed).any():
             ratio = np.linalg.norm(tip_velocity(problem.machine, q, rates[0]), axis=1) / allowed
+            changes = feed_changes(course, t) if looks == FINAL else t[:0]
+            if len(changes):
+                order = np.argsort(np.append(t, changes), kind="stable")
+                ratio = np.append(ratio, feed_used(course, problem.machine, changes))[order]
+                t = np.append(t, changes)[order]
             # what the start is above the feed by cannot be changed at once: it may not rise, but for its acceleration
             over = np.logical_and.accumulate(ratio > DETOUR)
             most = ratio[0] * 1.05 if over[0] else 1.0
@@ -137,8 +168,13 @@ def at_jumps(course: Course, t: Floats, share: Floats, jerk: Floats) -> float:
     return worst
 
 
-def sure_way(problem: Problem, standby: Standby, target: float | None, most: float = np.inf) -> Aside | Restart | None:
-    """The way back of least time and least time lost; None where none is found in less than `most` of both [s]."""
+def sure_way(
+    problem: Problem, standby: Standby, target: float | None, most: float, spare: Spare
+) -> Aside | Restart | None:
+    """The way back of least time and least time lost; None where none is found in less than `most` of both [s].
+
+    Ways above the feed go to `spare`.
+    """
     best: Aside | Restart | None = None
     enough, in_vain = max(ENOUGH * shortest(problem), SOON), 0
     for before in befores(problem, standby):
@@ -147,9 +183,9 @@ def sure_way(problem: Problem, standby: Standby, target: float | None, most: flo
         enough *= EASIER
         if before is not None and before.duration >= most:
             continue
-        found: Aside | Restart | None = best_aside(problem, before, target, most)
+        found: Aside | Restart | None = best_aside(problem, before, target, most, spare)
         if found is None and best is None and not isinstance(before, Before):
-            found = restarted(problem, before, problem.left if target is None else target, most)
+            found = restarted(problem, before, problem.left if target is None else target, most, spare)
         in_vain += 1
         if found is not None:
             best, most, in_vain = found, price(found), 0
@@ -205,26 +241,28 @@ def waits(problem: Problem, standby: Standby) -> Iterator[float]:
     yield rest
 
 
-def best_aside(problem: Problem, before: Before | Stop | None, target: float | None, most: float) -> Aside | None:
+def best_aside(
+    problem: Problem, before: Before | Stop | None, target: float | None, most: float, spare: Spare
+) -> Aside | None:
     """The best way aside after what is before it, in less time and time lost than `most` [s]."""
     best, state, left = None, problem.start, problem.left
     if before is not None:
         state, left = before.state(), before.clocks[1]
     for pace in (0.0,) if isinstance(before, Stop) else PACES:
-        found, cost = with_pace(problem, state, left, pace, target, before, most)
+        found, cost = with_pace(problem, state, left, pace, target, before, most, spare)
         if found is not None and cost < most:
             best, most = found, cost
     return best
 
 
-def restarted(problem: Problem, before: Stop | None, place: float, most: float) -> Restart | None:
+def restarted(problem: Problem, before: Stop | None, place: float, most: float, spare: Spare) -> Restart | None:
     """To rest at a place of the path, on the clock of its law, and on from there, in less than `most` [s].
 
     None where already the way to the path passes feed or travel.
     """
     state, paces = problem.start if before is None else before.state(), (0.0, 0.0, 0.0)
     shape = guessed(problem, state, place, paces)
-    to_rest, _ = lengthened(problem, state, shape, lambda shape: (shape, place, paces), before, most)
+    to_rest, _ = lengthened(problem, state, shape, lambda shape: (shape, place, paces), before, most, spare)
     if to_rest is None:
         return None
     sure = steepest(problem.commanded, place, problem.limits)
@@ -252,6 +290,7 @@ def with_pace(
     target: float | None,
     before: Before | Stop | None,
     most: float,
+    spare: Spare,
 ) -> tuple[Aside | None, float]:
     """The way aside at a pace, as short as is found, and its time with what it loses; None where none passes."""
     paces = (first_pace(problem, state, clock), pace, 1.0)
@@ -259,7 +298,7 @@ def with_pace(
     def placed(shape: Shape) -> Placed | None:
         return (shape, clock, paces) if target is None else to_place(shape, clock, paces, target)
 
-    return lengthened(problem, state, guessed(problem, state, clock, paces), placed, before, most)
+    return lengthened(problem, state, guessed(problem, state, clock, paces), placed, before, most, spare)
 
 
 def lengthened(
@@ -269,6 +308,7 @@ def lengthened(
     placed: Callable[[Shape], Placed | None],
     before: Before | Stop | None,
     most: float,
+    spare: Spare,
 ) -> tuple[Aside | None, float]:
     """The first way that passes, of a shape that is stretched by and by, and its time with what it loses."""
     for _ in range(TRIES):
@@ -285,6 +325,7 @@ def lengthened(
             seen = look(problem, way, FINAL)
         if seen.passes:
             return way, cost + seen.above
+        spare.keep(way, seen)
         shape = stretched(shape, seen)
     return None, np.inf
 
