@@ -140,6 +140,37 @@ def test_a_pointed_corner_has_an_arc_under_g451_and_a_slight_one_none_under_g450
         assert any("MD20230, MD20210" in said for said in found.assumed)
 
 
+CONTOUR = "G41 {} G1 X10 Y10 F500\nY60\nX50 Y30\nG40 {}\nM30\n"
+
+
+def test_kont_goes_round_the_ends_of_the_contour_where_it_comes_from_behind():
+    """A line touches the circle about the contour's first point, an arc leads round it; away in the same way."""
+    found = read("G0 X35 Y0 Z0\n" + CONTOUR.format("KONT G450", "X15 Y10"), "sinumerik")
+    path = found.tip[:, :2] * 1e3
+    first, last = np.array([10.0, 10.0]), np.array([50.0, 30.0])
+    assert np.linalg.norm(path[1] - first) == pytest.approx(R) and path[-1] == pytest.approx([15, 10])
+    assert (path[1] - path[0]) @ (path[1] - first) == pytest.approx(0.0, abs=1e-6)
+    assert (path[-2] - path[-1]) @ (path[-2] - last) == pytest.approx(0.0, abs=1e-6)
+    up = np.flatnonzero(np.isclose(path, [6, 10]).all(axis=1))[0]
+    assert np.allclose(np.linalg.norm(path[1:up] - first, axis=1), R, atol=1e-3) and up > 5
+    assert path[1][0] < 10.0 > path[up][0] and path[1][1] < 10.0
+
+
+def test_kont_with_g451_lets_the_touching_line_meet_the_contour():
+    found = read("G0 X35 Y0 Z0\n" + CONTOUR.format("KONT G451", "X90 Y60"), "sinumerik")
+    begin, met = found.tip[:2, :2] * 1e3
+    along = (met - begin) / np.linalg.norm(met - begin)
+    assert met[0] == pytest.approx(6.0)
+    assert abs(along[0] * (10 - begin[1]) - along[1] * (10 - begin[0])) == pytest.approx(R)
+
+
+@pytest.mark.parametrize("word", ["NORM", "KONT"])
+def test_norm_and_kont_are_one_before_the_contour(word):
+    """From the side of the tool: straight to the place across the first point, and away from that across the last."""
+    path = read("G0 X-20 Y-20 Z0\n" + CONTOUR.format(word, "X90 Y60"), "sinumerik").tip[:, :2] * 1e3
+    assert np.allclose(path[[1, -2, -1]], [[6, 10], [52.4, 33.2], [90, 60]])
+
+
 def test_cfc_and_cftcp_tell_what_f_is_the_speed_of():
     program = "G0 X-20 Y0 Z0\n{} G42 G1 X0 Y0 F600\nX20\nG3 X20 Y20 I0 J10\nG1 X-10\nG40 Y60\nM30\n"
     for word, speed in (("CFC", 0.014), ("CFTCP", 0.01), ("CFIN", 0.01), ("", 0.014)):

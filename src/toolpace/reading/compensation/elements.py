@@ -93,6 +93,16 @@ def turning(before: complex, behind: complex) -> float:
     return cmath.phase(behind * before.conjugate())
 
 
+def turning_away(before: complex, behind: complex, side: int) -> float:
+    """Angle from a direction to another, away from a side (1 left, -1 right), up to a whole turn [rad]."""
+    return -side * turning(before, behind) % (2.0 * math.pi)
+
+
+def is_behind(place: complex, end: complex, along: complex, side: int) -> bool:
+    """Whether a place is not at this side (1 left, -1 right) of the tangent `along` at the end of an element."""
+    return ((place - end) * (1j * side * along).conjugate()).real < -SAME
+
+
 def element_of(start: list[float], end: list[float], arc: Arc | None, plane: int) -> Element | None:
     """The element of a motion in a plane; None where nothing moves in it, or where an arc lies in another plane."""
     first, second = AXES[plane]

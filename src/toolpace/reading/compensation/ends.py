@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import NoReturn
 
-from toolpace.reading.compensation.elements import Line, turning
-from toolpace.reading.compensation.following import TANGENT, Follower
-from toolpace.reading.compensation.rules import AROUND, Rules
+from toolpace.reading.compensation.elements import Line, is_behind, turning, turning_away
+from toolpace.reading.compensation.following import TANGENT, Followed, Follower
+from toolpace.reading.compensation.rules import AROUND, TOUCHING, Rules
 from toolpace.reading.compensation.stage import Leaving
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import Rate
@@ -63,7 +63,7 @@ class Departing(Leaving):
 
     def __init__(self, follower: Follower) -> None:
         super().__init__(follower)
-        self.follower = follower
+        self.follower, self.moves = follower, len(follower.control.moves)
 
     def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
         """The first straight motion in the plane leads away. Raises ProgramError."""
@@ -71,10 +71,32 @@ class Departing(Leaving):
         path = follower.element(start, end, arc)
         if path is None:
             self.control.findings.assumed(STAYS)
-        if path is not None and last is not None and follower.rules.ends == AROUND and isinstance(path, Line):
-            turned = follower.side * turning(last.element.ends, path.begins)
-            if turned < -TANGENT:
-                points = follower.beyond(path.start, last.element.ends, path.begins, -turned)
-                follower.finish(points[0])
-                follower.lines(points[1:], start, follower.at_corner(start, end), rate, kind)
+        elif isinstance(path, Line) and last is not None:
+            self._lead_away(last, path, start, end, rate, kind)
         super().move(start, end, arc, rate, kind)
+
+    def _lead_away(
+        self, last: Followed, path: Line, start: list[float], end: list[float], rate: Rate, kind: float
+    ) -> None:
+        """To where the way away begins, where that is not across the contour's end."""
+        follower, corner, side = self.follower, path.start, self.follower.side
+        words, rules = follower.at_corner(start, end), follower.rules
+        turned = -side * turning(last.element.ends, path.begins)
+        if rules.ends == TOUCHING and is_behind(path.end, corner, last.element.ends, side):
+            self._need_no_motion()
+            along = follower.touching(path.end - corner, -1)
+            line = Line(corner + follower.radius * 1j * side * along, path.end)
+            turned = turning_away(last.element.ends, along, side)
+            follower.go_round(last, Line(corner, corner + along), line, turned, start, words, rate, kind)
+        elif rules.ends == AROUND and turned > TANGENT:
+            self._need_no_motion()
+            points = follower.beyond(corner, last.element.ends, path.begins, turned)
+            follower.finish(points[0])
+            follower.lines(points[1:], start, words, rate, kind)
+
+    def _need_no_motion(self) -> None:
+        if len(self.control.moves) != self.moves:
+            self.stage.fail(
+                "motions stand between the end of the compensation and the way that leads away, which goes round the "
+                "contour's end: write that way first"
+            )

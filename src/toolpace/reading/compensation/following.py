@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass, replace
 from typing import NoReturn
 
-from toolpace.reading.compensation.elements import SAME, Element, Line, Turn, turning, unit
+from toolpace.reading.compensation.elements import SAME, Element, Line, Turn, is_behind, turning, turning_away, unit
 from toolpace.reading.compensation.meetings import gone, meetings, offset, swept_between
-from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, MEETING, Rules
+from toolpace.reading.compensation.rules import ARC, AROUND, CENTRE, CONTOUR, MEETING, TOUCHING, Rules
 from toolpace.reading.compensation.stage import Laid, OffsetStage
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import Rate
@@ -104,13 +105,33 @@ class Follower(OffsetStage):
         begun = self.at
         self.wait(self.add(path.end, start, end, Line(begun, path.end), rate, kind), begun)
 
-    def _reach(self, entering: Line, element: Element, way: Element) -> list[complex]:
-        """Points of the way from the line that enters to the first element."""
-        corner = element.start
-        turned = self.side * turning(entering.begins, element.begins)
-        if self.rules.ends == ACROSS or turned > -TANGENT:
-            return [way.start]
-        return self.beyond(corner, entering.begins, element.begins, -turned)
+    def _arrive(
+        self, entering: Line, path: Element, way: Element, start: list[float], words: list[float], rate: Rate,
+        kind: float,
+    ) -> None:  # fmt: skip
+        """Go from the line that enters to where the first element begins."""
+        corner = path.start
+        turned = -self.side * turning(entering.begins, path.begins)
+        if self.rules.ends == TOUCHING and is_behind(self.begun, corner, path.begins, self.side):
+            along = self.touching(corner - self.begun, 1)
+            line = Line(self.begun, corner + self.radius * 1j * self.side * along)
+            came = Followed(Line(corner - along, corner), line, self.begun)
+            self.go_round(came, path, way, turning_away(along, path.begins, self.side), start, words, rate, kind)
+        elif self.rules.ends == AROUND and turned > TANGENT:
+            points = self.beyond(corner, entering.begins, path.begins, turned)
+            self.finish(points[0])
+            self.lines(points[1:], start, words, rate, kind)
+        else:
+            self.finish(way.start)
+
+    def touching(self, way: complex, sense: int) -> complex:
+        """Direction of the line that touches the circle about a contour's end, by the way to it (sense 1) or from (-1).
+
+        Raises ProgramError where that is shorter than the radius.
+        """
+        if abs(way) <= self.radius:
+            self.fail("the place beside the contour lies within the tool's radius of its end: go farther away")
+        return unit(way) * cmath.exp(1j * sense * self.side * math.asin(self.radius / abs(way)))
 
     # Corners
 
@@ -125,9 +146,7 @@ class Follower(OffsetStage):
         way = self._way(path)
         words = self.at_corner(start, end)
         if self.entering is not None:
-            points = self._reach(self.entering, path, way)
-            self.finish(points[0])
-            self.lines(points[1:], start, words, rate, kind)
+            self._arrive(self.entering, path, way, start, words, rate, kind)
             self.entering = None
         else:
             assert self.last is not None
@@ -151,7 +170,7 @@ class Follower(OffsetStage):
         elif turned > 0.0:
             self.finish(self._inside(last.way, way, corner))
         else:
-            self._outside(last, path, way, -turned, start, words, rate, kind)
+            self.go_round(last, path, way, -turned, start, words, rate, kind)
 
     def _inside(self, before: Element, behind: Element, corner: complex) -> complex:
         """The point next to an inside corner where two ways meet, which both are cut back to. Raises ProgramError."""
@@ -163,7 +182,7 @@ class Follower(OffsetStage):
             self._refuse_gouge()
         return min(found, key=lambda point: abs(point - corner))
 
-    def _outside(
+    def go_round(
         self, last: Followed, path: Element, way: Element, turned: float, start: list[float], words: list[float],
         rate: Rate, kind: float,
     ) -> None:  # fmt: skip

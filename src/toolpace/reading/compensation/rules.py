@@ -8,8 +8,10 @@ from dataclasses import dataclass
 ARC, MEETING, LINES = "arc", "meeting", "lines"
 """Outside corners: an arc about the corner; the point where the offset ways meet; that point, or two points at the
 tool's radius beyond the ends of both ways where it would lie farther."""
-ACROSS, AROUND = "across", "around"
-"""The first and the last point: across the contour's end; or as at any other corner, where that is an outside one."""
+ACROSS, AROUND, TOUCHING = "across", "around", "touching"
+"""The first and the last point: across the contour's end; as at any other corner, where that is an outside one; or,
+where the way comes from behind the contour, along a line that touches the circle of the tool's radius about its end,
+and round that as round a corner."""
 CENTRE, CONTOUR, INSIDE = "centre", "contour", "inside"
 """What F is the speed of on arcs: the tool's centre; the point that cuts; that on arcs that the tool goes inside of."""
 
@@ -21,7 +23,7 @@ class Rules:
     outside: str = ARC
     """ARC, MEETING or LINES."""
     ends: str = ACROSS
-    """ACROSS or AROUND."""
+    """ACROSS, AROUND or TOUCHING."""
     feed: str = CENTRE
     """CENTRE, CONTOUR or INSIDE."""
     most_met: float = math.pi

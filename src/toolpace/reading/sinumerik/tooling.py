@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from toolpace.reading.compensation.ends import follow, leave
 from toolpace.reading.compensation.following import Follower
-from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, INSIDE, MEETING, Rules
+from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, INSIDE, MEETING, TOUCHING, Rules
 from toolpace.reading.control.control import Control
 from toolpace.reading.options import PROGRAM, ReadOptions
 from toolpace.reading.sinumerik.given import Words, number
@@ -105,7 +105,7 @@ class Tooling:
         outside = ARC if state.outside == "G450" else MEETING
         return Rules(
             outside,
-            ACROSS,
+            TOUCHING if state.approach == "KONT" else ACROSS,
             FEEDS[state.contour_feed],
             most_met=MOST_MET,
             slight=SLIGHT,
@@ -125,10 +125,10 @@ class Tooling:
     def _refuse_unread(self, code: str) -> None:
         state = self.state
         for word, cure in (
-            (state.approach, "NORM is read: write it in its place"),
+            (state.approach, "NORM and KONT are read: write one of them in its place"),
             (state.retract, "G460 is read: write it in its place"),
         ):
-            if word not in ("NORM", "G460"):
+            if word not in ("NORM", "KONT", "G460"):
                 self.control.findings.refused(f"{code} with {word}", self.control.line, cure)
         if state.overshoot:
             self.control.findings.refused(f"{code} with DISC", self.control.line, "arcs are read without it")
