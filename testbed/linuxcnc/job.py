@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -47,6 +48,10 @@ class Job:
     """Lengths [mm] by number."""
     radii: dict[int, float] = field(default_factory=dict)
     """Of tools [mm], by number."""
+    numbered: bool = True
+    """Whether N words are the numbers of their lines."""
+    beside: Path | None = None
+    """A folder with the files that the program calls."""
 
     def parameters(self) -> dict[int, float]:
         """Of the interpreter: 5161 and 5181 on are the references, 5221 on the offsets, twenty apart."""

@@ -19,7 +19,9 @@ PRINTED = 3e-4
 class Walk:
     """Our points, one motion of the interpreter after the other."""
 
-    def __init__(self, ours: ToolPath, theirs: Judged) -> None:
+    def __init__(self, ours: ToolPath, theirs: Judged, *, numbered: bool = True) -> None:
+        """numbered: whether the N of each line is its number, which is then compared too."""
+        self.numbered = numbered
         assert ours.rotary is not None
         self.ours, self.theirs = ours, theirs
         turned = ours.rotary / DEGREE
@@ -70,7 +72,7 @@ class Walk:
                 return f"we go to {self.points[self.at].round(4)} (line {line}), {off:.4g} mm off"
             if bool(self.ours.rapid[self.at]) != motion.rapid:
                 return f"rapid with one, feed with the other (line {line})"
-            if motion.line and line != motion.line:
+            if self.numbered and motion.line and line != motion.line:
                 return f"we are on line {line}, it is of {motion.line}"
             spent += self._step()
         while self._still_there(motion, near):

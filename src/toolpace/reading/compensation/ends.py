@@ -11,7 +11,6 @@ from toolpace.reading.compensation.rules import AROUND, TOUCHING, Rules
 from toolpace.reading.compensation.stage import Leaving
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import Rate
-from toolpace.reading.coordinates.affine import scale_of
 from toolpace.reading.curves.arcs import Arc
 
 BESIDE = (
@@ -20,6 +19,9 @@ BESIDE = (
 )
 
 STAYS = "behind the end of a compensation the tool's centre stays beside the contour until a block moves in its plane"
+
+SCALE = 1e-9
+"""By what a scale may differ from 1."""
 
 
 def follow(control: Control, side: int, radius: float, plane: int, rules: Rules) -> None:
@@ -35,7 +37,8 @@ def follow(control: Control, side: int, radius: float, plane: int, rules: Rules)
         fail("compensation begins before the program has gone to a place: position with G0 before it")
     if control.placement.tip_mode and not control.coordinates.tilted:
         fail("cutter compensation in tool-centre-point mode is not read: let the CAM system compensate")
-    if not math.isclose(scale_of(control.placement.matrix), 1.0, abs_tol=1e-9):
+    matrix = control.placement.matrix
+    if any(abs(math.hypot(*(row[k] for row in matrix)) - 1.0) > SCALE for k in range(3)):
         fail("cutter compensation in scaled coordinates is not read: let the CAM system apply the scale")
     control.findings.assumed(BESIDE.format(radius * 1e3))
     control.stage = Follower(control, side, radius, plane, rules)

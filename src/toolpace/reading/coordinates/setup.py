@@ -26,6 +26,13 @@ class Tool:
     """From the spindle nose to the tip [m]."""
     radius: float | None = None
     """[m]; None where the sheet does not tell it."""
+    corner_radius: float | None = None
+    """Of the ball or the torus at its tip (R2 of Heidenhain's tool table) [m]; None where nothing tells it."""
+
+    def figures(self) -> dict[str, float]:
+        """What is known of it, by the key of the sheet [m]."""
+        told = {"length": self.length, "radius": self.radius, "corner_radius": self.corner_radius}
+        return {key: figure for key, figure in told.items() if figure is not None}
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ class System:
             figure = None if tool is None else tool.length if name == "$TC_DP3" else tool.radius
             if figure is not None:
                 return figure / self.state.unit
-        if name == "$P_PFRAME":
+        if name == "$P_PFRAME" and not index and not self.frames.turns_words:
             return self.frames.programmed()
         if name == "$P_UIFR" and len(index) == 1 and whole(index[0]) in self.frames.settable:
             return self.frames.settable[whole(index[0])]

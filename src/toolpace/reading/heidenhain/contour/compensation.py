@@ -61,7 +61,7 @@ class Compensation:
         if known is None or known.radius is None:
             control.findings.refused(side, control.line, UNKNOWN)
             return 0.0
-        found = known.radius + self.state.oversize
+        found = known.radius + self.state.radius_oversize
         if found < 0.0:
             raise BlockError(f"the radius of the tool and DR come to {found * 1e3:.6g} mm: correct them")
         return found
