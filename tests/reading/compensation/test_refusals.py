@@ -55,6 +55,8 @@ def refused(text: str, control: str, sheet: SetUp = SHEET) -> str:
         ("fanuc", "G51 X0 Y0 P2.\nG41 D1 G1 X0 Y0 F500\nY50\nG40 X9\n", "scaled"),
         ("fanuc", "G93\nG41 D1 G1 X0 Y0 F5\nY50 F5\nG40 X9 F5\n", "G93"),
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nG40 X9\n", "before it has followed a contour"),
+        ("haas", "G18 G41 D1 G1 X0 Z0 F500\nZ50\nG40 X9\n", "alarm 344"),
+        ("haas", "G41 D1 G1 X0 Y0 F500\nY50\n", "alarm 349"),
         ("iso", "G41 D1 G1 X0 Y0 F500\nY50\nG40 X9\n", "how this control compensates is not known"),
         ("sinumerik", "G41 KONTC G1 X0 Y0 F500\nY50\nG40 X9\n", "NORM and KONT are read"),
         ("sinumerik", "G0 X1 Y-1\nG41 KONT G1 X0 Y0 F500\nY50\nG40 X9\n", "within the tool's radius"),

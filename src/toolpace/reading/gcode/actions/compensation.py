@@ -47,6 +47,8 @@ class Compensation:
         self.by = by.option("compensation", "")
         """Whose rules are followed; "" is refused."""
         self.corners = ARC if by.option("compensation_corners", "lines") == "arcs" else LINES
+        self.in_xy = by.option("compensation_in_xy", False)
+        self.ends_before_stops = by.option("compensation_ends_before_stops", False)
         self.said = by.option("compensation_said", "")
 
     def handlers(self) -> dict[str, Handler]:
@@ -148,6 +150,8 @@ class Compensation:
             self._begin_linuxcnc(side, radius, word)
         elif radius and self.by not in TYPES:
             raise RefusedError(word, "how this control compensates is not known here: let the CAM system compensate")
+        elif radius and state.plane and self.in_xy:
+            raise WordError(f"{word} compensates in the plane of G17 alone (alarm 344): write G17 before it")
         elif radius:
             rules = Rules(self.corners, TYPES[self.by], INSIDE, gouge=ALARM, assumed=self.said)
             follow(control, side, radius, state.plane, rules)
@@ -175,6 +179,10 @@ class Compensation:
     def pause(self) -> None:
         """A stop of the program, or its end."""
         stage = self.control.stage
+        if self.ends_before_stops and isinstance(stage, Follower):
+            raise WordError(
+                "the program stops or ends under compensation (alarm 349): write G40 with a motion in the plane before it"
+            )
         if isinstance(stage, (LinuxcncStage, Uncompensated, Follower)):
             stage.pause()
 
