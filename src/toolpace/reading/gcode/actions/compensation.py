@@ -181,7 +181,7 @@ class Compensation:
         stage = self.control.stage
         if self.ends_before_stops and isinstance(stage, Follower):
             raise WordError(
-                "the program stops or ends under compensation (alarm 349): write G40 with a motion in the plane before it"
+                "the program stops or ends under compensation (alarm 349): write G40 with a motion in X or Y before it"
             )
         if isinstance(stage, (LinuxcncStage, Uncompensated, Follower)):
             stage.pause()
