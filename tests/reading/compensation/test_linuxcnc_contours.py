@@ -62,6 +62,12 @@ def test_the_same_way(contour):
     assert difference(job) == ""
 
 
+@pytest.mark.parametrize("block", ["G53 G0 X1", "G55", "G2 X9 Y1 R5", "G1 Y2 Z-1", "G18", "M6 T1", "G81 Z-1 R1"])
+def test_without_a_radius_the_contour_is_the_way(block):
+    """No tool: both run, or refuse, what a compensation without a radius forbids."""
+    assert difference(Job(f"G21 G90 G94 G17 F600\nG0 X1 Y1 Z3\nG41\nG1 X5\n{block}\nG40 G1 X9\nM2\n", **TABLES)) == ""
+
+
 @pytest.mark.parametrize(
     "block",
     [

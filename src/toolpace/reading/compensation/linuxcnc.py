@@ -26,6 +26,7 @@ SAME_TO_PLANNER = 1e-6
 """Ends of an arc so close [m] that it may be a whole turn, or nothing."""
 SLOWEST = 0.1 / MINUTE
 """Speed that a block under G93 does not go below, in lengths of the program a second."""
+IN_MACHINE = "a motion in machine coordinates"
 GOUGES = "the tool does not fit into the inside corner before this block: take a smaller tool, or round the corner"
 
 
@@ -260,8 +261,9 @@ class Uncompensated(OffsetStage):
         """Not asked for: the language has no corners that are written behind their lines."""
 
     def other_motion(self, what: str) -> None:
-        """ProgramError: the interpreter refuses it."""
-        self.fail(f"{what} under cutter compensation: write G40 before it")
+        """ProgramError, but for machine coordinates, which the interpreter refuses with a radius alone."""
+        if what != IN_MACHINE:
+            self.fail(f"{what} under cutter compensation: write G40 before it")
 
     def pause(self) -> None:
         """Nothing waits."""

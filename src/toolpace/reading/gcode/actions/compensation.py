@@ -73,7 +73,8 @@ class Compensation:
 
     def _guarded(self, handler: Handler) -> Handler:
         def guarded(numbers: Numbers, word: str) -> None:
-            if not self._of_other_offset(numbers, word):
+            on_contour = word == "G53" and isinstance(self.control.stage, Uncompensated)
+            if not on_contour and not self._of_other_offset(numbers, word):
                 self.refuse(word)
             if word == "M6" and isinstance(self.control.stage, LeavingLinuxcnc):
                 self.control.stage.ask_machine()
