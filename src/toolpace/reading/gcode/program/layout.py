@@ -10,7 +10,9 @@ from toolpace.reading.gcode.program.statements import O_WORD
 from toolpace.reading.source import Source
 
 _LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")
-_PROGRAM = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[O:][ \t]*+([0-9]{1,9})[ \t]*+(?:\(.*|;.*)?$")
+_PROGRAM = re.compile(
+    r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[O:][ \t]*+([0-9]{1,9})[ \t]*+(?:\(.*|;.*|([A-Z][ \t]*+[-+.0-9#\[].*))?$"
+)
 _NAMED = re.compile(r"[ \t]*+O[ \t]*+<([^<>]{1,200})>[ \t]*+(?:\(.*|;.*)?$")
 _O_LINE = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?" + O_WORD.pattern)
 _DO = re.compile(r"^[^(;]*?\bDO[ \t]*+([1-3])(?![0-9])")
@@ -25,6 +27,7 @@ class Layout:
     def __init__(self, source: Source) -> None:
         self.labels: dict[int, list[int]] = defaultdict(list)
         self.programs: dict[str, int] = {}
+        """Of programs, the line behind which they begin."""
         self.subs: dict[str, int] = {}
         self.partner: dict[int, int] = {}
         """Of the beginning of a loop or subprogram its end, and of the end its beginning."""
@@ -55,7 +58,8 @@ class Layout:
             return
         program = _PROGRAM.match(text)
         if program:
-            self.programs.setdefault(str(int(program[1])), index)
+            # words behind the number are the first block of the program
+            self.programs.setdefault(str(int(program[1])), index - 1 if program[2] else index)
         elif named := _NAMED.match(text):
             self.programs.setdefault("".join(named[1].split()), index)
 
