@@ -31,7 +31,7 @@ FANUC = [
     ("PS0007", "G1 X1.2.3", "no letter before it"),
     ("PS0009", "G1 X1. ?", "no meaning"),
     ("PS0010", "G1.7 X1.", "G1.7 is not read"),
-    ("PS0011", "G1 F0 X5.", "must be above zero"),
+    ("PS0011", "G1 F0 X5.", "no F above zero"),
     ("PS0011", "%\nO1\nG21 G90\nG0 X0. Y0. Z0.\nG1 X5.\nM30\n%\n", "feed missing"),
     ("PS0011", "G93 G1 X5.", "feed missing"),
     ("PS0015", "G1 X1. Y1. A5.", "no axis A"),

@@ -228,3 +228,25 @@ def test_tolerances_of_cycle832_are_told_and_blend():
     for mode in ("3,1", "_ROUGH,1", "_TOP_SURFACE_SMOOTH_ON+_ORI_FINISH,0.5"):
         path = read(f"G60 G1 X1\nX2\nCYCLE832(0.02,{mode})\nX3\nX4\nCYCLE832()\nX5\nX6")
         assert path.stop.tolist() == [True, True, True, False, False, True, True] and path.skipped["CYCLE832"] == 2
+
+
+def test_depths_on_the_wrong_side_are_refused():
+    """Alarms 61101 and 61107: a depth between RTP and RFP, a first depth against the direction of the hole."""
+    for call, said in (
+        ("CYCLE81(10,0,2,5)", "61101"), ("CYCLE83(10,0,2,-20,,5,,2,0,0,1,1)", "61107"),
+        ("CYCLE83(10,0,2,-20,,5,,2,0,0,1,0)", "61107"),
+    ):  # fmt: skip
+        with pytest.raises(ProgramError, match=said):
+            levels(call)
+    with pytest.raises(ProgramError, match="61101"):
+        levels("CYCLE81(0,0,2,,15)", controller=STRICT)
+    assert [row[0] for row in levels("CYCLE81(0,0,2,,15)")] == [2, -15, 2]
+
+
+def test_the_first_stroke_by_its_place_or_by_its_depth():
+    """CYCLE83: FDEP is a place, FDPR a depth below RFP; of both FDPR counts, as DPR does of DP and DPR."""
+    by_place, by_depth, both = (
+        levels(f"CYCLE83(10,-3,2,-23,,{first},4,0,0,1,0)") for first in ("-13,", ",10", "-7,10")
+    )
+    assert by_place == by_depth == both
+    assert next(z for z, rapid, *_ in by_depth if not rapid) == -13

@@ -91,7 +91,7 @@ def test_turns_of_a_helix():
         ("G2 X10 Y0 K5 I5", "K has no meaning for an arc in the plane of G17"),
         ("G2 X10 Y10 I10 J1", "off its circle"),
         ("G2 X0 Y0 CR=5", "a full circle cannot be written"),
-        ("CIP X10 Y10 I1=5 J1=5", "lie on a line"),
+        ("CIP X10 Y10 I1=15 J1=15", "lie on a line"),
         ("CT X10", "CT needs a motion before it"),
         ("G1 X5 CR=5", "CR= is not read: it belongs to arcs"),
         ("G1 X5 X6", "X stands twice"),
@@ -227,3 +227,18 @@ def test_an_axis_that_stands_there_up_to_rounding_does_not_turn(angle, turns):
     for form in ("ACP", "ACN", "DC"):
         path = read(f"G1 X1 C={form}({angle})", "xyzac-trunnion", start=f"{START}G0 A0 C{stands}\n")
         assert np.rad2deg(path.rotary[-1, path.rotary_joints.index("C")]) == pytest.approx(stands), form
+
+
+def test_cip_through_a_point_of_the_straight_way_is_straight():
+    """Diagnostics Guide, 14920: with the point between start and end, and no TURN, a straight line is generated."""
+    assert last("CIP X10 Y10 I1=5 J1=5") == pytest.approx([10, 10, 0])
+    with pytest.raises(ProgramError, match="lie on a line"):
+        read("CIP X10 Y10 I1=5 J1=5 TURN=1")
+
+
+@pytest.mark.parametrize("block", ["SUPA G0 Z0 D0", "G53 G0 X0", "G74 Z1=0", "G75 FP=1 Z1=0"])
+def test_machine_coordinates_under_traori_are_refused(block):
+    """Fundamentals: G53, G153, SUPA suppress frames, no transformation; at G74 and G75 none may be active."""
+    with pytest.raises(ProgramError, match="TRAFOOF before"):
+        read(f"TRAORI\nG1 X5\n{block}", "xyzac-trunnion")
+    assert read(f"TRAORI\nG1 X5\nTRAFOOF\n{block}", "xyzac-trunnion").tip.shape[1] == 3

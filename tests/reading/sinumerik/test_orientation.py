@@ -80,9 +80,21 @@ def test_traori_keeps_the_tip_and_gives_it_the_words():
         ("TRAORI\nG1 X0 A3=0", "the tool vector is zero"),
         ("TRAORI\nG1 X0 A3=0.1 C3=-1", "cannot bring its tool"),
         ("TRAORI\nG1 X0 LEAD=5", "LEAD= is not read"),
-        ("TRAORI(1,0,0,1)", "TRAORI with a direction"),
+        ("TRAORI(1,0,1,1)", "TRAORI with another direction"),
     ],
 )
 def test_vectors_that_cannot_be(text, said):
     with pytest.raises(ProgramError, match=said):
         read(text, "xyzbc-head")
+
+
+def test_the_order_of_rpy_angles_is_said_where_it_matters():
+    """Job Planning: ORIRPY by C2, B2, A2 about Z, Y', X''; NC Programming 12/2019 has ORIRPY XYZ, and ORIRPY2 ZYX."""
+    several = read(TIP + "ORIRPY\nX10 A2=30 B2=40", "xyzac-trunnion")
+    assert any("ORIRPY turns" in said for said in several.assumed)
+    for word in ("ORIRPY", "ORIRPY2"):
+        alone = read(TIP + f"{word}\nX10 B2=40", "xyzac-trunnion")
+        assert alone.axis[-1] == pytest.approx([math.sin(math.radians(40)), 0, math.cos(math.radians(40))])
+        assert not any("ORIRPY" in said for said in alone.assumed)
+    with pytest.raises(ProgramError, match="ORIRPY2 with several angles"):
+        read(TIP + "ORIRPY2\nX10 A2=30 B2=40", "xyzac-trunnion")

@@ -14,16 +14,22 @@ UNEVEN = 1e-9
 
 
 def rotary_for(
-    control: Control, axis: list[float], sign: int = 0, *, first: tuple[int, int] | None = None
+    control: Control,
+    axis: list[float],
+    sign: int = 0,
+    *,
+    first: tuple[int, int] | None = None,
+    else_other: bool = False,
 ) -> list[float]:
     """Rotary words that bring the tool to an axis (3,) on the part, the nearest to where the machine is.
 
-    sign: of the two solutions the one with the second rotary joint below (-1) or above (1) zero; 0: either. first: the
-    rotary joints in the order in which each turns as little as it can; None: the sum of squares counts.
-    Raises ProgramError.
+    sign: of the two solutions the one with the second rotary joint below (-1) or above (1) zero; 0: either.
+    else_other: where that one is out of travel, the other. first: the rotary joints in the order in which each turns as
+    little as it can; None: the sum of squares counts. Raises ProgramError.
     """
     placement = control.placement
-    wanted, fault = control.orientation.rotary(axis, placement.place(control.words)[3:], sign, first)
+    present = placement.place(control.words)[3:]
+    wanted, fault = control.orientation.rotary(axis, present, sign, first, else_other=else_other)
     if fault:
         control.source.fail(fault, control.line)
     shift = placement.shift or (0.0,) * len(wanted)
@@ -57,12 +63,13 @@ def turn_to_plane(
     rapid: bool = True,
     sign: int = 0,
     first: tuple[int, int] | None = None,
+    else_other: bool = False,
 ) -> None:
     """Turn the rotary joints until the tool stands upright on the plane of the frame.
 
     follow: the tip keeps its place on the part; else the linear joints keep theirs.
     """
-    wanted = rotary_for(control, plane_axis(control), sign, first=first)
+    wanted = rotary_for(control, plane_axis(control), sign, first=first, else_other=else_other)
     if follow:
         control.straight([*control.words[:3], *wanted], 0, rapid=rapid)
     else:

@@ -32,8 +32,10 @@ WORD_ADDRESS: dict[str, Kind] = {
     ),
     **dict.fromkeys(
         (
-            *("chip_break_mm", "dwell_point_s", "dwell_whole_s", "local_variables", "offset_group"),
-            *("peck_clearance_mm", "scale_of_whole", "system_variables_from"),
+            *("arc_radii_inch", "arc_radii_mm", "arc_radii_percent", "arc_radii_times", "arc_radius_least_mm"),
+            *("arc_reach_mm", "chip_break_mm", "deepest_calls", "dwell_point_s", "dwell_whole_s"),
+            *("last_variable", "local_variables", "offset_group", "peck_clearance_mm", "scale_of_whole"),
+            "system_variables_from",
         ),
         NUMBER,
     ),
@@ -55,9 +57,11 @@ SINUMERIK: dict[str, Kind] = {
     "base_unit": ("program", "mm", "inch"),
     "feed_turning": TURNING,
     "strict_cycles": SWITCH,
+    "toframe_mode": ("2000", "2001", "2002"),
 }
 HEIDENHAIN: dict[str, Kind] = {
     "builder_functions": ("ignored", "refused"),
+    "cycle_11_axes": ("all", "plane"),
     "cycle_19_angles": ("spatial", "axes"),
     "feed_when_turning": TURNING,
     "inch_feed": ("header", "tenth", "inch"),

@@ -27,13 +27,20 @@ class Orientation:
         """The other rotary positions of the last search [rad], where the rule of a control decides for neither."""
 
     def rotary(
-        self, axis: list[float], present: list[float], sign: int = 0, first: tuple[int, int] | None = None
+        self,
+        axis: list[float],
+        present: list[float],
+        sign: int = 0,
+        first: tuple[int, int] | None = None,
+        *,
+        else_other: bool = False,
     ) -> tuple[list[float], str]:
         """Rotary positions [rad] for a tool axis (3,) on the part, and what is wrong, or "".
 
         Of both solutions, and all turns within travel, the one with the least sum of turns. `sign`: only those with
-        the second rotary joint below (-1) or above (1) zero. `first`: the joints in the order in which each turns as
-        little as it can, and where that decides nothing comes near to zero.
+        the second rotary joint below (-1) or above (1) zero, `else_other`: where none of these is within travel, the
+        other one. `first`: the joints in the order in which each turns as little as it can, and where that decides
+        nothing comes near to zero.
         """
         machine = self.poses.machine
         if machine is None:
@@ -53,7 +60,7 @@ class Orientation:
             if None not in turned:
                 within.append([value for value in turned if value is not None])
                 asked.append(not sign or wanted[1] * sign >= -FREE)
-        choices = [each for each, wanted in zip(within, asked) if wanted]
+        choices = [each for each, wanted in zip(within, asked) if wanted] or (within if else_other else [])
         if not choices:
             shown = ", ".join(f"{value:.4g}" for value in unit)
             if within:

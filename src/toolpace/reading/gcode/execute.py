@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
+from toolpace.reading.gcode.actions.functions import Functions
 from toolpace.reading.gcode.actions.holes import Holes
 from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
@@ -18,11 +20,13 @@ from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
+from toolpace.reading.gcode.program import alarms
 from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded
+from toolpace.reading.gcode.program.meanings import GROUP_OF
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -32,6 +36,8 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
+WHOLE = frozenset("HLT")
+"""Letters of which LinuxCNC takes what is next to a whole number for it."""
 WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
@@ -70,6 +76,7 @@ class Executor:
             | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self.places.handlers()
             | self.planes.handlers()
+            | Functions(control, state, flow.variables).handlers()
             | SurfaceHoles(control, state, self.motion).handlers()
             | {
                 "hole circle": self._hole_circle,
@@ -93,6 +100,8 @@ class Executor:
         if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
             self.planes.need_whole()
         numbers = self._numbers(block)
+        if self.rs274:
+            self._refuse_unused(block, numbers)
         if actions:
             if self.splines.opened is not None:
                 self.splines.close()
@@ -101,7 +110,9 @@ class Executor:
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
-        if number is not None:
+        if number == 0.0 and control.feed.mode != INVERSE:
+            control.feed.value = None  # an error of the first motion at feed only
+        elif number is not None:
             control.feed.set(number, state.unit, control.line)
         if "S" in numbers:
             if numbers["S"] < 0.0:
@@ -134,6 +145,20 @@ class Executor:
         if self.after is not None:
             self.after()
 
+    def _refuse_unused(self, block: Block, numbers: Numbers) -> None:
+        """Take letters that no word uses out of a block of LinuxCNC, each with an alarm; and see what is in force."""
+        state = self.state
+        for letter in numbers.keys() & WHOLE | ({"P"} if "G10" in block.words and "P" in numbers else set()):
+            numbers[letter] = near_whole(numbers[letter], 1e-4)
+        if not numbers.keys() <= alarms.PLAIN or not alarms.NEEDED.keys().isdisjoint(block.words):
+            for letter, alarm in alarms.of_letters(numbers.keys(), block.words, state.motion_word):
+                numbers.pop(letter, None)
+                self.control.findings.stops(alarm.what, self.control.line, alarm.cure)
+        alarms.refuse_motionless(numbers.keys(), block.words, state.motion_word)
+        for meaning, word in block.actions:
+            if GROUP_OF[meaning] in ("motion", "end of cycle"):
+                state.motion_word = word
+
     def _numbers(self, block: Block) -> Numbers:
         """The words of a block with their values."""
         numbers = dict(block.fixed)
@@ -162,8 +187,6 @@ class Executor:
         state, control, slots = self.state, self.control, self.control.slots
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
-                if self.rs274 and letter in "HD" and not free:
-                    raise WordError(f"{letter} stands without the word that it belongs to, G43, G41 or G42: remove it")
                 control.findings.ignored(letter)
         if state.in_machine:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))

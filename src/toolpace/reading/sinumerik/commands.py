@@ -12,12 +12,18 @@ from toolpace.reading.sinumerik.cycles.patterns import places
 from toolpace.reading.sinumerik.cycles.swivel import swivel
 from toolpace.reading.sinumerik.cycles.thread import mill_thread
 from toolpace.reading.sinumerik.given import Arguments, Words, number
+from toolpace.reading.sinumerik.orientation.rotary_order import initial_rotary
+from toolpace.reading.sinumerik.orientation.tool_frame import turn_along_tool
+from toolpace.reading.sinumerik.orientation.turned_plane import need_turned
 from toolpace.reading.sinumerik.run import Run
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
 
 OLD_MODE = 1000
 """CYCLE832 modes from here on are those of old controls, whose hundreds switch TRAORI."""
 TOP_SURFACE = 1_000_000
+BOTH = "TRAORI and a plane of CYCLE800 together: the plane stays where it lies on the part"
+MOST_TRANSFORMATIONS = 4
+"""Numbers of TRAORI that machines have."""
 
 
 class Commands:
@@ -30,6 +36,11 @@ class Commands:
             "MSG": self._message,
             "TRAORI": self._traori,
             "TRAFOOF": lambda values: self.tip_mode(False),
+            "ORIRESET": self._initial_orientation,
+            "TOROT": self._turn_along_tool,
+            "TOROTZ": self._turn_along_tool,
+            "TOROTOF": lambda values: self.run.frames.end_tool_frame("TOROTOF"),
+            "PAROTOF": lambda values: self.run.frames.end_tool_frame("PAROTOF"),
             "FGROUP": self._feed_group,
             "CYCLE800": self._swivel,
             "CYCLE832": self._high_speed,
@@ -51,7 +62,11 @@ class Commands:
         self.run.motion.here()
 
     def _cycle(self, name: str) -> Callable[[list[Value | None]], None]:
-        return lambda values: self.holes.perform(name, values)
+        def perform(values: list[Value | None]) -> None:
+            need_turned(self.control, self.run.frames)
+            self.holes.perform(name, values)
+
+        return perform
 
     def _message(self, values: list[Value | None]) -> None:
         said = text(values[0]).strip() if values and values[0] is not None else ""
@@ -60,18 +75,51 @@ class Commands:
             self.control.operations.begin(name=said)
 
     def _traori(self, values: list[Value | None]) -> None:
-        if any(value is not None for value in values[1:]):
-            raise Unread("TRAORI with a direction or offsets", "they are data of the machine: write TRAORI alone")
+        """TRAORI(n, x, y, z, A, B): the number of the transformation, the direction of the tool when the rotary axes
+        are at zero, and offsets of these (Job Planning, "Orientation transformation TRAORI")."""
+        arguments = Arguments("TRAORI", values, 6)
+        number = arguments.code(0, 1)
+        if not 1 <= number <= MOST_TRANSFORMATIONS:
+            raise ValueFault(f"TRAORI({number}): transformations are numbered from 1: write TRAORI(1)")
+        if number > 1:
+            self.control.findings.assumed(f"TRAORI({number}) is the transformation of the machine, as TRAORI(1) is")
+        x, y, z = (arguments.number(place) for place in (1, 2, 3))
+        if x or y or z < 0.0:
+            raise Unread("TRAORI with another direction of the tool than Z", "write TRAORI alone, and G17")
+        if arguments.number(4) or arguments.number(5):
+            raise Unread("TRAORI with offsets of the rotary axes", "put them on the set-up sheet ([machine_zero])")
         self.tip_mode(True)
 
     def tip_mode(self, on: bool) -> None:
         """TRAORI, TRAFOOF: the machine stays where it is, and the frames in force stay (posts count on it)."""
-        coordinates = self.control.coordinates
-        if on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
+        coordinates, state = self.control.coordinates, self.state
+        if on != coordinates.tip_mode:
+            for fault, cure in (
+                (state.motion == "BSPLINE", "a spline (alarm 14402): write G1 before"),
+                (state.compensation != "G40", "G41 or G42 (alarm 14400): write G40 before"),
+            ):
+                if fault:
+                    raise ValueFault(f"TRAORI and TRAFOOF under {cure}")
+        if on and not coordinates.tip_mode and self.run.frames.tilted:
+            self.control.findings.assumed(BOTH)
+        elif on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
             self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
         self.control.set_tip_mode(on)
-        self.state.tangent = None
+        state.tangent = None
         self.run.motion.here()
+
+    def _initial_orientation(self, values: list[Value | None]) -> None:
+        """ORIRESET(first, second): the rotary axes to these positions, or to zero, whatever frames shift them."""
+        if not self.control.coordinates.tip_mode:
+            raise ValueFault("ORIRESET needs TRAORI (alarm 14101): switch it on before")
+        wanted = initial_rotary(self.control, Arguments("ORIRESET", values, 3))
+        self.control.straight([*self.control.words[:3], *wanted], 0, rapid=self.state.motion == "G0")
+        self.state.tangent = None
+
+    def _turn_along_tool(self, values: list[Value | None]) -> None:
+        rule = self.run.vocabulary.controller.option("toframe_mode", "2000")
+        turn_along_tool(self.control, self.run.frames, self.state, rule)
+        self.state.tangent = None
 
     def _feed_group(self, values: list[Value | None]) -> None:
         rotary = [value for value in values if isinstance(value, Axis) and value.letter not in ("X", "Y", "Z")]
@@ -81,6 +129,8 @@ class Commands:
 
     def _swivel(self, values: list[Value | None]) -> None:
         self.state.tangent = None
+        if self.control.coordinates.tip_mode and values:
+            self.control.findings.assumed(BOTH)
         swivel(values, self.control, self.run.frames, self.state)
 
     def _high_speed(self, values: list[Value | None]) -> None:
@@ -107,10 +157,12 @@ class Commands:
             self.tip_mode(True)
 
     def _thread(self, values: list[Value | None]) -> None:
+        need_turned(self.control, self.run.frames)
         mill_thread(values, self.control, self.state, self.run.tooling.radius)
 
     def _pattern(self, name: str, values: list[Value | None]) -> None:
         modal = self.run.modal
+        need_turned(self.control, self.run.frames)
         if modal is not None and modal[0].name not in self.known:
             raise Unread(f"{name} with a subprogram under MCALL", "write the places as blocks of their own")
         if name == "CYCLE801":
@@ -122,6 +174,8 @@ class Commands:
 
     def reference(self, code: str, words: Words) -> None:
         """G74 X1=0: the reference point; G75 FP=n X1=0: a fixed point, the n + 1st of the set-up sheet."""
+        if self.control.coordinates.tip_mode:
+            raise Unread(f"{code} under TRAORI", "controls go there without a transformation: write TRAFOOF before")
         fixed = round(number(words, "FP", 1.0) or 1.0) if code == "G75" else 0
         letters = []
         for address in list(words):
@@ -137,6 +191,10 @@ class Commands:
         """$NAME[index]=value. Raises Unread."""
         if name == "$P_UIFR":
             self.run.frames.write(index, value, self.state.unit)
+            return
+        if name == "$P_PFRAME":
+            self.run.frames.write_programmed(index, value, self.state.unit)
+            self.state.tangent = None
             return
         raise Unread(f"{name}=", "it sets data of the control that may shift positions: put them on the set-up sheet")
 

@@ -9,11 +9,13 @@ from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik import state as modes
 from toolpace.reading.sinumerik.commands import Commands
+from toolpace.reading.sinumerik.contour.polar import set_pole
 from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.arguments import values_of
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED
 from toolpace.reading.sinumerik.given import Given, Words, bounded
+from toolpace.reading.sinumerik.groups import fault_of
 from toolpace.reading.sinumerik.motion import OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
@@ -75,6 +77,10 @@ class Executor:
         """Count a word that moves nothing."""
         self.findings.ignored(word)
 
+    def assume(self, sentence: str) -> None:
+        """Say what is taken for granted."""
+        self.findings.assumed(sentence)
+
     def refuse(self, word: str, line: int, cure: str) -> None:
         """Note a word that is not read."""
         self.findings.refused(word, line, cure)
@@ -95,6 +101,8 @@ class Executor:
         """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""
         if self.motion.splines.points and (block.calls or set(block.codes) - {"BSPLINE"}):
             self.motion.splines.close()
+        if len(block.codes) > 1 and (fault := fault_of(block.codes)):
+            raise ValueFault(fault)
         words = self._words(block)
         if block.assignments:
             self._assign(block)
@@ -221,7 +229,7 @@ class Executor:
             self.frames.program(code, words, self.state)
             self.state.tangent = None
         elif code in POLES:
-            self.motion.set_pole(code, words)
+            set_pole(self.state, self.control.words, code, words)
         elif code in ("G58", "G59"):
             self.frames.axis_shift(code, words, self.state)
         elif code in ("G25", "G26"):

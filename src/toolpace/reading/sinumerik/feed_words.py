@@ -22,6 +22,8 @@ class FeedWords:
     def dwell(self, words: Words) -> None:
         """G4 F2 or G4 S3: seconds, or turns of the spindle; F and S in force stay."""
         seconds, turns = number(words, "F"), number(words, "S")
+        if words:
+            raise ValueFault(f"G4 beside {next(iter(words))}: write G4 in a block of its own (alarm 12120)")
         if seconds is None and turns is None:
             raise ValueFault("G4 needs its time: write G4 F2 for seconds, or G4 S3 for turns of the spindle")
         if seconds is None and turns is not None:

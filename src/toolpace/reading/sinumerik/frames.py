@@ -6,9 +6,6 @@ programmed frame. TRANS, ROT, ROTS, SCALE and MIRROR replace the whole programme
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
 from toolpace.reading.control.control import Control
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import IDENTITY, Matrix
@@ -21,19 +18,12 @@ from toolpace.units import DEGREE
 PROGRAMMED = ("TRANS", "ROT", "ROTS", "SCALE", "MIRROR", "ATRANS", "AROT", "AROTS", "ASCALE", "AMIRROR")
 SETTABLE = {0: "G500", **{k: f"G{53 + k}" for k in range(1, 5)}, **{k: f"G{500 + k}" for k in range(5, 100)}}
 """Names of the settable offsets by their number in $P_UIFR."""
-
-
-class Saved(NamedTuple):
-    """Frames at a point of the program."""
-
-    linear: Matrix
-    coarse: list[float]
-    fine: list[float]
-    plane: Matrix
-    tilted: bool
-    offset: int
-    coarse_turn: list[float]
-    fine_turn: list[float]
+ENDS_ATRANS = (
+    "TRANS ends the shift of ATRANS before it, as it deletes old instructions; a table of the manuals (at G58, G59) "
+    "has it unchanged"
+)
+NOT_SAVED = ("control", "settable")
+"""What a subprogram with SAVE does not give back: the control, and data of the settable offsets."""
 
 
 class Frames:
@@ -45,13 +35,30 @@ class Frames:
         """Rotation, scale and mirror of the programmed frame."""
         self.coarse, self.fine = [0.0] * 3, [0.0] * 3
         """Shifts of TRANS (or G58) and of ATRANS (or G59) [m], in the coordinates before the rotation."""
+        self.assigned = False
+        """Whether $P_PFRAME was assigned as a whole: which part of its shift is the fine one is not told."""
         self.plane: Matrix = IDENTITY
         """Of CYCLE800."""
         self.tilted = False
+        self.turned_to: list[float] | None = None
+        """Rotary joints that the plane of CYCLE800 was reckoned for [rad]; None where it turned none (_DIR 0)."""
+        self.plane_axis: list[float] = []
+        """(3,) Z of that plane on the part."""
+        self.tool: Matrix = IDENTITY
+        """Of TOROT: the system frame before the programmed one (K2, "TOROT and TOFRAME")."""
+        self.tool_upon: Matrix = IDENTITY
+        """The programmed frame at the time of TOROT."""
         self.settable: dict[int, Matrix] = {}
         self.offset = 0
+        self.told = False
+        """Whether the program has named a settable offset."""
         self.coarse_turn, self.fine_turn = ([0.0] * len(control.poses.rotary) for _ in range(2))
         """The same of rotary words [rad]."""
+
+    @property
+    def turns_words(self) -> bool:
+        """Whether it shifts rotary words, which its matrix does not tell."""
+        return any(self.coarse_turn) or any(self.fine_turn)
 
     def programmed(self) -> Matrix:
         """The programmed frame."""
@@ -60,7 +67,7 @@ class Frames:
 
     def put(self) -> None:
         """Hand the whole chain to the control."""
-        chain = affine.product(self._written(), self.plane)
+        chain = affine.product(affine.product(self._written(), self.plane), self.tool)
         whole_frame = affine.product(chain, self.programmed())
         self.control.set_frame(IDENTITY if whole_frame == IDENTITY else whole_frame, tilted=self.tilted)
         turn = tuple(a + b for a, b in zip(self.coarse_turn, self.fine_turn))
@@ -74,21 +81,52 @@ class Frames:
         return IDENTITY if found is None or found == first else affine.product(affine.inverse(first), found)
 
     def select(self, place: int) -> None:
-        """Make a settable offset the one in force, 0: none."""
-        self.offset = place
-        self.control.set_offset(SETTABLE[place] if place else "")
+        """Make a settable offset the one in force, 0: none.
+
+        G500 counts from the machine's zero where the set-up sheet tells other offsets ("deactivation of all settable
+        offsets", Programming Manual Fundamentals, "Settable work offset"); without, the part's origin stands for all.
+        """
+        self.offset, self.told = place, True
+        offsets = self.control.setup.offsets
+        if not place and offsets and SETTABLE[0] not in offsets:
+            self.control.add_offset(SETTABLE[0])
+        self.control.set_offset(SETTABLE[place] if place or offsets else "")
         self.put()
 
     def clear(self) -> None:
         """No programmed frame."""
-        self.linear, self.coarse, self.fine = IDENTITY, [0.0] * 3, [0.0] * 3
+        self.linear, self.coarse, self.fine, self.assigned = IDENTITY, [0.0] * 3, [0.0] * 3, False
         self.coarse_turn, self.fine_turn = ([0.0] * len(self.coarse_turn) for _ in range(2))
+
+    def _replace(self, code: str) -> None:
+        """Clear the programmed frame; Unread where a frame of TOROT was reckoned upon it."""
+        if self.tool_upon != IDENTITY:
+            raise Unread(f"{code} after TOROT", "the frame that TOROT turned goes with it: write TOROTOF before")
+        self.clear()
+
+    def turn_before_programmed(self, turn: Matrix) -> None:
+        """Turn the coordinates in force about their origin, by a frame before the programmed one (TOROT)."""
+        programmed = self.programmed()
+        about = affine.product(affine.product(programmed, turn), affine.inverse(programmed))
+        self.tool = IDENTITY if turn == IDENTITY and self.tool == IDENTITY else affine.product(self.tool, about)
+        self.tool_upon = IDENTITY if self.tool == IDENTITY else programmed
+        self.put()
+
+    def end_tool_frame(self, code: str) -> None:
+        """TOROTOF, PAROTOF. Raises Unread where a plane of CYCLE800 is in force, which they may take apart."""
+        if self.tilted:
+            raise Unread(f"{code} in a plane of CYCLE800", "it may take parts of the plane away: write CYCLE800()")
+        if code != "PAROTOF" and self.tool != IDENTITY:
+            self.tool = self.tool_upon = IDENTITY
+            self.put()
 
     def program(self, code: str, words: Words, state: State) -> None:
         """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
         kind = code[1:] if code[0] == "A" else code
         if code == kind:
-            self.clear()
+            if code == "TRANS" and any(self.fine) and words:
+                self.control.findings.assumed(ENDS_ATRANS)
+            self._replace(code)
         if kind == "TRANS":
             self._shift(words, state, additive=code != kind)
         else:
@@ -125,10 +163,12 @@ class Frames:
         values = {letter: value for letter in "XYZ" if (value := number(words, letter)) is not None}
         if kind == "SCALE":
             return frame_functions.scale(values)
-        return frame_functions.rotation(values) if kind == "ROT" or len(values) < 2 else solid(values)
+        return frame_functions.rotation(values) if kind == "ROT" or len(values) < 2 else frame_functions.solid(values)
 
     def axis_shift(self, code: str, words: Words, state: State) -> None:
         """G58 and G59: the coarse or the fine shift of the axes that are named (K2: axial replacement)."""
+        if self.assigned:
+            raise Unread(f"{code} after $P_PFRAME=", "which part of its shift is the fine one is not told: write TRANS")
         part = list(self.coarse if code == "G58" else self.fine)
         for slot, letter in enumerate("XYZ"):
             value = number(words, letter)
@@ -153,33 +193,42 @@ class Frames:
             raise Unread("$P_UIFR", "the set-up sheet says where the offsets are: remove them there, or this here")
         self.control.findings.assumed("the first settable offset that the program writes is the origin of the part")
         if len(index) < 2:
-            if not isinstance(value, tuple) or isinstance(value, Axis):
-                raise ValueFault("$P_UIFR[n] is a frame: assign one, like CTRANS(X,10)")
-            self.settable[place] = value
+            self.settable[place] = _frame("$P_UIFR[n]", value)
             return
-        axis, part = index[1], index[2] if len(index) > 2 else None
-        letter = axis.letter if isinstance(axis, Axis) else ""
-        if not isinstance(part, str) or letter not in frame_functions.SLOTS:
-            raise Unread("$P_UIFR[n, axis, part]", "its axis or its part is not read: use X, Y, Z and TR")
-        if part != "TR":
-            raise Unread(f"$P_UIFR[n, axis, {part}]", "of the parts of a frame TR is read: write the whole frame")
+        slot, _ = _shifted_axis("$P_UIFR[n, ", index[1:], ("TR",))
         present = self.settable.get(place, IDENTITY)
-        slot = frame_functions.SLOTS[letter]
         by = [real(value) * unit - present[slot][3] if k == slot else 0.0 for k in range(3)]
         self.settable[place] = affine.product(affine.shift(by), present)
 
-    def saved(self) -> Saved:
-        """What a subprogram with SAVE gives back."""
-        return Saved(
-            self.linear, self.coarse, self.fine, self.plane, self.tilted, self.offset, self.coarse_turn, self.fine_turn
-        )  # fmt: skip
+    def write_programmed(self, index: tuple[Value, ...], value: Value, unit: float) -> None:
+        """$P_PFRAME=frame, $P_PFRAME[X, TR]=5: in force at once (K2, "$P_PFRAME"). Raises ValueFault, Unread."""
+        if index:
+            slot, part = _shifted_axis("$P_PFRAME[", index, ("TR", "FI"))
+            if part == "TR":
+                self.coarse = _with(self.coarse, slot, real(value) * unit)
+            else:
+                self.fine = _with(self.fine, slot, real(value) * unit)
+        else:
+            made = _frame("$P_PFRAME", value)
+            self._replace("$P_PFRAME=")
+            self.assigned = True
+            self.coarse = [row[3] for row in made]
+            self.linear = affine.linear([row[:3] for row in made])
+        self.put()
 
-    def restore(self, state: Saved) -> None:
+    def saved(self) -> dict[str, object]:
+        """What a subprogram with SAVE gives back; no list of it is changed in place."""
+        return {name: value for name, value in vars(self).items() if name not in NOT_SAVED}
+
+    def restore(self, saved: dict[str, object]) -> None:
         """Frames as they were."""
-        self.linear, self.plane, self.tilted = state.linear, state.plane, state.tilted
-        self.coarse, self.fine = list(state.coarse), list(state.fine)
-        self.coarse_turn, self.fine_turn = list(state.coarse_turn), list(state.fine_turn)
-        self.select(state.offset)
+        for name, value in saved.items():
+            setattr(self, name, value)
+        if self.told:
+            self.select(self.offset)
+        else:
+            self.control.set_offset("")
+            self.put()
 
 
 def _with(values: list[float], place: int, value: float) -> list[float]:
@@ -187,31 +236,19 @@ def _with(values: list[float], place: int, value: float) -> list[float]:
     return [value if k == place else each for k, each in enumerate(values)]
 
 
-def solid(degrees: dict[str, float]) -> Matrix:
-    """ROTS: a plane by the angles of its intersections with two planes of the coordinates [deg].
-
-    X, Y: the new X axis lies in the old ZX plane; Z, X: the new Z axis in the old YZ plane; Y, Z: the new Y axis in
-    the old XY plane (K2, frame rotations with solid angles).
-    """
-    if len(degrees) != 2:
-        raise ValueFault("ROTS takes two angles: X and Y, Y and Z, or Z and X")
-    missing = next(slot for slot in range(3) if "XYZ"[slot] not in degrees)
-    first, second = (missing + 1) % 3, (missing + 2) % 3
-    a, b = degrees["XYZ"[first]] * DEGREE, degrees["XYZ"[second]] * DEGREE
-    along, across = [0.0] * 3, [0.0] * 3
-    along[first], along[missing] = math.cos(b), -math.sin(b)
-    across[second], across[missing] = math.cos(a), math.sin(a)
-    normal = _unit(_cross(along, across))
-    columns = {first: along, second: _cross(normal, along), missing: normal}
-    return affine.linear([[columns[column][row] for column in range(3)] for row in range(3)])
+def _frame(name: str, value: Value) -> Matrix:
+    if not isinstance(value, tuple) or isinstance(value, Axis):
+        raise ValueFault(f"{name} is a frame: assign one, like CTRANS(X,10)")
+    return value
 
 
-def _cross(a: list[float], b: list[float]) -> list[float]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def _unit(a: list[float]) -> list[float]:
-    size = math.hypot(*a)
-    if size < 1e-9:
-        raise ValueFault("these angles of ROTS span no plane: correct them")
-    return [value / size for value in a]
+def _shifted_axis(name: str, index: tuple[Value, ...], parts: tuple[str, ...]) -> tuple[int, str]:
+    """The slot of an axis whose shift a program sets, and which: [X, TR] the coarse one, [X, FI] the fine one."""
+    axis, part = index[0], index[1] if len(index) > 1 else None
+    letter = axis.letter if isinstance(axis, Axis) else ""
+    if not isinstance(part, str) or letter not in frame_functions.SLOTS:
+        raise Unread(f"{name}axis, part]", "its axis or its part is not read: use X, Y, Z and TR")
+    if part not in parts:
+        known = " and ".join(parts)
+        raise Unread(f"{name}axis, {part}]", f"of the parts of a frame {known} is read: write the whole frame")
+    return frame_functions.SLOTS[letter], part

@@ -9,11 +9,14 @@ from toolpace.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Co
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.sinumerik.contour import circles
+from toolpace.reading.sinumerik.contour.polar import LETTERS, end_by_pole
 from toolpace.reading.sinumerik.contour.splines import BSplines
+from toolpace.reading.sinumerik.frames import Frames
 from toolpace.reading.sinumerik.given import Given, Words, bounded, number
-from toolpace.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors
+from toolpace.reading.sinumerik.orientation.turned_plane import turned_alone
+from toolpace.reading.sinumerik.orientation.vectors import ANGLES, VECTOR, Vectors
 from toolpace.reading.sinumerik.state import GREAT_CIRCLE, State
-from toolpace.reading.sinumerik.syntax.values import ValueFault
+from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.units import DEGREE
 
 OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
@@ -21,7 +24,6 @@ OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
 OF_CORNERS = {"RND": ROUND, "CHR": SIDES, "CHF": EDGE}
 """Corners at the end of a block: radius, side of a chamfer, its edge (NC Programming, "Chamfer, rounding")."""
 CORNER_WORDS = frozenset((*OF_CORNERS, "RNDM"))
-LETTERS = "XYZABCUVW"
 AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
 """Addresses that ask for motion."""
 
@@ -29,8 +31,8 @@ AXES = frozenset((*LETTERS, "AP", "RP", *VECTOR, *ANGLES))
 class Motion:
     """Makes motions of words."""
 
-    def __init__(self, control: Control, state: State) -> None:
-        self.control, self.state = control, state
+    def __init__(self, control: Control, state: State, frames: Frames) -> None:
+        self.control, self.state, self.frames = control, state, frames
         self.vectors = Vectors(control, state)
         self.splines = BSplines(control)
         self.corners = Corners(control, "it is read between two straight lines of the plane: write the corner out")
@@ -53,6 +55,7 @@ class Motion:
         """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
         control, state = self.control, self.state
         start, polar = control.words, "AP" in words or "RP" in words
+        turned = any(letter in words for letter in control.slots if letter not in "XYZ")
         if self.splines.end:
             control.words, present = self.splines.end, start
             try:
@@ -62,6 +65,13 @@ class Motion:
         else:
             target, named = self.target(words)
         path_axis = bool(named)
+        if turned_alone(control, self.frames, state, target, named):
+            if self.corners.waiting is not None:
+                self._before(target, False)
+            self.programmed = control.words
+            if stop:
+                control.stop()
+            return False
         if state.motion == "BSPLINE":
             if not len(control.moves):
                 control.begin_here()
@@ -70,9 +80,11 @@ class Motion:
             return path_axis
         corner = self._corner(words)
         vector = self.vectors.taken(words)
+        if vector is not None and turned:
+            raise ValueFault("a block turns the tool by rotary words or by a vector (A3=, A2=), not both (alarm 14111)")
         arcs = state.motion in ("G2", "G3", "CIP", "CT")
-        if not len(control.moves) and (arcs or not state.absolute):
-            control.begin_here()
+        if not len(control.moves):
+            self._first(arcs)
         straight = state.motion == "G1" and vector is None
         if self.corners.waiting is not None:
             self._before(target, straight)
@@ -88,6 +100,14 @@ class Motion:
         if stop:
             control.stop()
         return path_axis
+
+    def _first(self, arcs: bool) -> None:
+        """Before the first motion of a program."""
+        control = self.control
+        if control.setup.offsets and not self.frames.told:
+            control.findings.assumed("the program names no settable offset (G54) before it moves: it moves at the part")
+        if arcs or not self.state.absolute:
+            control.begin_here()
 
     # Corners
 
@@ -135,7 +155,10 @@ class Motion:
             if slot < 3:
                 named |= 1 << slot
         if "AP" in words or "RP" in words:
-            named |= self._polar(words, target)
+            polar = end_by_pole(self.state, words, target)
+            if polar & named:
+                raise ValueFault("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
+            named |= polar
         return target, named
 
     def _coordinate(self, address: str, slot: int, given: Given) -> float:
@@ -149,41 +172,15 @@ class Motion:
         if slot < 3:
             raise ValueFault(f"{address}={form}() is for rotary axes: write {address}=AC()")
         present, turn = self.control.words[slot], 2.0 * math.pi
+        if value < 0.0 or value >= turn - 1e-12:
+            self.control.findings.assumed(
+                f"{address}={form}() beyond 0 to 360 is counted modulo 360 (MD30455 bit 0 = 1; else alarm 16830)"
+            )
         if form == "DC":
             return present + math.remainder(value - present, turn)
         ahead = (value - present) % turn
         ahead = 0.0 if turn - ahead < 1e-9 else ahead
         return present + (ahead if form == "ACP" or ahead == 0.0 else ahead - turn)
-
-    def _polar(self, words: Words, target: list[float]) -> int:
-        """Set the end by AP and RP about the pole (NC Programming, 4.3)."""
-        state = self.state
-        angle, radius = words.pop("AP", None), number(words, "RP")
-        if angle is not None:
-            value = bounded(angle, "AP")
-            state.polar_angle = value + (state.polar_angle if angle.form == "IC" else 0.0)
-        if radius is not None:
-            state.polar_radius = radius * state.unit
-        first, second = circles.AXES[state.plane]
-        turn = state.polar_angle * DEGREE
-        target[first] = state.pole[first] + state.polar_radius * math.cos(turn)
-        target[second] = state.pole[second] + state.polar_radius * math.sin(turn)
-        return 1 << first | 1 << second
-
-    def set_pole(self, code: str, words: Words) -> None:
-        """G110: from the last point, G111: from the zero of the workpiece, G112: from the last pole."""
-        state = self.state
-        x, y, z = self.control.words[:3] if code == "G110" else state.pole if code == "G112" else (0.0, 0.0, 0.0)
-        pole = [x, y, z]
-        if "AP" in words or "RP" in words:
-            first, second = circles.AXES[state.plane]
-            angle = (number(words, "AP", 0.0) or 0.0) * DEGREE
-            radius = (number(words, "RP", 0.0) or 0.0) * state.unit
-            pole[first] += radius * math.cos(angle)
-            pole[second] += radius * math.sin(angle)
-        for slot, letter in enumerate("XYZ"):
-            pole[slot] += (number(words, letter, 0.0) or 0.0) * state.unit
-        state.pole = (pole[0], pole[1], pole[2])
 
     # How
 
@@ -215,11 +212,19 @@ class Motion:
                 return
             arc = tangential
         elif state.motion == "CIP":
-            arc = circles.through(control, state, words, target)
+            passing = circles.through(control, state, words, target)
+            if passing is None:
+                self._straight(target, named, None, words)
+                return
+            arc = passing
         else:
-            arc = circles.circle(control, state, words, target, polar=polar)
+            arc = circles.circle(control, state, words, target, named=self._in_plane(named), polar=polar)
         control.arc(target, named, arc, self._number())
         state.tangent = circles.last_direction(arc)
+
+    def _in_plane(self, named: int) -> int:
+        first, second = circles.AXES[self.state.plane]
+        return named & (1 << first | 1 << second)
 
     def _tap(self, target: list[float], named: int, words: Words) -> None:
         """G331 and G332: the axis moves one lead K a turn of the spindle."""
@@ -249,6 +254,11 @@ class Motion:
             coordinates[address] = bounded(given, address) * (self.state.unit if slot < 3 else DEGREE)
         if not coordinates:
             return False
+        if control.coordinates.tip_mode and not coordinates.keys().isdisjoint("XYZ"):
+            raise Unread(
+                "machine coordinates (SUPA, G53) under TRAORI",
+                "it stays on there, so that X, Y and Z would be of the tip: write TRAFOOF before",
+            )
         if control.coordinates.compensated and control.poses.machine is not None:
             control.findings.assumed("machine coordinates (SUPA, G53) are those of the axes, without tool length")
         straight_in_machine(control, coordinates, rapid=self.state.motion == "G0")

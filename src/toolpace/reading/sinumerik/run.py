@@ -25,7 +25,7 @@ class Run:
         self.control, self.findings = control, control.findings
         self.state = State()
         self.frames = Frames(control)
-        self.motion = Motion(control, self.state)
+        self.motion = Motion(control, self.state, self.frames)
         self.tooling = Tooling(control, self.state, options)
         self.vocabulary = Vocabulary(controller)
         self.memory = Store(options.setup.variables, System(control, self.state, self.frames).read)

@@ -9,8 +9,8 @@ from toolpace.units import INCH, MILLIMETRE
 Point = tuple[float, float, float]
 GREAT_CIRCLE, ROTARY = "great circle", "rotary"
 """What a tool vector does between two blocks: turn in a plane, or as the rotary axes do in proportion."""
-EULER, RPY, RPY_XYZ = "euler", "rpy", "rpy xyz"
-"""What A2, B2 and C2 are: angles about Z, X', Z''; about Z, Y', X''; about X, Y', Z''."""
+EULER, RPY, RPY2 = "euler", "rpy", "rpy2"
+"""What A2, B2 and C2 are: angles about Z, X', Z''; about Z, Y', X''; in the other order of these, whichever that is."""
 
 
 @dataclass
@@ -63,7 +63,7 @@ SETS: dict[str, dict[str, object]] = {
     **{key: {"turning": ROTARY} for key in ("ORIMKS", "ORIAXES")},
     "ORIEULER": {"angles": EULER},
     "ORIRPY": {"angles": RPY},
-    "ORIRPY2": {"angles": RPY},
+    "ORIRPY2": {"angles": RPY2},
 }
 """What each word sets, and that alone (Programming Manual Fundamentals 12.3; Job Planning 7.2)."""
 TOLERANCES = ("G641", "G642", "G643", "G644", "G645")

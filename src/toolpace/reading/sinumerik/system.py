@@ -39,7 +39,7 @@ class System:
             tool = self.control.setup.tools.get(str(whole(index[0])))
             if tool is not None:
                 return (tool.length if name == "$TC_DP3" else tool.radius) / self.state.unit
-        if name == "$P_PFRAME":
+        if name == "$P_PFRAME" and not index and not self.frames.turns_words:
             return self.frames.programmed()
         if name == "$P_UIFR" and len(index) == 1 and whole(index[0]) in self.frames.settable:
             return self.frames.settable[whole(index[0])]

@@ -39,7 +39,11 @@ class Tooling:
                 self.change()
         edge = number(words, "D")
         if edge is not None:
+            if edge != round(edge) or edge < 0.0:
+                raise ValueFault(f"D{edge:g} is no number of a cutting edge (alarm 14090): write D1, or D0 for none")
             self.edge = round(edge)
+            if self.edge > 1 and self.control.setup.tools:
+                self.control.findings.assumed(f"D{self.edge} has the length that the sheet tells of the tool")
             self.control.set_length(None if self.edge == 0 else "")
         spindle = number(words, "S")
         if spindle is not None:

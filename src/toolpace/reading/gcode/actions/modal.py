@@ -22,6 +22,10 @@ class Modal:
     """0: XY, 1: ZX, 2: YZ."""
     motion: str | None = None
     """Meaning of the motion word in force."""
+    motion_word: str = ""
+    """The word itself, that of a cycle too."""
+    turning: str = ""
+    """The word by which the spindle turns (M3, M4); "": it is at rest."""
     cycle: str | None = None
     """Meaning of the canned cycle in force, which then rules in place of the motion."""
     exact_stop: bool = False

@@ -20,6 +20,8 @@ from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.units import DEGREE
 
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
+TOOL_VECTOR = ("I1", "J1", "K1")
+"""The tool's direction under G141 of MillPlus."""
 _USES = {
     "P": "dwells, calls or arcs (turns)",
     "Q": "cycles",
@@ -34,8 +36,7 @@ class MotionReader:
         self.source, self.control, self.state = control.source, control, state
         self.rotary = controller.option("rotary", "as written")
         self.rotary_varies = controller.option("rotary_varies", False)
-        by = controller.option
-        self.arcs = ArcReader(control, state, by("arc_centre", "by mode"), full=by("rs274_checks", False))
+        self.arcs = ArcReader(control, state, controller)
         self.by_radius = controller.option("inverse_time_by_radius", False)
         self.fanuc = controller.option("fanuc_checks", False)
         """Whether blocks are refused that Fanuc stops with an alarm."""
@@ -232,6 +233,12 @@ class MotionReader:
         return rotary_for(self.control, direction_on_part(self.control, list(vector.values())))
 
     def _refuse_word(self, letter: str) -> None:
+        if letter in TOOL_VECTOR:
+            raise RefusedError(
+                f"{letter}= of G141",
+                "in which coordinates the tool's direction stands while the table turns is not known here: write the "
+                "positions of the rotary axes (A, B, C)",
+            )
         if letter in _USES:
             raise WordError(f"{letter} has no use in this block, it belongs to {_USES[letter]}: remove it")
         if letter in "ABC" or (letter in "UVW" and self.control.poses.machine is not None):

@@ -11,7 +11,7 @@ from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.flow import Flow
 from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
 
-MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial", "length_word")
+MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial", "length_word", "turning")
 """Of `Modal`; the motion in force is not among them."""
 
 

@@ -57,6 +57,7 @@ class Tools:
     def change(self, numbers: Numbers, word: str) -> None:
         """M6: the tool that T named last."""
         numbers.pop("T", None)
+        self.state.turning = ""
         self.control.change_tool(self.state.next_tool)
         if self.with_tool:
             self.control.set_length(self.state.next_tool)

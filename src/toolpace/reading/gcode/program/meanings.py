@@ -11,7 +11,10 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "saved modes": ("save modes", "save modes for return", "forget modes", "restore modes"),
     "feed mode": ("inverse time", "feed per minute", "feed per revolution"),
     "unit": ("inch", "millimetre"),
-    "function": ("stop", "unknown function", "tool change", "tool at hand", "tip mode on", "tip mode off"),
+    "function": (
+        "stop", "turn spindle", "orient spindle", "wait for input", "unknown function", "tool change", "tool at hand",
+        "tip mode on", "tip mode off",
+    ),
     "plane": ("plane XY", "plane ZX", "plane YZ"),
     "distance": ("absolute", "incremental"),
     "arc centre": ("arc centre absolute", "arc centre incremental"),

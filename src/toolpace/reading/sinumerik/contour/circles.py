@@ -17,8 +17,12 @@ MOST_TURNS = 999
 _ENDLESS = "TURN counts whole turns: write a whole number from 0 to 999"
 
 
-def circle(control: Control, state: State, words: Words, target: list[float], *, polar: bool = False) -> Arc:
+def circle(
+    control: Control, state: State, words: Words, target: list[float], *, named: int = 0, polar: bool = False
+) -> Arc:
     """Arc of G2 or G3 to the target, which AR may set; in the program's coordinates. Raises ArcError, ValueFault.
+
+    named: bits of the axes of the plane that the block names.
 
     Of an end in `polar` coordinates the pole is the centre, where no other is told (802D sl, Operation and Programming,
     8.3: "pole = circle center point").
@@ -27,6 +31,8 @@ def circle(control: Control, state: State, words: Words, target: list[float], *,
     start, plane = control.words, state.plane
     turn = number(words, "TURN", 0.0) or 0.0
     radius, opening = number(words, "CR"), number(words, "AR")
+    if opening is not None and (radius is not None or (named and not words.keys().isdisjoint("IJK"))):
+        raise ValueFault("AR takes the end of the arc, or its centre, not both, nor CR (alarm 14900): remove one")
     if radius is not None:
         centre = centre_of_radius(start, target, radius * state.unit, plane, clockwise)
         _leave_out(words, "CR")
@@ -117,8 +123,11 @@ def _refuse_opening(opening: float) -> None:
         raise ValueFault(f"AR={opening / DEGREE:g} must lie between 0 and 360: a full circle needs I, J, K")
 
 
-def through(control: Control, state: State, words: Words, target: list[float]) -> Arc:
-    """Arc of CIP: through the point I1, J1, K1, in the plane of the three points."""
+def through(control: Control, state: State, words: Words, target: list[float]) -> Arc | None:
+    """Arc of CIP: through the point I1, J1, K1, in the plane of the three points.
+
+    None where the point lies on the straight way to the end: "a straight line is generated" (Diagnostics Guide, 14920).
+    """
     start = control.words[:3]
     between = list(start)
     for slot, letter in enumerate("IJK"):
@@ -132,6 +141,8 @@ def through(control: Control, state: State, words: Words, target: list[float]) -
     normal = _cross(a, b)
     size = math.hypot(*normal)
     if size < 1e-9 * max(math.hypot(*a) * math.hypot(*b), 1e-12):
+        if 0.0 < sum(x * y for x, y in zip(a, b)) < sum(y * y for y in b) and "TURN" not in words:
+            return None
         raise ArcError("the three points of CIP lie on a line: correct I1, J1, K1 or the end")
     normal = [value / size for value in normal]
     towards = _cross([math.hypot(*a) ** 2 * b[i] - math.hypot(*b) ** 2 * a[i] for i in range(3)], _cross(a, b))

@@ -45,6 +45,8 @@ class BSplines:
         if weight is None or not 0.0 < weight <= HEAVIEST:
             raise ValueFault(f"PW is the weight of a control point, above 0 and at most {HEAVIEST:g}: correct it")
         if step is not None:
+            if step <= 0.0:
+                raise ValueFault(f"PL={step:g} is no distance of knots (alarms 10891, 14093): write one above zero")
             self.steps.add(step)
         self.points.append(target[:3])
         self.weights.append(weight)

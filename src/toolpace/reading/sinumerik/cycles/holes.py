@@ -10,11 +10,11 @@ from toolpace.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Dri
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.sinumerik.cycles.along import Along, Levels
 from toolpace.reading.sinumerik.cycles.strokes import stop_distance, strokes_by_factor, strokes_of
-from toolpace.reading.sinumerik.cycles.taps import metric_pitch
+from toolpace.reading.sinumerik.cycles.taps import pitch_of
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
-from toolpace.units import INCH, MILLIMETRE, MINUTE
+from toolpace.units import MILLIMETRE, MINUTE
 
 MOST = 24
 """Arguments of a cycle: newer controls append theirs (_GMODE, _DMODE, _AMODE)."""
@@ -81,7 +81,17 @@ class Holes:
             raise ValueFault(f"{self.name} lacks its depth: write DP or DPR, its arguments 4 and 5")
         bottom = reference - depth if depth else arguments.number(3) * unit
         down = -1.0 if bottom <= reference else 1.0
+        if depth and back == reference:
+            self._tolerate(
+                "RTP at RFP and a relative depth",
+                "alarm 61101: raise RTP, or write DP",
+                "where the retraction plane RTP is the reference plane RFP, DPR counts downwards",
+            )
         top = reference - down * safety
+        if down > 0.0 and back > reference:
+            raise ValueFault(
+                f"{self.name}: its depth lies above RFP, where RTP lies too (alarm 61101): correct DP or RFP"
+            )
         if (back - reference) * -down < -1e-12:
             self._tolerate(
                 "RTP below RFP",
@@ -124,7 +134,10 @@ class Holes:
         whole = abs(levels.reference - levels.bottom)
         first = abs(arguments.number(6)) * unit
         if not first and arguments.given(5):
-            first = abs(levels.reference - arguments.number(5) * unit)
+            down = math.copysign(1.0, levels.bottom - levels.reference)
+            first = (arguments.number(5) * unit - levels.reference) * down
+            if first < 0.0:
+                raise ValueFault("CYCLE83: its first depth FDEP lies above RFP (alarm 61107): correct FDEP")
         if first > whole:
             self._tolerate(
                 "a first stroke below its depth",
@@ -136,7 +149,9 @@ class Holes:
             self.control.findings.assumed("CYCLE83: the feed of the first stroke is taken as that of the others (FRF)")
         safety = abs(levels.top - levels.reference)
         strokes = self._strokes(arguments, whole, first or whole)
-        clear = arguments.code(11) != 0
+        clear = arguments.code(11)
+        if clear not in (0, 1):
+            raise ValueFault(f"CYCLE83 with VARI {clear} (alarm 61002): write 0 to break chips, 1 to remove them")
         back = abs(arguments.number(14)) * unit or MILLIMETRE
         ahead = abs(arguments.number(16)) * unit or stop_distance(whole)
         dwell = self._dwell(arguments.number(8))
@@ -160,6 +175,8 @@ class Holes:
 
     def _ream(self, arguments: Arguments, levels: Levels) -> None:
         per_minute = self.state.unit / MINUTE
+        if not (arguments.number(6) and arguments.number(7)):
+            self._tolerate("no FFR or RFF", "write both", "CYCLE85 without FFR or RFF goes at the feed in force")
         way = self._along(levels)
         way.over()
         way.feed(levels.bottom, arguments.number(6) * per_minute)
@@ -174,6 +191,8 @@ class Holes:
         off = [0.0, 0.0, 0.0]
         off[first], off[second] = arguments.number(7) * unit, arguments.number(8) * unit
         off[self.axis] = arguments.number(9) * unit
+        if self.name == "CYCLE86":
+            self._spindle(arguments, 6, (3, 4), "SDIR")
         way = self._along(levels)
         way.over()
         hole = list(self.control.words)
@@ -198,6 +217,7 @@ class Holes:
         self._bore(arguments, levels)
 
     def _bore_with_stop(self, arguments: Arguments, levels: Levels) -> Drilling:
+        self._spindle(arguments, 6 if self.name == "CYCLE88" else 5, (3, 4), "SDIR")
         dwell = self._dwell(arguments.number(5)) if self.name == "CYCLE88" else 0.0
         return self._hole(levels)._replace(dwell=dwell, stops=True)
 
@@ -210,11 +230,21 @@ class Holes:
             )
             self._tap(levels, 0.0, 0.0, self._dwell(arguments.number(5)))
             return
-        pitch = self._pitch(arguments, 7, 8, 13)
+        self._spindle(arguments, 6, (3, 4, 5), "SDAC")
+        pitch = pitch_of(arguments, self.state.unit, size=7, pitch=8, kind=13)
         speed = arguments.number(10) or self.control.feed.spindle * MINUTE
         back = arguments.number(11) or speed
         strokes = self._tapping_strokes(arguments, levels)
         self._tap(levels, pitch * speed / MINUTE, pitch * back / MINUTE, self._dwell(arguments.number(5)), strokes)
+
+    def _spindle(self, arguments: Arguments, place: int, known: tuple[int, ...], name: str) -> None:
+        """Tolerate a direction of the spindle that is none: it moves nothing."""
+        if arguments.code(place) not in known:
+            self._tolerate(
+                f"{name} {arguments.code(place)}",
+                f"alarm 61102: write {' or '.join(map(str, known))}",
+                f"{self.name} without a direction of the spindle ({name}) moves as with one",
+            )
 
     def _tapping_strokes(self, arguments: Arguments, levels: Levels) -> list[tuple[float, float]]:
         """Levels of the strokes before the last, and levels that are gone back to behind them.
@@ -239,7 +269,7 @@ class Holes:
     def _floating_tap(self, arguments: Arguments, levels: Levels) -> None:
         spindle = self.control.feed.spindle
         if arguments.number(9) or arguments.number(10):
-            speed = self._pitch(arguments, 9, 10, 12) * spindle
+            speed = pitch_of(arguments, self.state.unit, size=9, pitch=10, kind=12) * spindle
         else:
             # without a pitch the feed of the program is the one that fits (G63)
             speed = self.control.feed.rate(self.state.inverse, self.control.line).speed
@@ -262,17 +292,3 @@ class Holes:
         way.feed(levels.top, out)
         self.control.stop()
         way.rapid(levels.back)
-
-    def _pitch(self, arguments: Arguments, size: int, pitch: int, unit: int) -> float:
-        """Lead of a thread [m]: by its metric size, or by itself."""
-        if arguments.number(pitch):
-            kind = arguments.code(unit)
-            if kind not in (0, 1, 3):
-                raise Unread(f"{self.name} with a pitch in modules or turns per inch", "write it in mm or inch")
-            scale = {0: self.state.unit, 1: MILLIMETRE, 3: INCH}[kind]
-            return abs(arguments.number(pitch)) * scale
-        if arguments.number(size):
-            return metric_pitch(abs(arguments.number(size)))
-        raise ValueFault(
-            f"{self.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}"
-        )

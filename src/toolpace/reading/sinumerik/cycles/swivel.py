@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.joint_moves import reference
+from toolpace.reading.control.joint_moves import reference, turn_joints
 from toolpace.reading.control.retract import retract
-from toolpace.reading.control.tool_axis import turn_to_plane
+from toolpace.reading.control.tool_axis import plane_axis, turn_to_plane
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import IDENTITY, Matrix
+from toolpace.reading.sinumerik.cycles.direct_swivel import positions, turned_with_axes
 from toolpace.reading.sinumerik.frames import Frames
 from toolpace.reading.sinumerik.given import Arguments
 from toolpace.reading.sinumerik.state import State
-from toolpace.reading.sinumerik.syntax.values import Unread, Value
+from toolpace.reading.sinumerik.syntax import frame_functions
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 from toolpace.units import DEGREE
 
 SOLID, PROJECTION, DIRECT = 1, 2, 3
 """Kinds of swivelling in bits 7 and 6 of _MODE; 0: axis by axis."""
-_CURE = "it needs data of the machine: let the CAM system write the plane axis by axis (_MODE 57)"
+PLANES_BEYOND_XY = (2, 3)
+"""Of the ones of _DMODE: G18 and G19."""
 
 
 def swivel(values: list[Value | None], control: Control, frames: Frames, state: State) -> None:
@@ -27,8 +30,14 @@ def swivel(values: list[Value | None], control: Control, frames: Frames, state: 
     if not values or arguments.text(1) == "0":
         _put(frames, IDENTITY, tilted=False)
         return
+    direct = arguments.code(3) >> 6 & 3 == DIRECT
+    _check(arguments, state, direct=direct)
+    wanted = positions(arguments, control) if direct else []
     made = affine.product(
-        affine.product(affine.shift(_point(arguments, 4, state.unit)), _turned(arguments)),
+        affine.product(
+            affine.shift(_point(arguments, 4, state.unit)),
+            turned_with_axes(wanted, control) if direct else _turned(arguments, control),
+        ),
         affine.shift(_point(arguments, 10, state.unit)),
     )
     status = arguments.code(2)
@@ -36,19 +45,42 @@ def swivel(values: list[Value | None], control: Control, frames: Frames, state: 
     if direction:
         _retract(arguments, control, state)
     if status % 10 == 1:
-        made = affine.product(affine.product(frames.plane, frames.programmed()), made)
+        made = affine.product(affine.product(affine.product(frames.plane, frames.tool), frames.programmed()), made)
     frames.clear()
     _put(frames, made, tilted=True)
-    if direction:
+    frames.plane_axis = plane_axis(control)
+    if not direction:
+        return
+    follow = status // 10 % 10 == 1
+    if direct and follow:
+        control.straight([*control.words[:3], *wanted], 0, rapid=True)
+    elif direct:
+        turn_joints(control, wanted, rapid=True)
+    else:
         control.findings.assumed(
             "CYCLE800: _DIR chooses the solution by the sign of the axis that tilts the tool or the table"
         )
-        turn_to_plane(control, follow=status // 10 % 10 == 1, rapid=True, sign=int(math.copysign(1, direction)))
-        control.stop()
+        # "if one of the two positions cannot be reached for mechanical reasons, the alternative position is
+        # automatically selected irrespective of the direction" (Operating Manual Milling 08/2018, "Swiveling plane")
+        turn_to_plane(control, follow=follow, rapid=True, sign=int(math.copysign(1, direction)), else_other=True)
+    frames.turned_to = control.placement.place(control.words)[3:]
+    control.stop()
+
+
+def _check(arguments: Arguments, state: State, *, direct: bool) -> None:
+    """Unread where the cycle asks for more than a plane square to Z."""
+    if arguments.code(15) % 10 in PLANES_BEYOND_XY or (state.plane and arguments.code(15) % 10 != 1):
+        raise Unread("CYCLE800 under G18 or G19", "the tool stands along Y or X there: write G17")
+    if arguments.code(2) // 100 % 10:
+        raise Unread(f"CYCLE800 with _ST {arguments.code(2)}", "its hundreds align a tool: write 0 there")
+    if direct and arguments.code(2) % 10 == 1:
+        raise Unread("CYCLE800 with rotary axes given directly, upon another plane (_ST 1)", "write _ST 0")
 
 
 def _put(frames: Frames, plane: Matrix, *, tilted: bool) -> None:
     frames.plane, frames.tilted = plane, tilted
+    frames.tool = frames.tool_upon = IDENTITY
+    frames.turned_to = None
     frames.put()
 
 
@@ -56,22 +88,32 @@ def _point(arguments: Arguments, first: int, unit: float) -> list[float]:
     return [arguments.number(first + k) * unit for k in range(3)]
 
 
-def _turned(arguments: Arguments) -> Matrix:
+def _turned(arguments: Arguments, control: Control) -> Matrix:
     """The turns by _A, _B, _C: of the 1st, 2nd and 3rd, about the axes that _MODE names in its bits."""
     mode = arguments.code(3)
     kind = mode >> 6 & 3
     angles = [arguments.number(7 + k) * DEGREE for k in range(3)]
     if kind == SOLID:
         return affine.turns((2, angles[0]), (1, angles[1]))
-    if kind in (PROJECTION, DIRECT):
-        name = "projection angles" if kind == PROJECTION else "rotary axes given directly"
-        raise Unread(f"CYCLE800 with {name} (_MODE {mode})", _CURE)
-    named = [mode >> shift & 3 for shift in (0, 2, 4)]
-    steps = [(axis - 1, angle) for axis, angle in zip(named, angles) if axis]
-    lost = [angle for axis, angle in zip(named, angles) if not axis and angle]
+    named = [(mode >> shift & 3) - 1 for shift in (0, 2, 4)]
+    if kind == PROJECTION:
+        return _projected(named, angles, control)
+    lost = [angle for axis, angle in zip(named, angles) if axis < 0 and angle]
     if lost:
         raise Unread(f"CYCLE800 with _MODE {mode}", "an angle has no axis there: write 57 for X, Y, Z")
-    return affine.turns(*steps)
+    return affine.turns(*((axis, angle) for axis, angle in zip(named, angles) if axis >= 0))
+
+
+def _projected(named: list[int], angles: list[float], control: Control) -> Matrix:
+    """The plane by its angles in two planes of the coordinates, as ROTS has them, then turned about the third axis."""
+    if sorted(named) != [0, 1, 2]:
+        raise Unread(
+            "CYCLE800 with projection angles whose axes _MODE does not name",
+            "name all three in its bits, as 185 for X, Y, then Z, or write the plane axis by axis (_MODE 57)",
+        )
+    control.findings.assumed("CYCLE800 with projection angles turns as ROTS does, then about the third axis")
+    pair = {"XYZ"[axis]: angle / DEGREE for axis, angle in zip(named[:2], angles)}
+    return affine.product(frame_functions.solid(pair), affine.rotation(named[2], angles[2]))
 
 
 def _retract(arguments: Arguments, control: Control, state: State) -> None:
@@ -83,6 +125,9 @@ def _retract(arguments: Arguments, control: Control, state: State) -> None:
         if way == 2:
             reference(control, 1, ["X", "Y"])
     elif way in (4, 5):
-        retract(control, None if way == 4 else abs(arguments.number(14)) * state.unit, rapid=True)
+        distance = arguments.number(14) * state.unit
+        if way == 5 and distance < 0.0:
+            raise ValueFault("CYCLE800: _FR_I, the way of its retract, is below zero: correct it")
+        retract(control, None if way == 4 else distance, rapid=True)
     elif way:
         raise Unread(f"CYCLE800 with _FR {way}", "it is 0, 1, 2, 4 or 5: correct it")

@@ -21,6 +21,8 @@ from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault, 
 from toolpace.reading.source import Source
 
 SKIPPED = "/"
+LATE = "DEF behind blocks that do something defines all the same (controls stop there: alarm 14500)"
+DECLARATIONS = ("DEF", "PROC", "EXTERN")
 
 
 class Actions(Protocol):
@@ -43,6 +45,9 @@ class Actions(Protocol):
 
     def ignored(self, word: str) -> None:
         """Count a word that moves nothing."""
+
+    def assume(self, sentence: str) -> None:
+        """Say what is taken for granted."""
 
     def refuse(self, word: str, line: int, cure: str) -> None:
         """Note a word that is not read."""
@@ -79,6 +84,10 @@ class Interpreter:
             head, said = frame.routine.read(index)
             if not head.rest and not head.label:
                 continue
+            if head.skip and head.rest[:1].isdigit():
+                self.source.fail(
+                    "levels of / are 0 to 9 (alarm 14060): correct it", frame.line or frame.routine.first + index
+                )
             if head.skip and self.block_delete:
                 self.actions.ignored(SKIPPED)
                 continue
@@ -88,6 +97,10 @@ class Interpreter:
             try:
                 if block.fault:
                     raise ValueFault(block.fault)
+                if block.flow is None or block.flow.kind not in DECLARATIONS:
+                    frame.begun = frame.begun or bool(head.rest)
+                elif frame.begun and block.flow.kind == "DEF":
+                    self.actions.assume(LATE)
                 if block.flow is not None:
                     if not self.jumps.apply(block.flow, frame, index):
                         self._call_of(block.flow)

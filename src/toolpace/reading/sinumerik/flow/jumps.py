@@ -37,7 +37,7 @@ class Jumps:
         elif kind in ("REPEAT label", "REPEATB label", "CALL BLOCK"):
             self._repeat(flow, frame, index)
         elif kind == "DEF":
-            self._define(flow)
+            self._define(flow, frame, index)
         else:
             return kind in ("ENDIF", "ENDLABEL")
         return True
@@ -125,12 +125,14 @@ class Jumps:
         ends = [place for place in routine.labels.get("ENDLABEL", []) if place > first]
         return ends[0] if ends else max(index, first)
 
-    def _define(self, flow: Flow) -> None:
+    def _define(self, flow: Flow, frame: Frame, index: int) -> None:
         kind, *rest = flow.names
         values = list(flow.values)
         for name, count in zip(rest[::2], rest[1::2]):
             sizes = [values.pop(0) for _ in range(int(count))]
             start = values.pop(0)
+            if frame.defined.setdefault(name, index) != index:
+                raise ValueFault(f"{name} is defined twice (alarm 12170): remove one DEF of it")
             made = self.memory.define(name, kind, tuple(whole(size(self.memory)) for size in sizes if size is not None))
             if start is not None and not sizes:
                 made.set((), start(self.memory), name)

@@ -9,8 +9,10 @@ from toolpace.reading.sinumerik.syntax.expressions import r_number
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, shown, whole
 from toolpace.units import MILLIMETRE
 
+LARGEST_INT = (1 << 31) - 1
 MOST_ELEMENTS = 100_000
 """Elements of one array."""
+MOST_DIMENSIONS = 3
 START: Mapping[str, Value] = {"REAL": 0.0, "INT": 0, "BOOL": False, "CHAR": 0, "STRING": "", "AXIS": Axis("X")}
 Local = dict[str, "Variable"]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
@@ -21,6 +23,8 @@ class Variable:
 
     def __init__(self, kind: str, sizes: tuple[int, ...] = ()) -> None:
         elements = 1
+        if len(sizes) > MOST_DIMENSIONS:
+            raise ValueFault(f"an array of {len(sizes)} dimensions cannot be (alarm 12190): write at most 3")
         for size in sizes:
             elements *= size
             if not 0 < size <= MOST_ELEMENTS or elements > MOST_ELEMENTS:
@@ -54,7 +58,10 @@ def converted(value: Value, kind: str, name: str) -> Value:
     if kind == "REAL":
         return float(real(value))
     if kind in ("INT", "CHAR"):
-        return round(real(value))
+        whole_number = round(real(value))
+        if not -LARGEST_INT - 1 <= whole_number <= LARGEST_INT:
+            raise ValueFault(f"{name} is of type {kind} and cannot be {whole_number}: correct it")
+        return whole_number
     if kind == "BOOL":
         return bool(real(value))
     fits = {"STRING": isinstance(value, str), "AXIS": isinstance(value, Axis)}

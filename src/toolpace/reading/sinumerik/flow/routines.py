@@ -26,7 +26,10 @@ _STRUCTURED = re.compile(
     rf"\s*+(?:/[0-9]?+\s*+)?(?:[N:]\s*+[0-9]++\s*+)?(?:\w++\s*+:\s*+)?(?:{_WORDS})\b",
     re.IGNORECASE,
 )
+DEEPEST = 16
+"""Choices and loops within each other in one program."""
 CLOSES = {"ENDIF": "IF", "ELSE": "IF", "ENDFOR": "FOR", "ENDWHILE": "WHILE", "ENDLOOP": "LOOP", "UNTIL": "REPEAT"}
+STRUCTURES = frozenset({*CLOSES, *CLOSES.values()})
 
 
 class StructureFault(Exception):
@@ -75,8 +78,14 @@ class Routine:
             kind = "" if block.flow is None else block.flow.kind
             if block.fault and spoilt is None:
                 spoilt = StructureFault(block.fault, index)
+            if kind in STRUCTURES:
+                beginning = head(text)
+                if beginning.skip or beginning.label:
+                    raise StructureFault(f"{kind} has neither / nor a label before it (alarm 12630)", index)
             if kind in ("IF", "FOR", "WHILE", "LOOP", "REPEAT"):
                 opened.append((kind, index))
+                if len(opened) > DEEPEST:
+                    raise StructureFault(f"choices and loops are more than {DEEPEST} deep (alarm 12641)", index)
             elif kind in CLOSES:
                 if not opened or opened[-1][0] != CLOSES[kind]:
                     inside = f", the last open one is {opened[-1][0]}" if opened else ""

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from toolpace.reading.sinumerik.flow.memory import Local
 from toolpace.reading.sinumerik.flow.routines import Routine
 from toolpace.reading.sinumerik.syntax.values import ValueFault
 
 DEEPEST = 60
-"""Levels of calls and repetitions; the control has 16."""
+"""Levels of calls and repetitions."""
+DEEPEST_CALL = 16
+"""Levels of programs, the main program too (Job Planning, "Subprogram nesting")."""
 MOST_TIMES = 9999
 """Times of P."""
 
@@ -32,6 +34,10 @@ class Frame:
     """Whether MCALL made this call: blocks within make none."""
     line: int = 0
     """Line of the caller, for routines of other files."""
+    begun: bool = False
+    """Whether a block has been executed that declares nothing."""
+    defined: dict[str, int] = field(default_factory=dict)
+    """Index of the line of each DEF, by name."""
 
 
 class Stack(list[Frame]):
@@ -39,6 +45,11 @@ class Stack(list[Frame]):
 
     def push(self, frame: Frame) -> None:
         """Go one level deeper. Raises ValueFault."""
+        calls = 1 + sum(each.local is not None for each in self)
+        if frame.local is not None and calls >= DEEPEST_CALL:
+            raise ValueFault(
+                f"calls are more than {DEEPEST_CALL} levels deep (alarm 14012): does {frame.routine.name} call itself?"
+            )
         if len(self) >= DEEPEST:
             raise ValueFault(f"calls are more than {DEEPEST} levels deep: does {frame.routine.name} call itself?")
         self.append(frame)
@@ -46,6 +57,6 @@ class Stack(list[Frame]):
 
 def times_of(value: int, name: str) -> int:
     """How often a subprogram or a part is executed."""
-    if not 0 <= value <= MOST_TIMES:
-        raise ValueFault(f"{name} P={value}: it can be executed 0 to {MOST_TIMES} times")
+    if not 1 <= value <= MOST_TIMES:
+        raise ValueFault(f"{name} P={value}: it can be executed 1 to {MOST_TIMES} times (alarm 14013)")
     return value

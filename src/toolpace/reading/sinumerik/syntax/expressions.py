@@ -226,11 +226,15 @@ class Named:
         return memory.variable(self.name, ())
 
 
+MOST_R = 32_536
+"""Of MD28050, which says how many a machine has."""
+
+
 def r_number(value: Value) -> int:
     """Number of an R parameter."""
     found = whole(value)
-    if not 0 <= found < 100_000:
-        raise ValueFault(f"R{found} is no R parameter: they are numbered from 0")
+    if not 0 <= found < MOST_R:
+        raise ValueFault(f"R{found} is no R parameter (alarm 12290): controls have at most R0 to R{MOST_R - 1}")
     return found
 
 

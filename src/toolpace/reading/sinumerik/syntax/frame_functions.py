@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from toolpace.reading.coordinates import affine
@@ -59,3 +60,34 @@ def scale(factors: dict[str, float]) -> Matrix:
 def mirror(letters: Sequence[str]) -> Matrix:
     """Reflections along the axes."""
     return affine.scaling([-1.0 if axis in letters else 1.0 for axis in SLOTS])
+
+
+def solid(degrees: dict[str, float]) -> Matrix:
+    """ROTS: a plane by the angles of its intersections with two planes of the coordinates [deg].
+
+    X, Y: the new X axis lies in the old ZX plane; Z, X: the new Z axis in the old YZ plane; Y, Z: the new Y axis in
+    the old XY plane (K2, frame rotations with solid angles).
+    """
+    if len(degrees) != 2:
+        raise ValueFault("ROTS takes two angles: X and Y, Y and Z, or Z and X")
+    missing = next(slot for slot in range(3) if "XYZ"[slot] not in degrees)
+    first, second = (missing + 1) % 3, (missing + 2) % 3
+    a, b = degrees["XYZ"[first]] * DEGREE, degrees["XYZ"[second]] * DEGREE
+    along, across = [0.0] * 3, [0.0] * 3
+    along[first], along[missing] = math.cos(b), -math.sin(b)
+    across[second], across[missing] = math.cos(a), math.sin(a)
+    normal = _unit(cross(along, across))
+    columns = {first: along, second: cross(normal, along), missing: normal}
+    return affine.linear([[columns[column][row] for column in range(3)] for row in range(3)])
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    """The vector product (3,)."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _unit(a: list[float]) -> list[float]:
+    size = math.hypot(*a)
+    if size < 1e-9:
+        raise ValueFault("these angles of ROTS span no plane: correct them")
+    return [value / size for value in a]

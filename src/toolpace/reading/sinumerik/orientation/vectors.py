@@ -10,11 +10,13 @@ from toolpace.reading.control.unroll import AXIS_GAP
 from toolpace.reading.coordinates import affine
 from toolpace.reading.sinumerik.given import Words, bounded
 from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, State
-from toolpace.reading.sinumerik.syntax.values import ValueFault
+from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.units import DEGREE
 
 VECTOR, ANGLES = ("A3", "B3", "C3"), ("A2", "B2", "C2")
 OF_VECTOR, ASKED = frozenset(VECTOR), frozenset((*VECTOR, *ANGLES))
+SAME = 1e-9
+"""Between directions that are one."""
 MOST_HALVINGS = 10
 """Of the way between two tool vectors."""
 
@@ -42,7 +44,7 @@ class Vectors:
             vector = [self._one(words, address) for address in VECTOR]
         else:
             a, b, c = (self._one(words, address) * DEGREE for address in ANGLES)
-            vector = list(affine.direct(self._turns(a, b, c), (0.0, 0.0, 1.0)))
+            vector = self._by_angles(a, b, c)
         if math.hypot(*vector) < 1e-6:
             raise ValueFault("the tool vector is zero: give the direction from the tip to the spindle")
         return direction_on_part(self.control, vector)
@@ -52,12 +54,24 @@ class Vectors:
         given = words.pop(address, None)
         return 0.0 if given is None else bounded(given, address)
 
-    def _turns(self, a: float, b: float, c: float) -> affine.Matrix:
+    def _by_angles(self, a: float, b: float, c: float) -> list[float]:
+        """The tool axis (3,) by A2, B2, C2 [rad], of a vector that was along Z.
+
+        Job Planning tells ORIRPY as C2 about Z, B2 about the new Y, A2 about the newest X; NC Programming 12/2019 calls
+        it "rotation sequence XYZ", and ORIRPY2 "ZYX". Both are the same where but one angle tilts the tool. Raises
+        Unread.
+        """
+        upright = (0.0, 0.0, 1.0)
         if self.state.angles == EULER:
-            return affine.turns((2, a), (0, b), (2, c))
-        if self.state.angles == RPY:
-            return affine.turns((2, c), (1, b), (0, a))
-        return affine.turns((0, a), (1, b), (2, c))
+            return list(affine.direct(affine.turns((2, a), (0, b), (2, c)), upright))
+        found = affine.direct(affine.turns((2, c), (1, b), (0, a)), upright)
+        if math.dist(found, affine.direct(affine.turns((0, a), (1, b), (2, c)), upright)) > SAME:
+            if self.state.angles != RPY:
+                raise Unread("ORIRPY2 with several angles", "their order is not told: write A3=, B3=, C3=")
+            self.control.findings.assumed(
+                "ORIRPY turns by C2 about Z, by B2 about the new Y, by A2 about the newest X (newer manuals say XYZ)"
+            )
+        return list(found)
 
     def rotary(self, vector: list[float]) -> list[float]:
         """Rotary words for a tool axis on the part."""
