@@ -185,9 +185,10 @@ class Moves:
         reread = first
         while reread + 1 < len(array) and array[reread + 1, self.kind] == JUMP:
             reread += 1
-        if reread > first and array[reread, -1] != array[first, -1]:
-            # no way leads to the start: it is the tip that is reckoned with where the first motion begins
+        if reread > first and array[reread, -1] != array[first, -1] and array[reread, -2] == array[first, -2]:
+            # no way leads to the start: of the same tool it is the tip that is reckoned with where the motion begins
             dwell[reread] += dwell[first:reread].sum()
+            array[reread, width + 3 : width + 5] = array[first, width + 3 : width + 5]  # of the block that came there
             first = reread
         arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
         curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}

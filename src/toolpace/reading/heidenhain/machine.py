@@ -22,6 +22,10 @@ from toolpace.reading.heidenhain.state import State
 from toolpace.units import DEGREE
 
 UNKNOWN = "leave it out if it moves nothing, or name it under `ignored` in the controller's file"
+UNTILTED = (
+    "M130: X, Y and Z are the linear axes as without the plane (under M128 the tip), and what was programmed in the "
+    "plane does not count"
+)
 FULL_TURN = 360.0 * DEGREE
 MOST_FUNCTIONS = 4
 """Of a block (TNC 640 Klartext, "Entering miscellaneous functions M"; iTNC 530 takes two)."""
@@ -272,6 +276,7 @@ class MachineFunctions:
             if plane is None:
                 step()
                 return
+            self.control.findings.assumed(UNTILTED)
             frames.plane, frames.within = None, type(within)()
             frames.apply()
             step()
