@@ -55,7 +55,7 @@ class Motion:
         """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
         control, state = self.control, self.state
         start, polar = control.words, "AP" in words or "RP" in words
-        turned = any(letter in words for letter in control.slots if letter not in "XYZ")
+        turned = self.vectors.asked(words) and any(letter in words for letter in control.slots if letter not in "XYZ")
         if self.splines.end:
             control.words, present = self.splines.end, start
             try:
@@ -65,7 +65,7 @@ class Motion:
         else:
             target, named = self.target(words)
         path_axis = bool(named)
-        if turned_alone(control, self.frames, state, target, named):
+        if self.frames.tilted and turned_alone(control, self.frames, state, target, named):
             if self.corners.waiting is not None:
                 self._before(target, False)
             self.programmed = control.words
