@@ -16,7 +16,7 @@ from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED
 from toolpace.reading.sinumerik.given import Given, Words, bounded
 from toolpace.reading.sinumerik.groups import fault_of
-from toolpace.reading.sinumerik.motion import OF_ARCS
+from toolpace.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
@@ -238,6 +238,9 @@ class Executor:
         else:
             self.commands.reference(code, words)
             self.motion.here()
+        for address in words:
+            if address in AXES:
+                raise ValueFault(f"{code} beside {address}: no motion stands there; write it in another block")
 
     def _move(self, now: Now) -> bool:
         words, moved = now.words, False
