@@ -24,6 +24,8 @@ from toolpace.units import DEGREE
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
+STILL = ("MSG", "FGROUP", "CYCLE832")
+"""Commands that may stand beside motion."""
 POLES = ("G110", "G111", "G112")
 OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
 
@@ -106,6 +108,8 @@ class Executor:
         words = self._words(block)
         if block.assignments:
             self._assign(block)
+        if words and (block.calls or block.codes):
+            self._alone(block, words)
         now = Now(words)
         dwells = "G4" in block.codes
         if words and not dwells:
@@ -125,6 +129,7 @@ class Executor:
             self._call(call, words)
         if words:
             self._ask(words)
+            self.motion.round_from_here(words)
         with self.feed_words.of_block(words):
             moved = self._move(now) if words else False
         if now.stop_after:
@@ -132,6 +137,13 @@ class Executor:
         if now.ends:
             self.interpreter.end()
         return moved
+
+    def _alone(self, block: Block, words: Words) -> None:
+        """ValueFault where a cycle or a command that moves, or changes coordinates, stands beside words of axes."""
+        for name in (*(call.name for call in block.calls), *block.codes):
+            if name in self.commands.known and name not in STILL and self.motion.has_axes(words):
+                address = next((address for address in words if address in AXES), next(iter(words)))
+                raise ValueFault(f"{name} beside {address}: which of them is first is not told; write two blocks")
 
     def _words(self, block: Block) -> Words:
         if block.plain:

@@ -125,6 +125,11 @@ class Motion:
                 return f"{name}=", kind, size * state.unit
         return ("RNDM=", ROUND, state.rounding) if state.rounding and state.motion != "G0" else None
 
+    def round_from_here(self, words: Words) -> None:
+        """RNDM in a block without motion: the radius of every corner from the next block on, 0 for none."""
+        if "RNDM" in words and not self.has_axes(words):
+            self.state.rounding = (number(words, "RNDM") or 0.0) * self.state.unit
+
     def _put(self, name: str, kind: str, size: float, came_from: list[float]) -> None:
         try:
             self.corners.put(name, kind, size, came_from)
