@@ -42,7 +42,8 @@ class Read:
         lines = [line.replace("UPRIGHT", upright) for line in begin] + [f"G1 X20 Y10 Z200 {turned} F500", *close]
         self.sheet = sheet
         self.line = len(lines) - len(close)
-        setup, text = setup_of_text(self.sheet), "\n".join(lines) + "\n"
+        end = ["M30"] if controller in ("fanuc", "haas", "linuxcnc") else []
+        setup, text = setup_of_text(self.sheet), "\n".join([*lines, *end]) + "\n"
         self.path = tp.read_text(text, self.machine, setup=setup, controller=controller, name="x" + suffix)
 
     @property

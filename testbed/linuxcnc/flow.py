@@ -147,3 +147,53 @@ def modes_kept(writer: Writer) -> None:
         writer.put("M72")
     writer.inch, writer.absolute, writer.plane, writer.mode = was
     writer.put("G1", writer.axes(0.5), writer.f())
+
+
+def with_blanks(writer: Writer) -> None:
+    """O-words with blanks in them, rounds that are no whole number, values with and without brackets."""
+    writer.labels += 1
+    name = f"o{writer.labels}"
+    value = writer.random.choice(["[2.7]", "[1.5]", "[2.5]", "[-1]", "[0.4]", "[2]", "[#10]", "2", "[2] [3]"])
+    writer.put(f"#10={writer.random.randint(0, 2)}")
+    if writer.chance(0.5):
+        writer.put(f"{name} repeat {value}")
+        inside(writer)
+        writer.put(f"{name} {writer.random.choice(['end repeat', 'endrepeat', 'endrepeat [1]'])}")
+        return
+    writer.put(f"{name} if {value}")
+    inside(writer)
+    writer.put(f"{name} {writer.random.choice(['else if [1]', 'elseif [0]', 'else'])}")
+    inside(writer)
+    writer.put(f"{name} {writer.random.choice(['end if', 'endif', 'e n d i f'])}")
+
+
+def reckoned(writer: Writer) -> None:
+    """A subprogram that is called by a number that is reckoned."""
+    writer.labels += 1
+    number, f = writer.labels, writer.f() if writer.mode == "G93" else ""
+    writer.subs.append([f"o{number} sub", f"G1 X#1 {f}".rstrip(), f"o{number} end sub"])
+    writer.put(f"#11={number / 2}")
+    arguments = writer.random.choice(["", "[3]", "[1] [2]", " ".join(["[1]"] * writer.random.choice([30, 31]))])
+    writer.put(f"o[#11*2] call {arguments}".rstrip())
+
+
+def labels(writer: Writer) -> None:
+    """Two loops or conditions, of one label or of two; in one subprogram, or not."""
+    writer.labels += 2
+    first, second = writer.labels, writer.labels - writer.random.choice([0, 1])
+    lines, writer.lines = writer.lines, []
+    in_sub = writer.chance(0.5)
+    writer.labels += 1
+    for k, name in enumerate((first, second)):
+        if in_sub and k == 0:
+            writer.put(f"o{writer.labels} sub")
+        writer.put(f"o{name} if [{writer.random.randint(0, 1)}]")
+        inside(writer)
+        writer.put(f"o{name} endif")
+        if in_sub and k == 0:
+            writer.put(f"o{writer.labels} endsub")
+            writer.subs.append(writer.lines)
+            writer.lines = []
+    writer.lines = lines + writer.lines
+    if in_sub:
+        writer.put(f"o{writer.labels} call")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -45,6 +46,10 @@ class Job:
     """Of G28 (1) and G30 (2)."""
     tools: dict[int, float] = field(default_factory=dict)
     """Lengths [mm] by number."""
+    numbered: bool = True
+    """Whether N words are the numbers of their lines."""
+    beside: Path | None = None
+    """A folder with the files that the program calls."""
 
     def parameters(self) -> dict[int, float]:
         """Of the interpreter: 5161 and 5181 on are the references, 5221 on the offsets, twenty apart."""

@@ -50,6 +50,10 @@ def origin(writer: Writer) -> None:
 
 
 def length(writer: Writer) -> None:
+    if writer.inch != writer.length_in_inch:
+        # `rs274` alone takes the length before for one of the unit at hand: until the next word of Z it is elsewhere
+        writer.put("G49")
+        writer.to()
     writer.length_in_inch = writer.inch
     known = "G43 H1" if writer.told_tool else "G43"
     offset = writer.axes(0.3, turning=0.0)

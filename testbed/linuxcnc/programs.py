@@ -7,6 +7,7 @@ an interpreter says of them can be told apart.
 from __future__ import annotations
 
 from testbed.linuxcnc import flow, modes, motions
+from testbed.linuxcnc.edges import EDGES
 from testbed.linuxcnc.job import OFFSETS, Job
 from testbed.linuxcnc.writer import Writer
 
@@ -33,7 +34,7 @@ def program(writer: Writer) -> str:
         modes.unit, modes.distance, modes.planes, modes.feed, modes.dwell, modes.offset, modes.position, modes.origin,
         modes.length, modes.tool, motions.machine, motions.reference, modes.mode_of_path, modes.assign, modes.system,
         motions.deleted, flow.loop, flow.call, motions.turn, flow.deep, flow.by_number, modes.at_once, flow.together,
-        flow.modes_kept,
+        flow.modes_kept, flow.with_blanks, flow.reckoned, flow.labels, *EDGES,
     ]  # fmt: skip
     # few kinds in each program: a difference is told by what it stands among
     kinds = common + [writer.random.choice(rare) for _ in range(10)]

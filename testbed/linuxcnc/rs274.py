@@ -19,6 +19,13 @@ def available() -> str | None:
     return shutil.which("rs274")
 
 
+def copy_called(folder: Path, place: Path) -> None:
+    """The programs of a folder, which one of them may call, into another."""
+    for path in sorted(folder.glob("*.ngc")):
+        if path.is_file():
+            shutil.copyfile(path, place / path.name)
+
+
 def judged(
     program: str,
     parameters: Mapping[int, float] | None = None,
@@ -26,13 +33,17 @@ def judged(
     *,
     block_delete: bool = True,
     seconds: float = SECONDS,
+    beside: Path | None = None,
 ) -> Judged:
     """What `rs274` makes of a program.
 
     parameters: of the interpreter, by number [inch, deg]. tools: length by number [inch]; tool n stands in pocket n.
+    beside: a folder with the files that the program calls; they are looked for nowhere else.
     """
     with tempfile.TemporaryDirectory(prefix="rs274.") as folder:
         place = Path(folder)
+        if beside is not None:
+            copy_called(beside, place)
         (place / "part.ngc").write_text(program, encoding="utf-8")
         lines = [f"{number} {value:.12f}" for number, value in sorted((parameters or {5220: 1.0}).items())]
         (place / "part.var").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -19,7 +19,9 @@ PRINTED = 3e-4
 class Walk:
     """Our points, one motion of the interpreter after the other."""
 
-    def __init__(self, ours: ToolPath, theirs: Judged) -> None:
+    def __init__(self, ours: ToolPath, theirs: Judged, *, numbered: bool = True) -> None:
+        """numbered: whether the N of each line is its number, which is then compared too."""
+        self.numbered = numbered
         assert ours.rotary is not None
         self.ours, self.theirs = ours, theirs
         turned = ours.rotary / DEGREE
@@ -66,7 +68,7 @@ class Walk:
                 return f"we go to {self.points[self.at].round(4)} (line {line}), {off:.4g} mm off"
             if bool(self.ours.rapid[self.at]) != motion.rapid:
                 return f"rapid with one, feed with the other (line {line})"
-            if motion.line and line != motion.line:
+            if self.numbered and motion.line and line != motion.line:
                 return f"we are on line {line}, it is of {motion.line}"
             spent += float(self.times[self.at])
             self.waited += float(self.ours.dwell[self.at])
@@ -76,7 +78,7 @@ class Walk:
     def _of_time(motion: Motion, spent: float, near: float) -> str:
         wanted = motion.seconds()
         rate = (motion.rate / motion.unit) if motion.travels() else motion.turn
-        size = motion.radius() if motion.normal >= 0 else motion.length()
+        size = min(motion.radius(), motion.length()) if motion.normal >= 0 else motion.length()
         doubt = 4 * near / max(size, near) + 1e-4 / max(rate, 1e-4)
         if abs(spent - wanted) <= wanted * (1e-6 + doubt):
             return ""

@@ -13,8 +13,14 @@ from toolpace.arrays import Floats
 CYCLES = {
     "drill": "G81", "dwell": "G82", "peck": "G83", "break": "G73", "tap": "G84", "bore": "G85", "bore and dwell": "G89",
 }  # fmt: skip
-RANK = {"shift": 0, "turn": 1, "plane": 1, "scale": 2, "mirror": 3}
-"""The order in which frames act, whatever the order of the program."""
+WITHIN = {
+    "shift": (),
+    "plane": ("shift",),
+    "mirror": ("shift", "plane"),
+    "scale": ("shift", "plane", "mirror"),
+    "turn": ("shift", "mirror", "scale"),
+}
+"""Kinds of frames, and those within which each may begin: "G51.1, G51 and G68 in this order" (Fanuc)."""
 
 
 class WordAddress(Words):
@@ -22,9 +28,12 @@ class WordAddress(Words):
 
     # Frames
 
+    turned = 2
+    """Slot of the normal of the plane that G68 turns."""
+
     def fits(self, kind: str) -> bool:
         """Whether a frame acts inside those that are there."""
-        return all(RANK[other] < RANK[kind] for other, _ in self.native)
+        return all(other in WITHIN[kind] for other, _ in self.native)
 
     def begin_frame(self, node: Frame, matrix: Floats) -> bool:
         kind = node.kind
@@ -33,7 +42,7 @@ class WordAddress(Words):
         if kind == "shift":
             self.block(f"G52 {self.words(node.value)}")
         elif kind == "turn":
-            slot = int(node.value[0])
+            slot = self.turned = int(node.value[0])
             self.plane_word = ("G19", "G18", "G17")[slot]
             zero = " ".join(f"{letter}0." for k, letter in enumerate("XYZ") if k != slot)
             self.block(self.plane_word)
@@ -46,6 +55,10 @@ class WordAddress(Words):
             how = f"P{factor / self.factor:.0f}" if self.factor != 1.0 else f"P{text(factor)}"
             self.block(f"G51 X0. Y0. Z0. {how}")
         return True
+
+    def arc_fits(self, slot: int) -> bool:
+        """ "The coordinate rotation plane and arc [...] plane must be the same" (Fanuc, alarm 144)."""
+        return slot == self.turned or not any(kind == "turn" for kind, _ in self.native)
 
     def has(self, kind: str) -> bool:
         return kind == "shift" or (kind == "turn" and self.rotates) or (kind in ("scale", "mirror") and self.scales)

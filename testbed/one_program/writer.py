@@ -152,8 +152,14 @@ class Writer(Dialect):
                 self.world.add(move)
                 return
             raise CannotWriteError("an arc that lies in no plane of the control")
+        if not self.arc_fits(slot):
+            raise CannotWriteError("an arc in another plane than that of a turn")
         self.say_arc(move, told, frames.on(seen, node.to), NORMAL.index(slot), bool(normal[slot] > 0.0))
         self.world.add(move)
+
+    def arc_fits(self, slot: int) -> bool:
+        """Whether arcs across X, Y or Z (0, 1, 2) may stand in the frames that are there."""
+        return True
 
     def any_arc(self, move: Move) -> bool:
         """Whether arcs may lie in any plane."""

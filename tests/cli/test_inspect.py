@@ -317,7 +317,7 @@ def test_a_plan_keeps_how_it_was_read_and_is_judged_by_it(five, tmp_path, capsys
     said = json.loads((out / "plan.json").read_text())
     assert said["reading"] == {
         "controller_file": "controller.toml", "setup_file": "setup.toml", "skip_unknown": False, "compensation": "",
-        "max_blocks": 100,
+        "max_blocks": 100, "lenient": False, "others": [],
     }  # fmt: skip
     assert load_setup(out / "setup.toml").tools == load_setup(sheet).tools
     assert Machine.load(out / "machine.toml").file.chain.workpiece_origin == pytest.approx((0.005, 0, 0.06))

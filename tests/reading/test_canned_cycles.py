@@ -65,7 +65,7 @@ def test_r_alone_drills_no_hole_and_holds_for_the_next(controller):
 @pytest.mark.parametrize("word", ["R3", "Q1"])
 def test_linuxcnc_refuses_words_of_a_cycle_without_an_axis(word):
     """Its interpreter: "R word with no g code that uses it"; see test_against_rs274."""
-    with pytest.raises(ProgramError, match=f"{word[0]} without an axis drills nothing"):
+    with pytest.raises(ProgramError, match=f"{word[0]} has no use in this block"):
         read_for("linuxcnc", START + f"G98 G83 X1 Y0 Z-3 R2 Q2\n{word}\nX2\nG80\nM2")
 
 

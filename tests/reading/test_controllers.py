@@ -43,7 +43,7 @@ def test_a_machine_may_start_with_kinematics_that_hold_the_tip(tmp_path):
     head = tmp_path / "head.toml"
     head.write_text('name = "head"\nnote = "holds the tip"\nlike = "linuxcnc"\n[options]\ntip_mode_at_start = true\n')
     machine = Machine.load("linuxcnc-xyzbc-bridgemill")
-    body = "G49\nG0 X10 Y5 Z-20 B0 C0\nG1 B30 C90 F500\nM429\nB0\n"
+    body = "G49\nG0 X10 Y5 Z-20 B0 C0\nG1 B30 C90 F500\nM429\nB0\nM2\n"
     started = read_text(body, machine, controller=head)
     switched = read_text("M428\n" + body, machine, controller="linuxcnc")
     assert started.tip.tolist() == switched.tip.tolist() and started.rotary.tolist() == switched.rotary.tolist()

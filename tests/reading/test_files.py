@@ -76,7 +76,7 @@ def test_unknown_dialect():
         read_text(GCODE, dialect="stl")
 
 
-PROGRAM = "M428\nG0 X0 Y0 Z0 A0\nG1 X10 F600\nA30 F60\nG93 X20 F10\nX21 A40 F10\n"
+PROGRAM = "M428\nG0 X0 Y0 Z0 A0\nG1 X10 F600\nA30 F60\nG93 X20 F10\nX21 A40 F10\nM2\n"
 
 
 def test_feed_none_takes_every_cap_away():

@@ -33,7 +33,7 @@ WRONG = {
     "M function": ("sinumerik", SINUMERIK, f"M{'9' * 400}", "are whole numbers"),
 }
 RIGHT = {
-    "blanks before a word": ("sinumerik", SINUMERIK, f"ENDIFX_1: R2=0\nIF 0\n{BLANKS}R1=1\nENDIF"),
+    "blanks before a word": ("sinumerik", SINUMERIK, f"ENDIFX_1: R2=1\nIF 0\n{BLANKS}R1=1\nENDIF"),
     "blanks before a structure": ("sinumerik", SINUMERIK, f"{BLANKS}IF 1\n/ N10{BLANKS}LABEL_1:{BLANKS}R1=1\nENDIF"),
     "text with a semicolon": ("heidenhain", HEIDENHAIN, 'QS1 = "A;B" ; "C'),
     "point behind a name": ("heidenhain", HEIDENHAIN, "CYCL DEF 11.1 SCL.5"),

@@ -143,9 +143,9 @@ def test_a_cycle_that_began_below_r_goes_to_r_first():
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("word", ["G84", "G74", "G89"])
-def test_taps_and_g89_feed_out_to_the_initial_level(word):
-    assert cycle(f"G98 {word} X1 Z-3 R2 P1") == [[1, 10], [1, 2], [1, -3], [1, 10]]
+@pytest.mark.parametrize(("turn", "word"), [("M3", "G84"), ("M4", "G74"), ("M5", "G89")])
+def test_taps_and_g89_feed_out_to_the_initial_level(turn, word):
+    assert cycle(f"{turn}\nG98 {word} X1 Z-3 R2 P1") == [[1, 10], [1, 2], [1, -3], [1, 10]]
 
 
 @pytest.mark.parametrize(
@@ -250,6 +250,6 @@ def test_g4_waits_before_the_motion_of_its_block():
 
 def test_g87_bores_from_below():
     """ "G87": through the hole beside its axis, up to K at feed and down again, out beside the axis."""
-    assert cycle("G99 G87 X5 Z-4 R2 I1 J0 K-1") == [
+    assert cycle("M3\nG99 G87 X5 Z-4 R2 I1 J0 K-1") == [
         [5, 10], [5, 2], [6, 2], [6, -4], [5, -4], [5, -1], [5, -4], [6, -4], [6, 2], [5, 2],
     ]  # fmt: skip

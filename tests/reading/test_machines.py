@@ -43,7 +43,7 @@ def test_joint_mode_follows_the_joints_and_tip_mode_the_tip(name):
 def test_switching_modes_moves_no_machine(name):
     machine = Machine.load(name)
     first, second = (machine.joints[i] for i in machine.rotary)
-    body = f"G0 X1 Y2 Z3 {first}5 {second}10\nG43.4\nG49\nM428\nM429\nG1 Z4 F100\n"
+    body = f"G0 X1 Y2 Z3 {first}5 {second}10\nG43.4\nG49\nM428\nM429\nG1 Z4 F100\nM2\n"
     p = read_text(body, machine, "gcode")
     assert len(p) == 2 and np.linalg.norm(p.tip[1] - p.tip[0]) == pytest.approx(1e-3)
 

@@ -101,7 +101,7 @@ def test_feeds_are_bounded_below_and_above_wherever_they_come_from():
 
 
 def test_a_feed_value_leaves_rotations_in_place_and_rapids_as_they_are():
-    body = "M428\nG0 X0 Y0 Z0 A0\nG1 X10 F600\nA30 F60\nG0 X20\nG93 G1 X30 F10\n"
+    body = "M428\nG0 X0 Y0 Z0 A0\nG1 X10 F600\nA30 F60\nG0 X20\nG93 G1 X30 F10\nM2\n"
     before = read_text(body, MACHINE, "gcode")
     after = apply_feed(before, "1200mm/min")
     for block, feed, time in ((3, 0.02, 0.0), (4, np.inf, 30.0), (5, np.inf, 0.0), (6, 0.02, 0.0)):

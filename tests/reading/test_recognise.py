@@ -23,20 +23,64 @@ from toolpace.reading.source import Source
         ("%PM1\nN10 G54 I1\nN20 G7 A5=0.0 B5=0.0 L1=1\nN30 G174", "millplus", "MillPlus"),
         ("O0001 (P)\n(MACHINE: HAAS VF-4 5-AXIS)\nG91 G28 Z0.", "haas", "header"),
         ("(Exported by FreeCAD)\n(Post Processor: linuxcnc_post)\nG17 G54", "linuxcnc", "header"),
+        ("O0001\n(CONTROL: FANUC 31I)\nG154 P5", "fanuc", "header"),
+        ("O0001\n(MACHINE - MAZAK VTC-800)\nG54.1 P3", "mazak", "header"),
         ("(the HAAS is busy)\nG1 X1", "iso", "nothing"),
         ("G21 G90\nG0 X0 Y0\nG1 X1 F100", "iso", "nothing"), ("(G254 M428 O100 SUB)\nG1 X1", "iso", "nothing"),
     ],
 )  # fmt: skip
 def test_signs_tell_the_controller_and_the_reason_is_said(text, name, why):
-    found, reason = recognise(Source.from_text(text))
+    found, reason, _ = recognise(Source.from_text(text))
     assert found.name == name and why in reason
 
 
-def test_the_name_tells_where_the_program_does_not():
-    assert recognise(Source.from_text("G0 X0\n", "part.ngc"))[0].name == "linuxcnc"
+@pytest.mark.parametrize(
+    ("name", "controller"),
+    [("a.ngc", "linuxcnc"), ("A.MPF", "sinumerik"), ("a.eia", "mazak"), ("a.nc", "iso"), ("a.iso", "iso")],
+)
+def test_the_name_tells_where_the_program_does_not(name, controller):
+    assert recognise(Source.from_text("G0 X0\n", name)).controller.name == controller
 
 
-@pytest.mark.parametrize("piece", ["G74 X1 ", " ", "O ", "N1 ", "(", "G91 G", "IF[", "#<", "T0", "\n", "A5"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "G91 G10 L2 P1 X5\nG90 G4 P2", "O100\nM98 P200\nM99", "G91 G28 Z0\nT01 M06", "(r1= 5 cr=2)\nG2 X1 I5 (ap=1)",
+        "#1=5 (radius r1=#1, TRANS X1)\nG1 X#1", "; GOTOF END, MSG (here)\nG1 X1",
+    ],
+)  # fmt: skip
+def test_what_another_control_has_as_well_does_not_outweigh_the_name(text):
+    assert recognise(Source.from_text(text, "part.ngc")).controller.name == "linuxcnc"
+
+
+@pytest.mark.parametrize(
+    "comment", ["(G154 P5)", "(see (G254) there)", "X1. (o100 sub", "; G43.4 H1", "N5 (R1=5)", "G1 X1;CYCLE800"]
+)
+def test_comments_are_no_signs(comment):
+    found = recognise(Source.from_text(f"G21 G90\n{comment}\nG1 X1 F100\n", "part.nc"))
+    assert found.controller.name == "iso"
+
+
+def test_brackets_of_sinumerik_are_no_comments():
+    text = "N10 MSG(\"here\")\nN20 X=AC(5) Y=IC(R2)\nN30 CYCLE81(10,0,2,-5)\n"
+    assert recognise(Source.from_text(text, "part.nc")).controller.name == "sinumerik"
+
+
+@pytest.mark.parametrize(
+    ("text", "others"),
+    [
+        ("G21 G90\nG1 X1 F100", {"fanuc", "haas", "linuxcnc"}),
+        ("T01 M06\nG91 G28 Z0", {"haas", "linuxcnc"}),
+        ("G05.1 Q1\nO1234\nG43.4 H1", set()), ("o<hole> sub\no<hole> endsub", set()), ("%_N_A_MPF\nTRAORI", set()),
+    ],
+)  # fmt: skip
+def test_others_are_those_whose_signs_weigh_about_as_much(text, others):
+    assert {other.name for other in recognise(Source.from_text(text)).others} == others
+
+
+@pytest.mark.parametrize(
+    "piece", ["G74 X1 ", " ", "O ", "N1 ", "(", "G91 G", "IF[", "#<", "T0", "\n", "A5", "X1", "N1G1X1.5 Y-2 "]
+)
 def test_telling_takes_time_in_proportion(piece):
     def tell(text):
         recognise(Source.from_text("G0" + text))

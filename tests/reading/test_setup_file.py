@@ -202,3 +202,13 @@ def test_digits_of_other_kinds_are_no_numbers(controller):
     text = "L X+1 R0 F100\nL X+2\nM30\n" if controller == "heidenhain" else "G1 X1 F100\nX2\nM30\n"
     path = read_text(text, None, "gcode", controller=controller, setup=given)
     assert path.tip[-1, 0] == pytest.approx(0.002)
+
+
+def test_the_corner_radius_of_a_tool_is_read_and_written():
+    setup = setup_of_text("[tools.7]\nlength = 100\nradius = 6\ncorner_radius = 2\n[tools.8]\nlength = 90\n")
+    assert setup.tools == {"7": Tool(0.1, 0.006, 0.002), "8": Tool(0.09)}
+    assert setup_of_text(setup_text(setup)) == setup
+    written = setup_sheet("part.nc", Used({}, {}, {"7": None}, False), None, setup)
+    assert setup_of_text(written).tools == setup.tools
+    with pytest.raises(UsageError, match="corner_radius"):
+        setup_of_text("[tools.7]\nlength = 100\ncorner_radius = -1\n")

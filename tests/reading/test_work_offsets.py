@@ -18,7 +18,7 @@ GANTRY = Machine.load("xyzac-trunnion")
 def test_the_first_offset_holds_before_one_is_named(controller):
     """Fanuc 30i operator's manual, workpiece coordinate systems: G54 is selected when power is turned on; it is the
     default of its group in the list of Haas."""
-    body = "G0 X1. Y0 Z0\nG1 X2.\nG55\nG1 X2."
+    body = "G0 X1. Y0 Z0\nG1 X2.\nG55\nG1 X2.\nM30"
     assert [tip[0] for tip in tips(controller, START + body, setup=SHEET)] == [101.0, 102.0, 202.0]
 
 

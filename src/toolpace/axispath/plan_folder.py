@@ -96,5 +96,6 @@ def program_of(folder: Path, machine: Machine, told: dict[str, Any]) -> ToolPath
         True,
         how["compensation"],
         how["max_blocks"],
+        bool(how.get("lenient", False)),
     )
     return read_source(Source.load(folder / name), machine, told["dialect"], options, feed=told["feed"])

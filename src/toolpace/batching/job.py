@@ -53,6 +53,7 @@ class BatchJob:
     controller: str | None = None
     setup: str | None = None
     skip_unknown: bool = False
+    lenient: bool = False
     compensation: str = ""
     max_blocks: int | None = None
     """How the program is read: as the options of the commands."""

@@ -40,7 +40,7 @@ WORDS = (
     "what", "planner", "effort", "feed", "bend", "dialect", "controller", "setup", "compensation", "model", "to",
     "machine",
 )  # fmt: skip
-SWITCHES = ("csv", "npz", "report", "skip_unknown", "optimum")
+SWITCHES = ("csv", "npz", "report", "skip_unknown", "lenient", "optimum")
 KEYS = ("programs", *dict.fromkeys((*WORDS, *UNITS, *SWITCHES)), "max_blocks", "export")
 
 

@@ -106,7 +106,9 @@ class Loader:
             self._setups[job.setup] = load_setup(job.setup)
         controller = None if job.controller is None else self._controllers[job.controller]
         setup = None if job.setup is None else self._setups[job.setup]
-        return ReadOptions.of(machine, controller, setup, job.skip_unknown, True, job.compensation, job.max_blocks)
+        return ReadOptions.of(
+            machine, controller, setup, job.skip_unknown, True, job.compensation, job.max_blocks, job.lenient
+        )
 
     def _tool(self, name: str) -> CuttingTool:
         if name not in self._tools:

@@ -99,8 +99,10 @@ def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadO
     return replace(
         then,
         controller=now.controller if reading.controller is not None else then.controller,
+        others=() if reading.controller is not None else then.others,
         setup=now.setup if reading.setup is not None else then.setup,
         skip_unknown=now.skip_unknown or then.skip_unknown,
+        lenient=now.lenient or then.lenient,
         compensation=now.compensation or then.compensation,
         most_blocks=now.most_blocks if reading.max_blocks is not None else then.most_blocks,
     )

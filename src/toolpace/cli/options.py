@@ -147,6 +147,14 @@ class Reading:
     skip_unknown: Annotated[
         bool, Switch, Parameter(help="Pass over words that are not read, and say so, in place of refusing them.")
     ] = False
+    lenient: Annotated[
+        bool,
+        Switch,
+        Parameter(
+            help="Read on where the control itself would stop and the meaning is certain (no M2 at the end, a word"
+            " twice), and say so."
+        ),
+    ] = False
     compensation: Annotated[
         str | None,
         Parameter(help="program: what G41 and G42 follow is the programmed contour. Refused otherwise."),
@@ -164,7 +172,14 @@ class Reading:
         from toolpace.reading import ReadOptions
 
         return ReadOptions.of(
-            machine, self.controller, self.setup, self.skip_unknown, True, self.compensation or "", self.max_blocks
+            machine,
+            self.controller,
+            self.setup,
+            self.skip_unknown,
+            True,
+            self.compensation or "",
+            self.max_blocks,
+            self.lenient,
         )
 
     @property

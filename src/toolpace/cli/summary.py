@@ -223,6 +223,7 @@ def asked_for(record: PlanRecord) -> str:
     how = record.reading
     words += ["by its set-up sheet"] if how.setup_file else []
     words += ["words that are not read skipped"] if how.skip_unknown else []
+    words += ["blocks that stop the control read on"] if how.lenient else []
     words += [f"G41 and G42 as the {how.compensation}med contour"] if how.compensation else []
     words += [f"at most {how.max_blocks} blocks"] if how.max_blocks is not None else []
     return ", ".join(words)

@@ -10,6 +10,7 @@ from toolpace.errors import UsageError
 from toolpace.reading.block_numbers import numbered_blocks
 from toolpace.reading.control.collector import at_rest
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.controllers.doubt import doubts
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.coordinates.setup import SetUp
 from toolpace.reading.dialect import CONTROLS
@@ -38,6 +39,7 @@ def read(
     skip_unknown: bool = False,
     compensation: str = "",
     max_blocks: int | None = None,
+    lenient: bool = False,
 ) -> ToolPath:
     """Read a program.
 
@@ -54,11 +56,13 @@ def read(
     compensation: `program` where what G41 and G42 follow is the programmed contour; else they are refused, but with
         a radius of zero.
     max_blocks: most blocks that may be executed; more is taken for a loop without end.
+    lenient: whether blocks at which the control itself would stop are read where their meaning is certain (a file
+        without M2, a word twice), and said in `ToolPath.assumed`.
 
     The path starts where the program first has every axis positioned: where the machine stands before is
     unknown. Rotary joints that are not named by then are at zero. Raises ProgramError with file, line, text and cure.
     """
-    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks)
+    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient)
     return read_source(Source.load(path), machine, dialect, options, feed=feed)
 
 
@@ -74,10 +78,11 @@ def read_text(
     skip_unknown: bool = False,
     compensation: str = "",
     max_blocks: int | None = None,
+    lenient: bool = False,
     name: str = "program",
 ) -> ToolPath:
     """Read a program from its text; as `read`, with `name` in messages."""
-    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks)
+    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient)
     return read_source(Source.from_text(text, name), machine, dialect, options, feed=feed)
 
 
@@ -101,6 +106,11 @@ def read_source(
     found = recognised(source, dialect, options)
     with at_rest():
         toolpath = _run(found, source, machine, options, findings)
+        said = _doubts(found, source, machine, options, toolpath, findings)
+        for sentence in said:
+            findings.assumed(sentence)
+        # first, since a summary shows a dozen
+        toolpath = dataclasses.replace(toolpath, assumed=(*said, *toolpath.assumed))
     return with_doubt_of_slow_feeds(toolpath) if change is None else change.apply(toolpath)
 
 
@@ -124,9 +134,39 @@ def read_commanded(
             f"{source.name} is {found.dialect}, and for no control: what a control makes of it begins with the "
             "program that a post-processor writes from it"
         )
+    findings = Findings() if findings is None else findings
     with at_rest():
-        reader = reader_of(source, machine, found.controller, options, Findings() if findings is None else findings)
-        return reader.executed().commanded()
+        control = reader_of(source, machine, found.controller, options, findings).executed()
+        commanded = control.commanded()
+        if found.others and len(commanded) > 1:
+            for sentence in _doubts(found, source, machine, options, control.toolpath(), findings):
+                findings.assumed(sentence)
+        return commanded
+
+
+def _doubts(
+    found: Recognised,
+    source: Source,
+    machine: Kinematics | None,
+    options: ReadOptions,
+    toolpath: ToolPath,
+    findings: Findings,
+) -> tuple[str, ...]:
+    """Sentences on what the other controls, that a program may be for, would read otherwise than it was read."""
+    if not found.others:
+        return ()
+    refused = {refusal.word for refusal in findings.refusals}
+    lenient = dataclasses.replace(options, skip_unknown=True)
+
+    def as_for(controller: Controller, program: Source) -> ToolPath | None:
+        own = Findings()
+        read = _run(dataclasses.replace(found, controller=controller), program, machine, lenient, own)
+        # where a control only stops, it has moved till then
+        unread = {refusal.word for refusal in own.refusals if not refusal.certain}
+        return read if unread <= refused else None
+
+    assert found.controller is not None
+    return doubts(toolpath, found.controller, source, found.others, as_for)
 
 
 def _run(

@@ -11,6 +11,7 @@ from toolpace.reading.source import Source
 
 MOST_LISTED = 60
 """Refused words that a message lists: a file of more kinds is of another dialect."""
+LENIENT = " (--lenient reads on)"
 LONGEST_WORD = 80
 """Characters of a word that are shown; what is longer is a slip."""
 
@@ -26,6 +27,8 @@ class Refusal:
     """How often it stands in the program."""
     cure: str
     """What to write in its place, or to leave out."""
+    certain: bool = False
+    """Whether it is read, and stops the control nevertheless."""
 
     def __str__(self) -> str:
         return f"{self.place}: {self.cure}"
@@ -87,30 +90,46 @@ class Findings:
         """Note what the program leaves open and how it was taken; a sentence said before is not said again."""
         self._assumed.setdefault(printable(sentence))
 
-    def refused(self, word: str, line: int, cure: str) -> None:
+    def refused(self, word: str, line: int, cure: str, *, certain: bool = False) -> None:
         """Note a word that is not read; later ones are counted, with the line and the cure of the first."""
         word = _shown(word)
         known = self._refusals.get(word)
         if known is None:
-            self._refusals[word] = Refusal(word, line, 1, cure)
+            self._refusals[word] = Refusal(word, line, 1, cure, certain)
         else:
             self._refusals[word] = replace(known, line=min(line, known.line), count=known.count + 1)
 
-    def raise_if_refused(self, source: Source, skip_unknown: bool = False) -> None:
-        """One ProgramError that names every refused word; with `skip_unknown` each is an assumption instead."""
+    def stops(self, what: str, line: int, cure: str) -> None:
+        """Note what the control stops at, though its meaning is certain and it is read."""
+        self.refused(what, line, cure, certain=True)
+
+    def raise_if_refused(self, source: Source, skip_unknown: bool = False, lenient: bool = False) -> None:
+        """One ProgramError that names every refused word; with `skip_unknown` each is an assumption instead.
+
+        lenient: so is what is read, and stops the control.
+        """
         refusals = self.refusals
-        if skip_unknown:
-            for refusal in refusals:
+        for refusal in refusals:
+            if skip_unknown or (lenient and refusal.certain):
                 self.assumed(_skips(refusal))
-        elif len(refusals) == 1:
+        if skip_unknown:
+            return
+        if lenient:
+            refusals = tuple(refusal for refusal in refusals if not refusal.certain)
+        if len(refusals) == 1:
             (only,) = refusals
             times = f" (it stands {only.count} times)" if only.count > 1 else ""
-            source.fail(f"{only.word} is not read: {only.cure}{times}", only.line)
+            said = "stops the control" if only.certain else "is not read"
+            hint = LENIENT if only.certain else ""
+            source.fail(f"{only.word} {said}: {only.cure}{times}{hint}", only.line)
         elif refusals:
             listed = _listed(refusals[:MOST_LISTED])
             if len(refusals) > MOST_LISTED:
                 listed += f"; and {len(refusals) - MOST_LISTED} more"
-            raise ProgramError(f"{len(refusals)} kinds of words are not read: {listed}", source=source.name)
+            certain = sum(refusal.certain for refusal in refusals)
+            said = "kinds of words are not read" if not certain else "things stop the control, or are not read"
+            hint = LENIENT if certain == len(refusals) else ""
+            raise ProgramError(f"{len(refusals)} {said}: {listed}{hint}", source=source.name)
 
 
 def _shown(word: str) -> str:
@@ -127,4 +146,5 @@ def _listed(refusals: tuple[Refusal, ...]) -> str:
 
 
 def _skips(refusal: Refusal) -> str:
-    return f"skipped {refusal.word} (first line {refusal.line}, {counted(refusal.count, 'time')})"
+    said = "read, though the control stops there:" if refusal.certain else "skipped"
+    return f"{said} {refusal.word} (first line {refusal.line}, {counted(refusal.count, 'time')})"

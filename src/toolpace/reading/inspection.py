@@ -134,8 +134,12 @@ def inspect_source(
     except ProgramError as error:
         return unreadable(source.name, error)
     options = dataclasses.replace(options, controller=found.controller)
-    readings = _readings(source, options, machines, found, _Asked(dialect, feed, follow))
+    asked = _Asked(dialect, feed, follow)
+    readings = _readings(source, options, machines, found, asked)
     best = max(readings, key=lambda reading: reading.rank)
+    if found.others and best.toolpath is not None:
+        in_doubt = dataclasses.replace(options, others=found.others, skip_unknown=True)
+        best = dataclasses.replace(_read(source, best.machine, asked, in_doubt), fault=best.fault)
     runs = tuple(r.machine.name for r in readings if r.machine is not None and r.fault is None)
     name = found.controller.name if found.controller is not None else found.dialect
     told = Inspection(

@@ -40,6 +40,8 @@ class Recognised:
     controller: Controller | None
     """None for cutter-location data and tables, which are for no controller."""
     reason: str
+    others: tuple[Controller, ...] = ()
+    """Controllers that it may be for as well."""
 
 
 def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Recognised:
@@ -51,14 +53,14 @@ def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Rec
                 f"--controller {options.controller.name} goes with programs for controllers, and --dialect {dialect} "
                 "is none: leave one of them out"
             )
-        return Recognised(CONTROLS, options.controller, "named")
+        return Recognised(CONTROLS, options.controller, "named", options.others)
     told = dialect_of(source, dialect)
     if told.dialect != CONTROLS:
         return Recognised(told.dialect, None, told.reason)
     from toolpace.reading.controllers.recognise import recognise
 
-    controller, reason = recognise(source)
-    return Recognised(CONTROLS, controller, reason)
+    controller, reason, others = recognise(source)
+    return Recognised(CONTROLS, controller, reason, others)
 
 
 def reader_of(
@@ -79,4 +81,4 @@ def reader_of(
 def with_controller(source: Source, dialect: str | None, options: ReadOptions) -> tuple[ReadOptions, Recognised]:
     """The options with the controller that the program is read for, and what it was taken for."""
     found = recognised(source, dialect, options)
-    return dataclasses.replace(options, controller=found.controller), found
+    return dataclasses.replace(options, controller=found.controller, others=found.others), found

@@ -21,9 +21,14 @@ class ReadOptions:
 
     controller: Controller | None = None
     """The control that the program is for; None: found from its content."""
+    others: tuple[Controller, ...] = ()
+    """Where `controller` was found: controls that the program may be for as well. What they would read otherwise is
+    said in `ToolPath.assumed`."""
     setup: SetUp = field(default_factory=SetUp)
     skip_unknown: bool = False
     """Whether words that are not read are passed over, and said, in place of being refused."""
+    lenient: bool = False
+    """Whether what is read is said only, in place of being refused, where the control itself would stop at it."""
     block_delete: bool = True
     """Whether blocks that begin with `/` are passed over."""
     compensation: str = ""
@@ -42,6 +47,7 @@ class ReadOptions:
         block_delete: bool = True,
         compensation: str = "",
         max_blocks: int | None = None,
+        lenient: bool = False,
     ) -> ReadOptions:
         """Options as people give them: names and files are loaded. Raises UsageError."""
         if isinstance(controller, (str, Path)):
@@ -56,7 +62,15 @@ class ReadOptions:
             )
         if max_blocks is not None and max_blocks < 1:
             raise UsageError(f"--max-blocks {max_blocks}: give the most blocks that may be executed, 1 or more")
-        return ReadOptions(controller, setup, skip_unknown, block_delete, compensation, max_blocks)
+        return ReadOptions(
+            controller,
+            setup=setup,
+            skip_unknown=skip_unknown,
+            lenient=lenient,
+            block_delete=block_delete,
+            compensation=compensation,
+            most_blocks=max_blocks,
+        )
 
     def check(self, machine: Kinematics | None) -> None:
         """Raise UsageError where the set-up sheet does not fit the machine."""

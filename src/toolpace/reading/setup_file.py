@@ -50,7 +50,7 @@ def setup_of_table(table: Mapping[str, object], source: str) -> SetUp:
 
 def setup_text(setup: SetUp) -> str:
     """The text of a sheet that reads as exactly this set-up, in metres and radians."""
-    tools = {name: {"length": tool.length, "radius": tool.radius} for name, tool in setup.tools.items()}
+    tools = {name: tool.figures() for name, tool in setup.tools.items()}
     tables: dict[str, Mapping[str, object]] = {
         "offsets": {name: dict(place) for name, place in setup.offsets.items()},
         "references": {str(number): dict(place) for number, place in setup.references.items()},
@@ -156,17 +156,16 @@ class _Sheet(TablesInUnits):
         return found
 
     def tool(self, place: str, table: Mapping[str, object]) -> Tool:
-        self.known(place, table, ("length", "radius"))
+        keys = ("length", "radius", "corner_radius")
+        self.known(place, table, keys)
         if "length" not in table:
             self.fail(place, f"has no length; write the way from the spindle nose to the tip [{self.length}]")
-        length, radius = (
-            self.quantity(place, key, table.get(key, 0.0), self.length, LENGTHS, LONGEST_TOOL)
-            for key in ("length", "radius")
-        )
-        for key, value in (("length", length), ("radius", radius)):
+        figures = [self.quantity(place, key, table.get(key, 0.0), self.length, LENGTHS, LONGEST_TOOL) for key in keys]
+        for key, value in zip(keys, figures):
             if value < 0.0:
                 self.fail(place, f"{key} = {table[key]!r} is below zero; write it from the spindle nose, above zero")
-        return Tool(length, radius)
+        length, radius, corner = figures
+        return Tool(length, radius, corner if "corner_radius" in table else None)
 
     def part(self) -> dict[str, tuple[float, float, float]]:
         table = self.table("part")

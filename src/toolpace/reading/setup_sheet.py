@@ -68,8 +68,8 @@ def setup_sheet(program: str, used: Used, machine: Kinematics | None, given: Set
         parts.append(_table(f"references.{number}", said, filled.reference(number)))
     for name in dict.fromkeys(map(tool_name, [*used.tools, *given.tools])):
         tool = given.tool(name)
-        length, radius = (tool.length, tool.radius) if tool is not None else (own.own_length, 0.0)
-        parts.append(_table(f"tools.{toml_key(name)}", TOOL, {"length": length, "radius": radius}))
+        figures = {"length": own.own_length, "radius": 0.0} if tool is None else tool.figures()
+        parts.append(_table(f"tools.{toml_key(name)}", TOOL, figures))
     return "\n".join(parts)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from toolpace.errors import UsageError
@@ -22,8 +23,10 @@ def reading_record(options: ReadOptions) -> ReadingRecord:
         controller_file=CONTROLLER if options.controller is not None else "",
         setup_file=SETUP if has_setup(options.setup) else "",
         skip_unknown=options.skip_unknown,
+        lenient=options.lenient,
         compensation=options.compensation,
         max_blocks=options.most_blocks,
+        others=tuple(other.name for other in options.others),
     )
 
 
@@ -51,7 +54,7 @@ def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
                 f"{folder / PLAN}: {key} of reading is {said!r}, and {name} is {'' if there else 'not '}there; "
                 "plan again to write it anew"
             )
-    return ReadOptions.of(
+    options = ReadOptions.of(
         None,
         Controller.load(folder / CONTROLLER) if record.controller_file else None,
         load_setup(folder / SETUP) if record.setup_file else None,
@@ -59,4 +62,8 @@ def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
         True,
         record.compensation,
         record.max_blocks,
+        record.lenient,
     )
+    if unknown := set(record.others) - set(Controller.names()):
+        raise UsageError(f"{folder / PLAN}: others of reading names '{min(unknown)[:40]}'; plan again to write it anew")
+    return replace(options, others=tuple(map(Controller.load, record.others)))

@@ -63,9 +63,12 @@ class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     setup_file: str = ""
     """The set-up sheet, beside this file; empty where there was none."""
     skip_unknown: bool = False
+    lenient: bool = False
     compensation: str = ""
     max_blocks: int | None = None
     """Null where it was not said."""
+    others: tuple[str, ...] = ()
+    """Built-in controllers that the program may be for as well; none where its controller was named."""
 
 
 class RoundRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -93,6 +93,8 @@ def test_a_remark_goes_on_behind_the_tilde_in_lines_without_numbers():
 def test_a_formula_behind_a_cycle_is_a_block_of_its_own():
     cycle = "7 CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-5 ~\n Q206=100 ~\n Q202=5 ~\n Q203=0\n"
     assert last(cycle + "8 Q204 = 7\n9 L X+Q204 F100") == (7, 0, 0)
+    # a cycle in lines has no parameters of that kind, also where the blocks have no numbers
+    assert last("CYCL DEF 9.0 DWELL\nCYCL DEF 9.1 DWELL 2\nQ204 = 7\nL X+Q204 F100") == (7, 0, 0)
 
 
 def test_empty_words_of_old_posts_say_nothing():

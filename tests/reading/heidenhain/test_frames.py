@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.support.controllers import with_options
 from tests.support.heidenhain import MACHINE, SetUp, findings, last, read, tips
 from toolpace.units import DEGREE
 
@@ -49,6 +50,41 @@ def test_a_mirror_turns_the_sense_of_arcs():
     assert last("CYCL DEF 8.0\nCYCL DEF 8.1 X Y\nCYCL DEF 8.0\nCYCL DEF 8.1\nL X+1 Y+1 F100") == (1, 1, 0)
 
 
+def test_a_mirror_of_a_rotary_axis_turns_its_words():
+    """Cycle 8: "you can mirror all axes, including rotary axes"; about the active datum, until the next mirror."""
+    text = "L C+10 A+5 FMAX\nCYCL DEF 8.0\nCYCL DEF 8.1 X C\nL X+1 C+30 FMAX\nL IC+5 A+7 FMAX\n"
+    path = read(text + "L A+8 C+1 FMAX M91\nL C+2 FMAX\nCYCL DEF 8.0\nCYCL DEF 8.1\nL C+2 FMAX", MACHINE)
+    last_of_block = np.append(np.diff(path.block) > 0, True)
+    angles = np.round(path.rotary[last_of_block] / DEGREE, 9)
+    assert angles[1:].tolist() == [[5, 10], [5, -30], [7, -35], [8, 1], [8, -2], [8, 2]]
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("CYCL DEF 7.0\nCYCL DEF 7.1 C+5\nCYCL DEF 8.0\nCYCL DEF 8.1 C", "a mirror of a rotary axis in a tilted plane"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 C\nCYCL DEF 7.0\nCYCL DEF 7.1 C+5", "a shift of a mirrored rotary axis"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 C\nL C+5 FMAX M94", "M94 of mirrored axes"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 C\nFUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS", "AXIS SPAT over a mirror"),
+    ],
+)
+def test_what_a_mirrored_rotary_axis_does_not_go_with(text, word):
+    (refusal,) = findings(text + "\nL X+1 F100", MACHINE).refusals
+    assert refusal.word.startswith(word)
+
+
+def test_m128_with_a_preset_that_shifts_the_table_is_refused():
+    """The parameter presetToAlignAxis tells what it means; a datum shift of C is a position of C."""
+    setup = SetUp(offsets={"1": {"X": 0.0, "Y": 0.0, "Z": 0.0, "C": 0.1}, "2": {"X": 0.0, "Y": 0.0, "Z": 0.0}})
+    text = "CYCL DEF 247 PRESET ~\n Q339=+{}\nL X+1 F100 M128\nL X+2"
+    word = "M128 with a preset that shifts a rotary axis of the table"
+    assert [each.word for each in findings(text.format(1), MACHINE, setup=setup).refusals] == [word]
+    assert not findings(text.format(2), MACHINE, setup=setup).refusals
+    shifted = "CYCL DEF 7.0\nCYCL DEF 7.1 C+90\nL C+0 FMAX\nM128\nL X+0 Y+1 Z+0 F100"
+    path = read(shifted, MACHINE)
+    assert np.allclose(path.tip[-1] * 1e3, (0, 1, 0)) and path.rotary[-1, 1] == pytest.approx(90 * DEGREE)
+
+
 def test_rotation_is_about_the_datum_in_the_plane_of_the_tool():
     assert last(SHIFT + "CYCL DEF 10.0\nCYCL DEF 10.1 ROT+90\nL X+1 Y+2 F100") == (8, -4, 0)
     assert last("CYCL DEF 10.0\nCYCL DEF 10.1 ROT+60\nCYCL DEF 10.1 IROT+30\nL X+1 Y+2 F100") == (-2, 1, 0)
@@ -62,6 +98,16 @@ def test_transformations_act_in_the_order_of_their_programming():
     assert any("programmed before" in said for said in read(turn + mirror + "L X+1 F100").assumed)
 
 
+def test_a_transformation_that_is_programmed_anew_keeps_its_place_and_that_is_said():
+    turn = "CYCL DEF 10.0\nCYCL DEF 10.1 ROT+90\n"
+    again = "CYCL DEF 7.0\nCYCL DEF 7.1 X+20\n"
+    path = read(SHIFT + turn + again + "L X+1 Y+2 F100")
+    assert np.allclose(path.tip[-1] * 1e3, (18, -4, 0)) and any("keeps its place" in said for said in path.assumed)
+    # a rotation that is changed while it is the last says nothing more
+    turned = read(SHIFT + turn + "CYCL DEF 10.1 ROT+45\nL X+1 Y+2 F100")
+    assert not any("keeps its place" in said for said in turned.assumed)
+
+
 def test_scales():
     """Cycle 11, one factor; cycle 26, a factor for each axis about a centre. Arcs become larger with it."""
     assert last("CYCL DEF 11.0\nCYCL DEF 11.1 SCL 0.5\nL X+1 Y+2 Z+4 F100") == (0.5, 1, 2)
@@ -70,6 +116,25 @@ def test_scales():
     middle = (arc[1:] + arc[:-1]) / 2
     assert np.abs(np.hypot(arc[:, 0], arc[:, 1]) - 200).max() < 1e-6
     assert np.abs(np.hypot(middle[:, 0], middle[:, 1]) - 200).max() < 0.5e-3
+
+
+def test_the_axes_that_cycle_11_scales_are_a_parameter():
+    """ "The scaling factor can be applied in the working plane, or on all three coordinate axes at the same time
+    (depending on machine parameter 7410)" (TNC 410, "Scaling factor (cycle 11)")."""
+    text = "CYCL DEF 11.0\nCYCL DEF 11.1 SCL 0.5\nL X+1 Y+2 Z+4 F100"
+    assert any("X, Y and Z" in said for said in read(text).assumed)
+    plane = with_options("heidenhain", cycle_11_axes="plane")
+    assert last(text, controller=plane) == (0.5, 1, 4)
+    assert last("TOOL CALL 2 X\n" + text, controller=plane) == (1, 1, 2)
+    assert not any("CYCL DEF 11" in said for said in read(text.replace("0.5", "1")).assumed)
+
+
+def test_cycle_26_names_each_axis_that_is_scaled():
+    """Reset: "a scaling factor of 1 for the same axis"; what becomes of an axis that is left out is not said."""
+    text = "CYCL DEF 26.0\nCYCL DEF 26.1 X2 Y3\nL X+1 Y+1 F100\nCYCL DEF 26.0\nCYCL DEF 26.1 {}\nL X+1 Y+1"
+    (refusal,) = findings(text.format("X1")).refusals
+    assert refusal.word == "CYCL DEF 26 without an axis that is scaled"
+    assert last(text.format("X1 Y1")) == (1, 1, 0) and last(text.format("X1 Y3")) == (1, 3, 0)
 
 
 def test_a_preset_is_an_offset_of_the_set_up_sheet_and_ends_shifts():

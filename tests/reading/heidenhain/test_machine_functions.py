@@ -84,16 +84,85 @@ def test_ln_turns_the_tool_to_its_vector():
     assert np.allclose(path.tip[-1], (0.002, 0.002, 0.003))
 
 
-def test_ln_without_tip_mode_or_without_the_tools_direction():
-    text = "LN X+1 TX+0 TY+0 TZ+1 F100\nL X+1 F100 M128\nLN X+2 NX+0 NY+0 NZ+1"
-    words = [refusal.word for refusal in findings(text, MACHINE).refusals]
-    assert words == ["TX TY TZ without M128", "NX NY NZ without TX TY TZ"]
+def test_ln_without_the_tools_direction_stands_upright_on_the_part():
+    """iTNC 530 Conversational, "Face milling: 3-D compensation with and without tool orientation": under M128 "the TNC
+    maintains the tool perpendicular to the workpiece contour if no tool orientation is programmed"."""
+    path = read("L M128\nLN X+1 Y+2 Z+3 NX+0 NY-0.6 NZ+0.8 F100\nLN X+2 NX+0.6 NY+0 NZ+0.8", MACHINE)
+    ends = path.axis[np.append(np.diff(path.block) > 0, True)]
+    assert np.allclose(ends[1:], [(0, -0.6, 0.8), (0.6, 0, 0.8)], atol=1e-12)
+    assert np.allclose(path.tip[-1], (0.002, 0.002, 0.003))
+
+
+def test_ln_without_m128_ignores_the_tools_direction():
+    """The same section: "if you have not activated M128, the TNC ignores the direction vector T"."""
+    path = read("LN X+1 Y+2 NX+0.6 NY+0 NZ+0.8 TX+0.6 TY+0 TZ+0.8 F100\nLN X+2 NX+0 NY+0 NZ+1", MACHINE)
+    assert np.allclose(path.axis, (0, 0, 1)) and np.allclose(path.tip[-1], (0.002, 0.002, 0))
+    assert any("without M128" in said for said in path.assumed)
+
+
+@pytest.mark.parametrize("delta", ["DL+0.5", "DR-0.1", "DR2+0.2"])
+def test_ln_with_an_oversize_of_the_tool_is_refused(delta):
+    """The same section: the tool is displaced along the normals "by the sum of the delta values"."""
+    text = f"TOOL CALL 1 Z {delta}\nL X+0 F100\nLN X+1 NX+0 NY+0.6 NZ+0.8\nTOOL CALL 1 Z\nLN X+2 NX+0 NY+0.6 NZ+0.8"
+    (refused,) = findings(text, MACHINE).refusals
+    assert refused.word == "NX NY NZ with an oversize of TOOL CALL" and refused.count == 1
+
+
+def test_a_direction_without_length_is_a_mistake():
+    with pytest.raises(ProgramError, match="NX NY NZ is no direction"):
+        read("L X+1 F100 M128\nLN X+2 NX+0 NY+0 NZ+0", MACHINE)
 
 
 def test_tcpm_with_spatial_angles():
     """AXIS SPAT: A, B, C of L are angles in space, fixed axes; A 30 tilts the tool in the YZ plane."""
     path = read("FUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS\nL X+1 A+30 C+0 F100", MACHINE)
     assert np.allclose(path.axis[-1], (0, -0.5, math.sqrt(0.75)), atol=1e-12)
+
+
+def test_words_that_are_the_centre_of_the_tools_corner():
+    """REFPNT CENTER-CENTER: X, Y, Z are the centre of the corner radius R2, which is above the tip along the tool."""
+    machine, corner = Machine.load("xyzbc-trunnion"), 0.004
+    setup = SetUp(tools={"5": Tool(0.1, 0.006, corner)})
+    begin = "TOOL CALL 5 Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
+    on = "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT {}\n"
+    text = on + "L X+{} Y+{} Z+{} B+30 C+40 F500\nFUNCTION RESET TCPM\nL Z+60"
+    axis = direct_axis(30.0, 40.0)
+    at = np.array([10.0, 5.0, 20.0])
+    columns = [machine.joints.index(letter) for letter in "XYZ"]
+    found = []
+    for word, place in (("CENTER-CENTER", at), ("TIP-TIP", at - corner * 1e3 * axis)):
+        path = read(text.format(word, *np.round(place, 9)), machine, begin=begin, setup=setup)
+        joints = machine.joints_at(path.tip, path.rotary, path.tool_length)[:, columns]
+        found.append([joints[path.block == line][-1] for line in (5, 7)])
+    assert np.allclose(found[0], found[1], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "switch", ["TOOL CALL DL-4\nM128", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER"]
+)
+def test_the_path_starts_with_the_tip_that_the_first_motion_has(switch):
+    """Between the first position and the first motion another length comes in force: no way leads from one tip to the
+    other."""
+    setup = SetUp(tools={"5": Tool(0.15, 0.006, 0.004)})
+    begin = "TOOL CALL 5 Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
+    path = read(f"{switch}\nL X+5 F500\nL X+6", Machine.load("xyzbc-trunnion"), begin=begin, setup=setup)
+    assert np.allclose(path.tool_length, 0.146) and np.allclose(path.tip[:, 2], 0.054)
+    assert path.tip[0, 0] == 0.0 and len(path) == 3
+
+
+def test_another_tool_under_center_center_is_refused():
+    setup = SetUp(tools={"5": Tool(0.1, 0.006, 0.004), "6": Tool(0.1)})
+    text = "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER\nL X+1 F100\nTOOL CALL 6 Z\nL X+2"
+    begin = "TOOL CALL {} Z S1000\nL X+0 Y+0 Z+50 R0 FMAX\n"
+    for tool, word in ((5, "TOOL CALL of a tool under M128"), (6, "FUNCTION TCPM REFPNT CENTER-CENTER")):
+        refusals = findings(text, MACHINE, begin=begin.format(tool), setup=setup).refusals
+        assert refusals[0].word == word
+
+
+def direct_axis(b, c):
+    """The tool's axis (3,) at B and C [deg] of ISO 841: turned about Y, then about Z."""
+    b, c = np.radians(b), np.radians(c)
+    return np.array([np.sin(b) * np.cos(c), np.sin(b) * np.sin(c), np.cos(b)])
 
 
 # M functions
@@ -103,6 +172,17 @@ def test_machine_coordinates():
     """M91: this block in machine coordinates; from the set-up sheet here, without it from the ends of travel."""
     setup = SetUp(machine_zero={"X": 0.1, "Y": 0.0, "Z": 0.5})
     assert last("L X+1 F100\nL Z-20 X-10 R0 FMAX M91\nL Y+5", MACHINE, setup=setup) == (90, 5, 480)
+
+
+@pytest.mark.parametrize(
+    ("block", "word"),
+    [("L Z+0 FMAX M91", "M91 and M92 under M128"), ("TOOL CALL 2 Z S100", "TOOL CALL of a tool under M128")],
+)
+def test_what_m128_must_be_reset_before(block, word):
+    """ "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")."""
+    assert [each.word for each in findings(f"L X+1 F100 M128\n{block}\nL X+2", MACHINE).refusals] == [word]
+    assert not findings(f"L X+1 F100 M128\nL M129\n{block}\nL X+2", MACHINE).refusals
+    assert not findings("L X+1 F100 M128\nTOOL CALL S2000 F300\nL X+2", MACHINE).refusals
 
 
 def test_incremental_machine_coordinates_are_refused():
@@ -164,6 +244,13 @@ def test_oversize_of_the_tool_lifts_it():
     ends = np.array([[path.tip[path.block == line][-1][2], z[path.block == line][-1]] for line in (5, 7, 9)]) * 1e3
     assert ends[:, 0] == pytest.approx([3.0, 3.0, 3.0])
     assert ends[:, 1] - ends[2, 1] == pytest.approx([0.5, -0.25, 0.0])
+
+
+def test_a_tool_axis_that_the_machine_does_not_have_is_said():
+    machine = Machine.load("xyzac-trunnion")
+    for axis, said in (("Z", False), ("X", True)):
+        assumed = " ".join(read(f"TOOL CALL 2 {axis}\nL X+1 F100", machine).assumed)
+        assert (f"TOOL CALL with tool axis {axis} sets the plane" in assumed) == said
 
 
 def test_q108_is_the_radius_of_the_tool():

@@ -73,7 +73,7 @@ def test_a_full_circle():
 
 
 def test_the_pole_is_modal_incremental_or_where_the_tool_is():
-    assert sweep(tips("L X+10 F100\nCC IX-10\nC Y+10 X+0 DR+"), (0, 0)) == pytest.approx(90)
+    assert sweep(tips("L X+10 F100\nCC IX-10 Y+0\nC Y+10 X+0 DR+"), (0, 0)) == pytest.approx(90)
     assert last("L X+10 F100\nCC\nLP PR+5 PA+90") == (10, 5, 0)
 
 

@@ -133,6 +133,70 @@ def test_axial_planes_where_tables_tilt():
     assert np.allclose(path.rotary[-1], (30 * DEGREE, 0)) and np.allclose(path.tip[-1] * 1e3, path.axis[-1])
 
 
+def test_axial_planes_build_on_each_other_and_take_no_other_solution():
+    """PLANE AXIAL: "modally effective; successive definitions build on each other", and SEQ does nothing. The axes go
+    to the angles that are written, also where the other solution is nearer."""
+    path = read("L A-30 C+180 FMAX\nPLANE AXIAL A+30 C+0 TURN FMAX SEQ-\nL X+1 F100", MACHINE)
+    assert np.allclose(path.rotary[-1] / DEGREE, (30, 0))
+    text = "PLANE AXIAL A+30 C+20 TURN FMAX\nPLANE AXIAL IA+10 TURN FMAX\nL X+1 Y+0 Z+0 F100"
+    path = read(text, MACHINE)
+    assert np.allclose(path.rotary[-1] / DEGREE, (40, 20))
+    table = MACHINE.rotation(np.array([40 * DEGREE]), np.array([20 * DEGREE]))[0]
+    assert np.allclose(path.tip[-1] * 1e3, table @ (1, 0, 0), atol=1e-9)
+
+
+def test_an_axis_that_a_first_axial_plane_leaves_out_must_stand_at_zero():
+    with pytest.raises(ProgramError, match="leaves C out, which stands at 20"):
+        read("L C+20 FMAX\nPLANE AXIAL A+30 TURN FMAX\nL X+1 F100", MACHINE)
+
+
+def test_axial_plane_of_a_head_that_one_axis_tilts():
+    """PLANE AXIAL B-45, the manual's example: X and Z of the plane turn with the axis about Y."""
+    machine = Machine.load("xyzbc-head")
+    path = read("PLANE AXIAL B-45 C+0 TURN FMAX\nL X+10 Y+0 Z+0 F100\nL X+0 Y+0 Z+10", machine)
+    x, z = path.tip[ends(path)][-2:] * 1e3
+    assert np.allclose(x, turned(1, -45) @ (10, 0, 0), atol=1e-9) and np.allclose(z, path.axis[-1] * 10, atol=1e-9)
+    text = "PLANE AXIAL B-45 C+30 TURN FMAX\nL X+10 F100"
+    assert [each.word for each in findings(text, machine).refusals] == ["PLANE AXIAL"]
+    assert [each.word for each in findings(text, Machine.load("xyzbc-nutating")).refusals] == ["PLANE AXIAL"]
+
+
+@pytest.mark.parametrize(
+    ("before", "plane", "word"),
+    [
+        ("CYCL DEF 10.0\nCYCL DEF 10.1 ROT+20", "SPATIAL SPA+10 SPB+0 SPC+0", "PLANE over a rotation or scale of axes"),
+        ("CYCL DEF 26.0\nCYCL DEF 26.1 X2 Y1", "SPATIAL SPA+10 SPB+0 SPC+0", "PLANE over a rotation or scale of axes"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 X", "AXIAL A+10 C+0", "PLANE over a mirror"),
+        ("CYCL DEF 8.0\nCYCL DEF 8.1 C", "SPATIAL SPA+10 SPB+0 SPC+0", "PLANE over a mirror"),
+        ("PLANE SPATIAL SPA+5 SPB+0 SPC+0 STAY\nCYCL DEF 7.0\nCYCL DEF 7.1 X+5", "RELATIV SPA+5",
+         "PLANE over a shift, mirror, rotation or scale in the plane before"),
+    ],
+)  # fmt: skip
+def test_a_plane_over_what_no_manual_places(before, plane, word):
+    """TNC 620 Conversational, "Workpiece coordinate system W-CS": shifts and mirrors stand before a plane, rotations
+    and scales in it; "any other use may lead to unexpected results"."""
+    text = f"{before}\nPLANE {plane} STAY\nL X+1 F100"
+    assert [refusal.word for refusal in findings(text, MACHINE).refusals] == [word]
+
+
+def test_a_mirror_before_a_plane_mirrors_the_plane():
+    """The same section: mirrors before a plane change "the orientation of the rotary axes"."""
+    text = "CYCL DEF 8.0\nCYCL DEF 8.1 X\nPLANE SPATIAL SPA+20 SPB+30 SPC+0 TURN FMAX\nL X+1 Y+2 Z+3 F100"
+    path = read(text, MACHINE)
+    mirrored = np.diag([-1, 1, 1]) @ turned(1, 30) @ turned(0, 20)
+    assert np.allclose(path.tip[-1] * 1e3, mirrored @ (1, 2, 3), atol=1e-9)
+    assert np.allclose(path.axis[-1], mirrored[:, 2], atol=1e-9)
+
+
+def test_a_block_in_a_plane_that_the_axes_are_not_turned_to_is_said():
+    plane = "PLANE SPATIAL SPA+20 SPB+0 SPC+0 {} FMAX\n{}L X+1 F100"
+    for how, more, said in (
+        ("STAY", "", True), ("TURN", "", False), ("STAY", "M128\n", False), ("TURN", "L A+0\n", True),
+    ):  # fmt: skip
+        assumed = " ".join(read("L F100\n" + plane.format(how, more), MACHINE).assumed)
+        assert ("not turned to" in assumed) == said
+
+
 def test_m130_positions_in_the_untilted_system():
     """M130: the block's coordinates refer to the untilted system, in a tilted plane."""
     text = "PLANE SPATIAL SPA+90 SPB+0 SPC+0 TURN FMAX\nL X+1 Y+1 Z+1 F100\n"
@@ -153,9 +217,11 @@ def test_a_shift_in_a_tilted_plane_is_along_its_axes_and_said():
     ("text", "word"),
     [
         ("PLANE PROJECTED PROPR+24 PROMIN+24 ROT+30 STAY", "PLANE PROJECTED"),
+        ("PLANE PROJECTED PROPR+24 PROMIN+24 PROROT+30 STAY", "PLANE PROJECTED"),
         ("PLANE SPATIAL SPA+0 SPB+0 SPC+20 TURN FMAX TABLE ROT", "TABLE ROT of a plane that is not tilted"),
         ("CYCL DEF 19.1 A+30 F1000 ABST50", "CYCL DEF 19 with a feed"),
-        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER", "FUNCTION TCPM REFPNT other than TIP-TIP"),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER", "FUNCTION TCPM REFPNT CENTER-CENTER"),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT TIP-CENTER", "FUNCTION TCPM REFPNT TIP-CENTER"),
         ("FUNCTION MODE TURN", "FUNCTION MODE TURN"),
         ("TRANS DATUM TABLE TABLINE5", "TRANS DATUM TABLE TABLINE5"),
     ],

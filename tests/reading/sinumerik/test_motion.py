@@ -251,7 +251,7 @@ def test_modal_rounding_in_a_block_of_its_own():
     assert modal.tip == pytest.approx(alone.tip)
 
 
-@pytest.mark.parametrize("block", ["X5 CYCLE81(9,0,2,-5)", "CYCLE81(9,0,2,-5) X5", "TRAORI X5", "HOLES1(0,0,0,5,5,3) Y2"])
+@pytest.mark.parametrize("block", ["X5 CYCLE81(9,0,2,-5)", "CYCLE81(9,0,2,-5)X5", "TRAORI X5", "HOLES1(0,0,0,5,5,9)Y2"])
 def test_axes_beside_a_cycle_are_refused(block):
     """Which of them is first is told nowhere; a cycle and a transformation stand in blocks of their own."""
     with pytest.raises(ProgramError, match="write two blocks"):

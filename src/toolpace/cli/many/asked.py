@@ -106,6 +106,7 @@ class AskedBatch:
             controller=reading.controller,
             setup=reading.setup,
             skip_unknown=reading.skip_unknown,
+            lenient=reading.lenient,
             compensation=reading.compensation or "",
             max_blocks=reading.max_blocks,
         )

@@ -163,7 +163,10 @@ class Control:
 
         tilted: a plane that the tool is turned to, fixed to the part: X, Y and Z are the tip there.
         """
+        ends = self.coordinates.tilted and not tilted
         self.coordinates.frame, self.coordinates.tilted = frame, tilted
+        if ends and self.coordinates.tip_mode:
+            self._say_where_fixed()
         self._replaced()
 
     def set_rotary_shift(self, turn: tuple[float, ...]) -> None:
@@ -176,12 +179,18 @@ class Control:
         coordinates = self.coordinates
         if on and not coordinates.tip_mode and self.rules.fixed_where_switched:
             coordinates.fixed_at = self.placement.place(self.words)[3:]
-            if any(abs(turned) > STILL for turned in self.poses.carried(coordinates.fixed_at)):
-                self.findings.assumed(TURNED)
+            if not coordinates.tilted:
+                self._say_where_fixed()
         if not on:
             coordinates.fixed_at = None
         coordinates.tip_mode = on
         self._replaced()
+
+    def _say_where_fixed(self) -> None:
+        """Say that tip mode began with the table turned; in a tilted plane that is no matter."""
+        fixed = self.coordinates.fixed_at or []
+        if fixed and any(abs(turned) > STILL for turned in self.poses.carried(fixed)):
+            self.findings.assumed(TURNED)
 
     def set_length(self, tool: str | None, oversize: float = 0.0) -> None:
         """Reckon with the length of a tool of the table, and that much more [m]; None: with none."""
@@ -254,6 +263,11 @@ class Control:
             self.source.fail("an arc cannot be the first motion, its start is not known: position with G0", self.line)
         self.findings.arcs += 1
         frame = self.placement.matrix
+        if frame is not affine.IDENTITY and not affine.keeps_circle(frame, arc):
+            self.source.fail(
+                "an arc in coordinates that are scaled unevenly: controls cut no ellipse; scale it in the CAM system",
+                self.line,
+            )
         length = arc.length()
         self.moves.arcs[len(self.moves)] = arc if frame is affine.IDENTITY else affine.carried(frame, arc)
         self._move(words, named, rapid, number, length)

@@ -95,7 +95,8 @@ class Feed:
             return Rate(speed, turn)
         if self.default is None:
             self.source.fail(
-                "feed missing: no F before this motion; write one, or give --feed 3000mm/min (feed= in Python)",
+                "feed missing: no F above zero before this motion; write one, or give --feed 3000mm/min"
+                " (feed= in Python)",
                 line,
             )
         # Of rotations in place a length per minute says nothing: the axes' own limits rule them.

@@ -162,6 +162,13 @@ class Moves:
         for i, out in self.normals.items():
             normal[last[i]] = out
         first = self._start(array[:, self.kind], array[:, width + 6].astype(int)) if len(array) else 0
+        reread = first
+        while reread + 1 < len(array) and array[reread + 1, self.kind] == JUMP:
+            reread += 1
+        if reread > first and array[reread, -1] != array[first, -1]:
+            # no way leads to the start: it is the tip that is reckoned with where the first motion begins
+            dwell[reread] += dwell[first:reread].sum()
+            first = reread
         arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
         curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}
         array, joining, asked = array[first:], joining[first:], asked[first:]

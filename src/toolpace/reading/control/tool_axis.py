@@ -13,14 +13,23 @@ UNEVEN = 1e-9
 """By what share scales along X, Y and Z may differ and count as one."""
 
 
-def rotary_for(control: Control, axis: list[float], sign: int = 0, *, else_other: bool = False) -> list[float]:
+def rotary_for(
+    control: Control,
+    axis: list[float],
+    sign: int = 0,
+    *,
+    first: tuple[int, int] | None = None,
+    else_other: bool = False,
+) -> list[float]:
     """Rotary words that bring the tool to an axis (3,) on the part, the nearest to where the machine is.
 
     sign: of the two solutions the one with the second rotary joint below (-1) or above (1) zero; 0: either.
-    else_other: where that one is out of travel, the other. Raises ProgramError.
+    else_other: where that one is out of travel, the other. first: the rotary joints in the order in which each turns as
+    little as it can; None: the sum of squares counts. Raises ProgramError.
     """
     placement = control.placement
-    wanted, fault = control.orientation.rotary(axis, placement.place(control.words)[3:], sign, else_other=else_other)
+    present = placement.place(control.words)[3:]
+    wanted, fault = control.orientation.rotary(axis, present, sign, first, else_other=else_other)
     if fault:
         control.source.fail(fault, control.line)
     shift = placement.shift or (0.0,) * len(wanted)
@@ -48,13 +57,19 @@ def direction_on_part(control: Control, direction: Sequence[float]) -> list[floa
 
 
 def turn_to_plane(
-    control: Control, *, follow: bool = False, rapid: bool = True, sign: int = 0, else_other: bool = False
+    control: Control,
+    *,
+    follow: bool = False,
+    rapid: bool = True,
+    sign: int = 0,
+    first: tuple[int, int] | None = None,
+    else_other: bool = False,
 ) -> None:
     """Turn the rotary joints until the tool stands upright on the plane of the frame.
 
     follow: the tip keeps its place on the part; else the linear joints keep theirs.
     """
-    wanted = rotary_for(control, plane_axis(control), sign, else_other=else_other)
+    wanted = rotary_for(control, plane_axis(control), sign, first=first, else_other=else_other)
     if follow:
         control.straight([*control.words[:3], *wanted], 0, rapid=rapid)
     else:

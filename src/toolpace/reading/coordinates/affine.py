@@ -90,10 +90,12 @@ def inverse(frame: Matrix) -> Matrix:
     return _frozen(made[:3].tolist())
 
 
-def scale_of(frame: Matrix) -> float:
-    """By how much lengths grow; nan where that differs with the direction."""
-    lengths = [math.hypot(*(row[k] for row in frame)) for k in range(3)]
-    return lengths[0] if max(lengths) - min(lengths) < 1e-9 * max(lengths) else math.nan
+def keeps_circle(frame: Matrix, arc: Arc) -> bool:
+    """Whether an arc stays one in the coordinates that the frame stands in."""
+    u, w = direct(frame, arc.u), direct(frame, arc.w)
+    size = math.hypot(*u) * math.hypot(*w)
+    across = math.fsum(a * b for a, b in zip(u, w))
+    return abs(math.hypot(*u) - math.hypot(*w)) < 1e-9 * math.sqrt(size) and abs(across) < 1e-9 * size
 
 
 def _frozen(rows: Sequence[Sequence[float]]) -> Matrix:

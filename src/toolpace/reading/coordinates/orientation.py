@@ -23,15 +23,24 @@ class Orientation:
             [] if machine is None else np.asarray(machine.travel, dtype=float)[list(poses.rotary)].tolist()
         )
         """Lowest and highest position of each rotary joint [rad]."""
+        self.alike: list[float] = []
+        """The other rotary positions of the last search [rad], where the rule of a control decides for neither."""
 
     def rotary(
-        self, axis: list[float], present: list[float], sign: int = 0, *, else_other: bool = False
+        self,
+        axis: list[float],
+        present: list[float],
+        sign: int = 0,
+        first: tuple[int, int] | None = None,
+        *,
+        else_other: bool = False,
     ) -> tuple[list[float], str]:
         """Rotary positions [rad] for a tool axis (3,) on the part, and what is wrong, or "".
 
         Of both solutions, and all turns within travel, the one with the least sum of turns. `sign`: only those with
         the second rotary joint below (-1) or above (1) zero, `else_other`: where none of these is within travel, the
-        other one.
+        other one. `first`: the joints in the order in which each turns as little as it can, and where that decides
+        nothing comes near to zero.
         """
         machine = self.poses.machine
         if machine is None:
@@ -60,6 +69,11 @@ class Orientation:
                 f"machine '{machine.name}' cannot bring its tool to the direction {shown} within the travel of "
                 f"{' and '.join(self.poses.rotary_names)}: choose a machine that can, or clamp the part otherwise"
             )
+        if first is not None:
+            ranked = sorted(choices, key=lambda choice: _in_turn(choice, present, first))
+            tied = len(ranked) > 1 and _in_turn(ranked[0], present, first) == _in_turn(ranked[1], present, first)
+            self.alike = ranked[1] if tied and math.dist(*ranked[:2]) > FREE else []
+            return ranked[0], ""
         return min(choices, key=lambda choice: math.dist(choice, present)), ""
 
 
@@ -72,6 +86,13 @@ class Orientation:
             f"the program asks (SEQ, SYM, _DIR) for the solution with {names[1]} {which} zero, and for the tool "
             f"direction {shown} that is out of travel: {there} deg is within; ask for that one ({other}), or for none"
         )
+
+
+def _in_turn(choice: list[float], present: list[float], first: tuple[int, int]) -> list[float]:
+    """What decides between rotary positions [rad] one after the other: turns, then distances from whole turns."""
+    turns = [abs(choice[k] - present[k]) for k in first]
+    away = [abs(math.remainder(choice[k], TURN)) for k in first]
+    return [round(value, 9) for value in (*turns, *away)]
 
 
 def near(angle: float, present: float, low: float, high: float) -> float | None:

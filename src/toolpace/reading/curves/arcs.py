@@ -45,19 +45,62 @@ class ArcError(ValueError):
     """An arc that cannot be; the message says why and what to write."""
 
 
+class Tolerance(NamedTuple):
+    """How far the radii of an arc's ends may differ: `least` at any radius, or a share of the larger up to `most`."""
+
+    least: float = 1e-5
+    """[m]"""
+    share: float = 1e-3
+    most: float = math.inf
+    """[m]"""
+    smallest: float = 1e-9
+    """Radius [m] below which an arc has none."""
+
+    def allows(self, r0: float, r1: float) -> bool:
+        """Whether ends at these radii [m] are those of an arc."""
+        off = abs(r1 - r0)
+        return off <= self.least or off <= min(self.share * max(r0, r1), self.most)
+
+    def __str__(self) -> str:
+        most = f" up to {self.most * 1e3:.4g} mm" if self.share and self.most < math.inf else ""
+        percent = f" or {self.share * 100:g} percent" if self.share else ""
+        return f"at most {self.least * 1e3:.4g} mm{percent}{most}"
+
+
+USUAL = Tolerance()
+"""Where a control says nothing else: a hundredth of a millimetre, or a tenth of a percent."""
+
+
 def plane_arc(
-    start: Vector, end: Vector, centre: Vector, plane: int, clockwise: bool, turns: int = 1, *, full: bool = False
+    start: Vector,
+    end: Vector,
+    centre: Vector,
+    plane: int,
+    clockwise: bool,
+    turns: int = 1,
+    *,
+    full: bool = False,
+    tolerance: Tolerance = USUAL,
 ) -> Arc:
     """Arc in a plane (0: XY, 1: ZX, 2: YZ) seen from the positive side of its normal; equal ends: a circle."""
     normal = [0.0, 0.0, 0.0]
     normal[(2 + 2 * plane) % 3] = -1.0 if clockwise else 1.0
-    return arc_about(start, end, centre, normal, turns, full=full)
+    return arc_about(start, end, centre, normal, turns, full=full, tolerance=tolerance)
 
 
 def arc_about(
-    start: Vector, end: Vector, centre: Vector, normal: Vector, turns: int = 1, *, full: bool = False
+    start: Vector,
+    end: Vector,
+    centre: Vector,
+    normal: Vector,
+    turns: int = 1,
+    *,
+    full: bool = False,
+    tolerance: Tolerance = USUAL,
 ) -> Arc:
     """Arc from start to end about the unit normal by the right-hand rule, rising evenly along the normal.
+
+    tolerance: of the radii; where they differ, the radius changes evenly with the angle.
 
     full: ends on one ray from the centre, that differ by a rounding of the radius, make a full circle; else that is an
     ArcError, for it may as well be no arc at all.
@@ -68,12 +111,12 @@ def arc_about(
     a = [a[i] - height0 * normal[i] for i in range(3)]
     b = [b[i] - height1 * normal[i] for i in range(3)]
     r0, r1 = math.hypot(*a), math.hypot(*b)
-    if min(r0, r1) < 1e-9:
+    if min(r0, r1) < tolerance.smallest:
         raise ArcError("the arc has no radius: its centre is its start or its end")
-    if abs(r1 - r0) > max(1e-5, 1e-3 * min(r0, r1)):
+    if not tolerance.allows(r0, r1):
         raise ArcError(
             f"the arc ends {abs(r1 - r0) * 1e3:.4g} mm off its circle (radius {r0 * 1e3:.6g} mm at its "
-            f"start, {r1 * 1e3:.6g} mm at its end; at most 0.01 mm or 0.1 percent): "
+            f"start, {r1 * 1e3:.6g} mm at its end; {tolerance}): "
             "check the end, the centre and the plane"
         )
     u = (a[0] / r0, a[1] / r0, a[2] / r0)
@@ -103,17 +146,22 @@ def arc_about(
     )
 
 
-def centre_of_radius(start: Vector, end: Vector, radius: float, plane: int, clockwise: bool) -> list[float]:
-    """Centre of an R-form arc; a negative radius asks for the longer way (Kramer et al. 2000, RS274/NGC 3.5.3)."""
+def centre_of_radius(
+    start: Vector, end: Vector, radius: float, plane: int, clockwise: bool, reach: Tolerance = USUAL
+) -> list[float]:
+    """Centre of an R-form arc; a negative radius asks for the longer way (Kramer et al. 2000, RS274/NGC 3.5.3).
+
+    reach: by how much half the chord may be longer than the radius; the arc is then half a circle about its middle.
+    """
     first, second = ((0, 1), (2, 0), (1, 2))[plane]
     dx, dy = end[first] - start[first], end[second] - start[second]
     chord = math.hypot(dx, dy)
     if chord < 1e-9:
         raise ArcError("a full circle cannot be written with R: give its centre with I, J, K")
-    if chord > 2 * abs(radius) + max(2e-5, 2e-3 * abs(radius)):
+    if chord > 2 * abs(radius) and not reach.allows(chord / 2, abs(radius)):
         raise ArcError(
             f"radius {abs(radius) * 1e3:.6g} mm is too small for ends {chord * 1e3:.6g} mm apart: "
-            f"it takes at least {chord * 500:.6g} mm"
+            f"it takes at least {chord * 500:.6g} mm ({reach} less)"
         )
     height = math.sqrt(max(radius * radius - chord * chord / 4, 0.0))
     # The centre lies left of the chord for a short counter-clockwise arc and for a long clockwise one.

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.frames.frames import Frames
+from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
+from toolpace.reading.gcode.actions.functions import Functions
 from toolpace.reading.gcode.actions.holes import Holes
 from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
@@ -17,11 +20,13 @@ from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
+from toolpace.reading.gcode.program import alarms
 from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded
+from toolpace.reading.gcode.program.meanings import GROUP_OF
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
 from toolpace.reading.options import ReadOptions
 from toolpace.units import INCH, MILLIMETRE
 
@@ -31,6 +36,8 @@ LENGTHS = frozenset("XYZABCUVWIJRQ")
 """Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
 LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
 """Least increment of an angle, and of a length by its unit."""
+WHOLE = frozenset("HLT")
+"""Letters of which LinuxCNC takes what is next to a whole number for it."""
 WAYS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
@@ -58,14 +65,18 @@ class Executor:
         self.pattern = ""
         """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by)
-        self.places = Places(control, state, self.motion, frames, self.variables, by)
+        self.places = Places(control, state, self.motion, frames, by)
+        self.planes = Planes(control, state, frames, self.variables, by)
+        self.tools = Tools(control, state, options, by)
         self.handlers: dict[str, Handler] = (
             self.modes.handlers()
-            | Tools(control, state, options, by).handlers()
+            | self.tools.handlers()
             | frames.handlers()
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
             | self.places.handlers()
+            | self.planes.handlers()
+            | Functions(control, state, flow.variables).handlers()
             | SurfaceHoles(control, state, self.motion).handlers()
             | {
                 "hole circle": self._hole_circle,
@@ -86,7 +97,11 @@ class Executor:
         """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
+        if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
+            self.planes.need_whole()
         numbers = self._numbers(block)
+        if self.rs274:
+            self._refuse_unused(block, numbers)
         if actions:
             if self.splines.opened is not None:
                 self.splines.close()
@@ -95,10 +110,12 @@ class Executor:
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
-        if number is not None:
+        if number == 0.0 and control.feed.mode != INVERSE:
+            control.feed.value = None  # an error of the first motion at feed only
+        elif number is not None:
             control.feed.set(number, state.unit, control.line)
         if "S" in numbers:
-            if self.rs274 and numbers["S"] < 0.0:
+            if numbers["S"] < 0.0:
                 raise WordError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
             control.feed.spindle = numbers["S"] / 60.0
             control.moves.switch()
@@ -109,6 +126,8 @@ class Executor:
         self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
             handlers[action.meaning](numbers, action.word)
+        if "H" in numbers and not any(action.meaning in ("call program", "call here") for action in actions):
+            self.tools.number_alone(numbers)
         for word in block.ignored:
             control.findings.ignored(word)
             if word == SMOOTHNESS:
@@ -125,6 +144,20 @@ class Executor:
             control.moves.stop_by_mode()
         if self.after is not None:
             self.after()
+
+    def _refuse_unused(self, block: Block, numbers: Numbers) -> None:
+        """Take letters that no word uses out of a block of LinuxCNC, each with an alarm; and see what is in force."""
+        state = self.state
+        for letter in numbers.keys() & WHOLE | ({"P"} if "G10" in block.words and "P" in numbers else set()):
+            numbers[letter] = near_whole(numbers[letter], 1e-4)
+        if not numbers.keys() <= alarms.PLAIN or not alarms.NEEDED.keys().isdisjoint(block.words):
+            for letter, alarm in alarms.of_letters(numbers.keys(), block.words, state.motion_word):
+                numbers.pop(letter, None)
+                self.control.findings.stops(alarm.what, self.control.line, alarm.cure)
+        alarms.refuse_motionless(numbers.keys(), block.words, state.motion_word)
+        for meaning, word in block.actions:
+            if GROUP_OF[meaning] in ("motion", "end of cycle"):
+                state.motion_word = word
 
     def _numbers(self, block: Block) -> Numbers:
         """The words of a block with their values."""
@@ -154,12 +187,13 @@ class Executor:
         state, control, slots = self.state, self.control, self.control.slots
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
-                if self.rs274 and letter in "HD" and not free:
-                    raise WordError(f"{letter} stands without the word that it belongs to, G43, G41 or G42: remove it")
                 control.findings.ignored(letter)
         if state.in_machine:
             self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))
         elif state.cycle is not None:
+            if state.scaled and "Q" in numbers:
+                numbers.clear()
+                raise RefusedError("Q of a cycle in scaled coordinates", "it is not scaled: end the scale before (G50)")
             dwell = numbers.pop("P", None)
             if self.pattern:
                 numbers["I"], numbers["J"] = numbers.get("I", 0.0), numbers.get("J", 0.0)
@@ -217,6 +251,7 @@ class Executor:
     def close(self) -> None:
         """The program ends: what waits for a further block is not to come."""
         self.splines.close()
+        self.planes.need_whole()
         self.motion.corners.refuse()
 
     def _spline(self, meaning: str) -> Handler:

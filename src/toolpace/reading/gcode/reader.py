@@ -20,7 +20,7 @@ from toolpace.reading.gcode.program.flow import Flow, Frame
 from toolpace.reading.gcode.program.statements import Statement
 from toolpace.reading.gcode.program.variables import Variables
 from toolpace.reading.gcode.program.words import RefusedError, WordError
-from toolpace.reading.gcode.system import System
+from toolpace.reading.gcode.system import FREE, System
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
 from toolpace.units import INCH, MILLIMETRE
@@ -77,13 +77,18 @@ class WordAddressReader:
             empty_locals=by("empty_variables", True),
             system_from=int(by("system_variables_from", 1000.0)),
             letter=by("variable_letter", "#"),
+            last=int(by("last_variable", 999_999.0)),
+            free=FREE if by("named_system_variables", False) else frozenset(),
         )
         if by("local_variables_begin_at_zero", False):
             self.variables.local = dict.fromkeys(range(1, self.variables.locals_to + 1), 0.0)
-        self.flow = Flow(source, self.variables)
+        self.rs274 = by("rs274_checks", False)
+        self.flow = Flow(source, self.variables, by("deepest_calls", 64.0), to_tape_end=self.rs274)
         self.control.effort.lines_beside = self.flow.files.lines_beside
         self.compiler = Compiler(controller, deletes=options.block_delete)
         self.executor = Executor(self.control, self.state, self.flow, controller, options)
+        self.fanuc = by("fanuc_checks", False)
+        """Whether blocks are refused that Fanuc stops with an alarm."""
         self.assignments_last = by("assignments_last", False)
         """Whether the values of a block are those before it sets variables."""
         self.blocks: dict[str, Block] = {}
@@ -115,11 +120,16 @@ class WordAddressReader:
                 f'the program does not say its unit of lengths (G20, G21): they are {taken} (units = "{other}" in the '
                 "controller's file takes the others)"
             )
-        self.findings.raise_if_refused(self.source, self.options.skip_unknown)
+        self.findings.raise_if_refused(self.source, self.options.skip_unknown, self.options.lenient)
         return self.control
 
     def _first_line(self) -> int:
-        """Index of the line with which the program begins: text before the first % is none of it."""
+        """Index of the line with which the program begins: text before the first % is none of it.
+
+        To LinuxCNC only a % in the first line that is not empty begins a program.
+        """
+        if self.rs274:
+            return next((index for index, text in enumerate(self.source.lines) if text.strip()), 0)
         for index, text in enumerate(self.source.lines):
             if text.lstrip().startswith("%"):
                 return index
@@ -131,10 +141,16 @@ class WordAddressReader:
         """% opens the program, and closes it; in a file that is called it is passed over."""
         if frame.text is not self.flow.main:
             return
+        if len(self.flow.frames) > 1:
+            self.source.fail("the subprogram that is executed here ends without M99: write it", frame.next)
         if self.tape_line or self.control.effort.blocks:
             self.tape_closed = True
+            if self.rs274 and not self.tape_line:
+                self.findings.stops("% that ends what none begins", frame.next, "write M2, or % before the program too")
         else:
             self.tape_line = frame.next
+            if self.rs274 and any(line.strip() for line in self.source.lines[: frame.next - 1]):
+                self.findings.stops("a comment before %", 1, "write it behind: % begins the program")
 
     def _line(self, frame: Frame, text: str) -> None:
         line = frame.called_at or frame.next
@@ -145,6 +161,8 @@ class WordAddressReader:
             block = self.blocks.get(text)
             if block is None:
                 block = self._compiled(text)
+            for alarm in block.alarms:
+                self.findings.stops(alarm.what, line, alarm.cure)
             if block.aborts:
                 fail(f"the program ends itself here: {block.aborts}", number)
             if block.empty and not block.name:
@@ -185,6 +203,8 @@ class WordAddressReader:
             for word, cure in block.refused:
                 self.findings.refused(word, line, cure)
             return
+        if self.fanuc and block.assignments and (block.fixed or block.computed or block.actions):
+            raise WordError("a variable is set beside other words, which stops with an alarm (PS0127): use two blocks")
         values = [(place.key(self.variables), value_of(node, self.variables)) for place, node in block.assignments]
         if not self.assignments_last:
             self._assign(values)
@@ -204,11 +224,15 @@ class WordAddressReader:
         made = Block(block.text, fixed=block.fixed, computed=block.computed, whole=block.whole)
         made.actions, made.ignored, made.refused = list(block.actions), list(block.ignored), list(block.refused)
         made.assignments, made.arguments = block.assignments, block.arguments
+        made.words = list(block.words)
         for letter, node in block.codes:
             value = value_of(node, self.variables)
             if value is not None:
                 self.compiler.code(made, letter, round(value, 6))
         self.compiler.arrange(made)
+        for alarm in made.alarms:
+            if alarm not in block.alarms:
+                self.findings.stops(alarm.what, self.control.line, alarm.cure)
         return made
 
     def _assign(self, values: list[tuple[int | str, float | None]]) -> None:
@@ -248,5 +272,7 @@ class WordAddressReader:
                 "the program is cut off: % opens it here, but neither %, M2 nor M30 ends it; export it again",
                 self.tape_line,
             )
+        if self.rs274:
+            self.findings.stops("the end without M2, M30 or %", len(self.source.lines), "write M2 as the last block")
         if not state.at_home:
             self.source.must_be_ended("M2, M30 nor %")

@@ -15,6 +15,10 @@ _AXES = "XYZABCUVW"
 _OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 
 
+FREE = frozenset((5399, 5599, 5600, 5601, *range(5061, 5071)))
+"""Variables of LinuxCNC's range that a program may set: results of M66 and of probing, output of messages, the last."""
+
+
 class System:
     """Reads system variables by number (Fanuc, LinuxCNC) or name (LinuxCNC)."""
 

@@ -14,7 +14,7 @@ from toolpace.reading.heidenhain.holes.patterns import Patterns
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
-from toolpace.reading.heidenhain.tilting import Tilting
+from toolpace.reading.heidenhain.tilting import MOST_ANGLE, Tilting
 from toolpace.units import DEGREE
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
@@ -26,6 +26,8 @@ _FIGURE = re.compile(r"(?:[^-+0-9,.Q]|\.(?![0-9]))*+(" + VALUE + r")\s*+")
 OLD_PECKING = {1: 200, 2: 201, 3: 202, 4: 211, 5: 206}
 """Lines of cycle 1 to the parameters of cycle 200 that mean the same."""
 ORIENTATION = 13
+LONGEST_DWELL = 3600.0
+"""[s] (TNC 640, "Input format and unit of TNC functions")."""
 LINES = ("7", "8", "9", "10", "11", "19", "26", "32")
 """Cycles that are written in lines 7.0, 7.1, ... and act at once."""
 CURE = "export this operation as motions (L and C blocks), or drill with cycles 200 to 207, 240 and 241"
@@ -48,6 +50,7 @@ class Cycles:
         self.patterns, self.parameters = patterns, parameters
         self.controller = controller
         self.axial = controller.option("cycle_19_angles", "spatial") == "axes"
+        self.in_plane = controller.option("cycle_11_axes", "all") == "plane"
         self.state = tilting.machine.state
         self.lines: dict[str, Callable[[str], Step]] = {
             "7": self.shift,
@@ -120,6 +123,7 @@ class Cycles:
             raise BlockError("CYCL DEF 247 lacks Q339, the number of the preset: write it")
         self.frames.new_preset()
         self.control.set_offset(f"{number:g}")
+        self.tilting.machine.check_preset()
 
     def old_pecking(self, line: int, text: str) -> Step:
         """1: a line for each figure."""
@@ -164,34 +168,55 @@ class Cycles:
     def mirror(self, text: str) -> Step:
         """8: mirror; without an axis not at all."""
         letters = "".join(text.replace(",", " ").split())
-        if letters.strip("ABCUVWXYZ"):
+        if letters.strip("ABCXYZ"):
             raise BlockError(f"'{letters[:20]}' is not read in a mirror: write the letters of its axes")
-        if letters.strip("XYZ"):
-            cure = "mirror X, Y and Z only, or write the motions mirrored"
-            return lambda: self.control.findings.refused("CYCL DEF 8 of a rotary axis", self.control.line, cure)
         return lambda: self.frames.mirror(letters)
 
     def dwell(self, text: str) -> Step:
         """9: seconds."""
         value = self.figure(text, "CYCL DEF 9.1", "DWELL 2")
-        return lambda: self.control.dwell(evaluate(value))
+
+        def run() -> None:
+            seconds = evaluate(value)
+            if not 0.0 <= seconds <= LONGEST_DWELL:
+                raise BlockError(f"a dwell of {seconds:g} s is not between 0 and {LONGEST_DWELL:g}: correct it")
+            self.control.dwell(seconds)
+
+        return run
 
     def rotate(self, text: str) -> Step:
         """10: turn in the plane."""
         value, adds = self.figure(text, "CYCL DEF 10.1", "ROT+30"), "IROT" in text
-        return lambda: self.frames.rotate(self.state.tool_axis, evaluate(value) * DEGREE, adds)
+
+        def run() -> None:
+            angle = evaluate(value)
+            if abs(angle) > MOST_ANGLE:
+                raise BlockError(f"a rotation by {angle:g} is not between -360 and 360: correct it")
+            self.frames.rotate(self.state.tool_axis, angle * DEGREE, adds)
+
+        return run
 
     def scale(self, text: str) -> Step:
         """11: one factor for all axes."""
         value = self.figure(text, "CYCL DEF 11.1", "SCL 0.99")
-        return lambda: self.frames.scale([self.factor(evaluate(value))] * 3)
+
+        def run() -> None:
+            by = [self.factor(evaluate(value))] * 3
+            if self.in_plane:
+                by[self.state.tool_axis] = 1.0
+            if by != [1.0] * 3:
+                axes = "the axes of the working plane" if self.in_plane else "X, Y and Z"
+                self.control.findings.assumed(f"CYCL DEF 11 scales {axes} (option cycle_11_axes; MP7410 of iTNC 530)")
+            self.frames.scale(by)
+
+        return run
 
     def scale_axes(self, text: str) -> Step:
         """26: a factor for each axis, about a centre."""
         axes = self.axes(text)
 
         def run() -> None:
-            by, centre = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0]
+            by, centre, told = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0], set()
             for mark, letter, value in axes:
                 slot = "XYZ".find(letter)
                 if slot < 0:
@@ -200,6 +225,10 @@ class Cycles:
                     centre[slot] = evaluate(value) * self.state.unit
                 else:
                     by[slot] = self.factor(evaluate(value))
+                    told.add(slot)
+            if any(slot not in told for slot in self.frames.scaled()):
+                cure = "name each axis that is scaled, with the factor 1 where that is to end"
+                self.control.findings.refused("CYCL DEF 26 without an axis that is scaled", self.control.line, cure)
             self.frames.scale(by, centre)
 
         return run

@@ -9,8 +9,9 @@ from toolpace.reading.heidenhain.klartext.parameters import BlockError, Paramete
 from toolpace.reading.heidenhain.klartext.program import Program, beside
 from toolpace.reading.heidenhain.state import State
 
-MOST_CALLS = 100
-"""Calls within each other; the control takes fewer."""
+MOST_LABELS, MOST_PROGRAMS = 19, 30
+"""Calls of subprograms, and of programs, within each other: the most of any control (19 and 19 on TNC 640, 8 and 30 on
+iTNC 530; Klartext manuals, "Nesting depth")."""
 
 
 @dataclass
@@ -105,8 +106,12 @@ class Flow:
         return sum(len(each.source.lines) for each in self.programs.values() if each is not self.main)
 
     def _push(self, call: Call) -> None:
-        if len(self.calls) >= MOST_CALLS:
-            raise BlockError(f"more than {MOST_CALLS} calls within each other: does a subprogram call itself?")
+        alike = sum(each.other == call.other for each in self.calls)
+        most, what = (MOST_PROGRAMS, "programs") if call.other else (MOST_LABELS, "subprograms")
+        if alike >= most:
+            raise BlockError(
+                f"more than {most} calls of {what} within each other, which no control takes: does one call itself?"
+            )
         self.calls.append(call)
 
     def end_label(self) -> None:

@@ -53,18 +53,25 @@ class ModeFunctions:
 
     def tip_mode(self, text: str) -> Step:
         """FUNCTION TCPM with what it chooses."""
-        if "REFPNT" in text and "REFPNT TIP-TIP" not in text:
+        if "REFPNT TIP-CENTER" in text:
             return self.refused(
-                "FUNCTION TCPM REFPNT other than TIP-TIP", "write REFPNT TIP-TIP, with X Y Z of the tip"
+                "FUNCTION TCPM REFPNT TIP-CENTER",
+                "where the tip is while the tool turns about its centre is not known here: write REFPNT TIP-TIP, or "
+                "CENTER-CENTER with X Y Z of the centre",
             )
-        spatial = "AXIS SPAT" in text
+        spatial, centre = "AXIS SPAT" in text, "REFPNT CENTER-CENTER" in text
 
         def run() -> None:
             if "F CONT" in text:
                 self.control.findings.assumed("FUNCTION TCPM F CONT: F is the speed of the tip on the part")
             if "PATHCTRL VECTOR" in text:
                 self.control.findings.assumed("PATHCTRL VECTOR: rotary axes turn in proportion, as with PATHCTRL AXIS")
-            self.machine.tip_mode(True)
+            tool = self.control.setup.tool(self.control.tool)
+            corner = None if tool is None else tool.corner_radius
+            if centre and corner is None:
+                cure = "give the tool's corner_radius on the set-up sheet (R2, by which the centre is above the tip)"
+                self.control.findings.refused("FUNCTION TCPM REFPNT CENTER-CENTER", self.control.line, cure)
+            self.machine.tip_mode(True, corner if centre and corner is not None else 0.0)
             self.machine.spatial_angles(spatial)
 
         return run

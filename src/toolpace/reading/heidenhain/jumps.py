@@ -8,7 +8,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError, named
 from toolpace.reading.heidenhain.klartext.program import label_of
 
 _LABEL = re.compile(r"(?:\"([^\"]*)\"|([0-9]+))")
@@ -18,6 +18,8 @@ _FUNCTION = re.compile(r"([0-9]+)\s*:\s*(.*)")
 _RESULT = re.compile(r"(Q[LR]?[0-9]+)\s*=\s*(.+)")
 _TEST = re.compile(r"EQU|NE(?!G)|GT|LT")
 SELECTS = "write what the table holds: shifts as CYCL DEF 7, places as blocks with M99"
+MOST_REPEATS = 65534
+"""Of a program section (TNC 640, "Input format and unit of TNC functions")."""
 ALARM = 14
 RAISED = "the program stops itself with this error: correct what it tests before"
 MESSAGES = (15, 16, 19, 20, 29, 37, 38)
@@ -67,8 +69,8 @@ class Jumps:
 
         def run() -> None:
             value = evaluate(count)
-            if value != int(value) or not 0 <= value <= 1e9:
-                raise BlockError(f"REP {value:g} must be a whole number from 0 on: correct it")
+            if value != int(value) or not 0 <= value <= MOST_REPEATS:
+                raise BlockError(f"REP {value:g} must be a whole number from 0 to {MOST_REPEATS}: correct it")
             self.flow.repeat(self.target(found), int(value))
 
         return run
@@ -100,7 +102,7 @@ class Jumps:
             result = _RESULT.fullmatch(rest)
             if result is None:
                 raise BlockError(f"FN {number} gives a Q parameter: write FN {number}: Q1 = ..")
-            name, value = result[1], formula(result[2], self.parameters)
+            name, value = named(result[1]), formula(result[2], self.parameters)
             return lambda: self.parameters.assign(name, lambda: evaluate(value))
         if number <= 12:
             return self.jump(number, rest)

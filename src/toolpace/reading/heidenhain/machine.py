@@ -23,6 +23,8 @@ from toolpace.units import DEGREE
 
 UNKNOWN = "leave it out if it moves nothing, or name it under `ignored` in the controller's file"
 FULL_TURN = 360.0 * DEGREE
+MOST_FUNCTIONS = 4
+"""Of a block (TNC 640 Klartext, "Entering miscellaneous functions M"; iTNC 530 takes two)."""
 
 
 class Functions(NamedTuple):
@@ -68,6 +70,8 @@ class MachineFunctions:
     def compile(self, words: PathWords) -> Functions:
         """Steps of the M functions of a block. Raises BlockError."""
         made = Functions([], [], "")
+        if len(words.functions) > MOST_FUNCTIONS:
+            raise BlockError(f"more than {MOST_FUNCTIONS} M functions in one block: divide it")
         for function in words.functions:
             if not isinstance(function.code, float):
                 made.before.append(self.refused("M with a Q parameter", "write the number of the M function"))
@@ -114,8 +118,12 @@ class MachineFunctions:
         said = self.controller.option(f"{word}_means", "taken to move nothing")
         return lambda: self.control.findings.assumed(f"{word}: {said}")
 
-    def tip_mode(self, on: bool) -> None:
-        """M128 and M129; also FUNCTION TCPM and its reset."""
+    def tip_mode(self, on: bool, centre: float = 0.0) -> None:
+        """M128 and M129; also FUNCTION TCPM and its reset.
+
+        centre: how far [m] above the tip the point of the tool is that the words name (REFPNT CENTER-CENTER: the
+        centre of its corner radius); as if the tool were that much shorter.
+        """
         self.state.tip_mode = on
         if not on:
             self.state.spatial = False
@@ -123,10 +131,34 @@ class MachineFunctions:
             where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
             self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
         self.control.set_tip_mode(on)
+        if centre != self.state.centre:
+            oversize = self.control.coordinates.oversize + self.state.centre - centre
+            self.control.set_length(self.control.tool, oversize)
+            self.state.centre = centre
+        self.check_preset()
+
+    def check_preset(self) -> None:
+        """Refuse M128 where the preset shifts a rotary axis that carries the part.
+
+        Whether the part is thought to be turned by that is a parameter of the machine (CfgPresetSettings,
+        presetToAlignAxis). A datum shift of the program is a position of the axis ("M128 on tilting tables").
+        """
+        control = self.control
+        if control.poses.machine is None or not self.state.tip_mode:
+            return
+        offset = control.datum.origin(control.coordinates.offset)[3:]
+        if any(offset) and any(control.poses.carried(offset)):
+            control.findings.refused(
+                "M128 with a preset that shifts a rotary axis of the table", control.line,
+                "parameters of the machine tell whether X and Y turn with it: set the shift to zero, and turn the part "
+                "by CYCL DEF 10",
+            )  # fmt: skip
 
     def spatial_angles(self, on: bool) -> None:
         """AXIS SPAT: A, B and C are angles in space; they are zero to begin with where the tool stands upright."""
         control, state = self.control, self.state
+        if on and self.frames.mirrored:
+            control.findings.refused("AXIS SPAT over a mirror of rotary axes", control.line, "mirror X, Y and Z only")
         state.spatial = on
         upright = direction_on_part(control, (0.0, 0.0, 1.0)) if on else []
         stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < 1e-9
@@ -161,6 +193,9 @@ class MachineFunctions:
         letters = list(function.words) or [name.upper() for name in control.poses.rotary_names]
 
         def run() -> None:
+            if self.frames.mirrored:
+                control.findings.refused("M94 of mirrored axes", control.line, "end the mirror before (CYCL DEF 8)")
+                return
             wanted = {letter: control.words[control.slot(letter)] % FULL_TURN for letter in letters}
             control.set_position(wanted)
             self.frames.rotary = list(control.coordinates.turn)
@@ -199,10 +234,17 @@ class MachineFunctions:
 
         def run() -> None:
             rapid = self.motion.set_feed(words)
+            if self.state.tip_mode:
+                # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")
+                cure = "write M129 or FUNCTION RESET TCPM before"
+                self.control.findings.refused("M91 and M92 under M128", self.control.line, cure)
+                return
             if any(axis[1] for axis in axes):
                 self.control.findings.refused("incremental words with M91", self.control.line, "write absolute ones")
                 return
-            target, _ = self.motion.target([(slot, False, value, unit) for slot, _, value, unit in axes])
+            target, _ = self.motion.target(
+                [(slot, False, value, unit) for slot, _, value, unit in axes], of_program=False
+            )
             by_letter = {letter: target[axis[0]] for letter, axis in zip(letters, axes)}
             straight_in_machine(self.control, by_letter, rapid=rapid)
             self.state.came_from = []

@@ -61,6 +61,7 @@ class HeidenhainReader:
                 self.source.must_be_ended("END PGM, M2 nor M30")
                 break
         self.statements.approaches.refuse()
+        self.statements.motion.refuse_corner()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control
 
@@ -74,6 +75,7 @@ class HeidenhainReader:
             program.source.fail(str(error), block.line)
         except UnsetError as error:
             name = str(error)
+            self.state.corner = None  # the block that it waits for is this one
             if name:
                 self.findings.refused(name, line, RADIUS if name == "Q108" else UNSET)
 

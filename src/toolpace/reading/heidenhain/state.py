@@ -39,6 +39,10 @@ class State:
     """Whether M128 or FUNCTION TCPM is on."""
     tool_feed: float | None = None
     """F of TOOL CALL, which FAUTO means."""
+    centre: float = 0.0
+    """How far above its tip the point of the tool is that X, Y, Z name [m]: REFPNT CENTER-CENTER."""
+    oversize: bool = False
+    """Whether the tool was called with DL, DR or DR2 that is not zero."""
     calls_everywhere: bool = False
     """Whether each positioning block calls the cycle (M89)."""
     side: str = "R0"

@@ -12,6 +12,7 @@ from toolpace.reading.heidenhain.contour.circles import Circles
 from toolpace.reading.heidenhain.contour.corners import Corners
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.contour.polar import Polar
+from toolpace.reading.heidenhain.contour.surface_lines import SurfaceLines
 from toolpace.reading.heidenhain.cycles import Cycles
 from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.frames import Frames
@@ -20,7 +21,7 @@ from toolpace.reading.heidenhain.holes.drilling import Holes
 from toolpace.reading.heidenhain.holes.patterns import Patterns
 from toolpace.reading.heidenhain.jumps import Jumps
 from toolpace.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters, named
 from toolpace.reading.heidenhain.klartext.words import AXES, VALUE, PathWords, path_words, signed
 from toolpace.reading.heidenhain.machine import MachineFunctions
 from toolpace.reading.heidenhain.state import INCH, State
@@ -51,7 +52,7 @@ class Statements:
         self.frames = frames = Frames(control)
         self.motion = motion = Motion(control, state, frames, follow)
         self.circles = circles = Circles(control, state, motion)
-        polar = Polar(circles)
+        polar, surface = Polar(circles), SurfaceLines(control, state, motion)
         self.approaches = approaches = Approaches(circles, polar)
         self.holes = holes = Holes(control, state)
         self.machine = machine = MachineFunctions(control, state, motion, frames, holes, controller)
@@ -63,7 +64,7 @@ class Statements:
         self.flow = flow
         self.by_word: dict[str, Callable[[str], Step]] = {
             "L": lambda text: self.path(text, motion.line),
-            "LN": lambda text: self.path(text, motion.normal_line),
+            "LN": lambda text: self.path(text, surface.line),
             "C": lambda text: self.path(text, circles.about_pole),
             "CC": lambda text: self.path(text, circles.pole),
             "CR": lambda text: self.path(text, circles.of_radius),
@@ -237,7 +238,7 @@ class Statements:
         if found is None:
             cure = "write Q1 = with a formula of numbers and Q parameters"
             return lambda: self.findings.refused(text[:20], self.control.line, cure)
-        name, value = found[1], formula(found[2], parameters)
+        name, value = named(found[1]), formula(found[2], parameters)
         return lambda: parameters.assign(name, lambda: evaluate(value))
 
     def heading(self, text: str) -> Step:

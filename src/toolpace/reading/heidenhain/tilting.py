@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
 
@@ -13,6 +14,7 @@ from toolpace.reading.control.retract import turn_about
 from toolpace.reading.control.tool_axis import plane_axis, rotary_for
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
+from toolpace.reading.heidenhain.axial import HEAD, AxialAngles
 from toolpace.reading.heidenhain.contour.motion import Step
 from toolpace.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
@@ -23,10 +25,18 @@ from toolpace.units import DEGREE
 
 _WORD = re.compile(
     r"\s*(?:(TURN|MOVE|STAY|F\s*MAX|F\s*AUTO|MAX|SEQ\s*[-+]|SYM\s*[-+]|COORD\s+ROT|TABLE\s+ROT|ROT(?=\s+F)|MB(?=\s+MAX))"
-    r"|(SP[ABC]|EULPR|EULNU|EULROT|PROPR|PROMIN|ROT|P[123][XYZ]|[BN][XYZ]|DIST|ABST|MB|[ABCF])\s*(" + VALUE + "))"
+    r"|(SP[ABC]|EULPR|EULNU|EULROT|PROPR|PROMIN|(?:PRO)?ROT|P[123][XYZ]|[BN][XYZ]|DIST|ABST|MB|I?[ABC]|F)\s*("
+    + VALUE
+    + "))"
 )
 FORMS = ("SPATIAL", "EULER", "VECTOR", "POINTS", "RELATIV", "AXIAL", "RESET")
+PROJECTED = (
+    "in which sense its angles count is told by a picture of the manual only: write the plane as PLANE VECTOR or "
+    "PLANE SPATIAL"
+)
 ANGLES = ("A", "B", "C")
+MOST_ANGLE = 360.0
+"""Of a tilt or a rotation [deg] (TNC 640, "Input format and unit of TNC functions")."""
 STRAIGHT = 1e-9
 """Most of X and Y in a unit vector that is taken for upright."""
 
@@ -45,9 +55,12 @@ class Asked:
             raise BlockError(f"PLANE lacks {name}: write all of its values")
         return evaluate(found)
 
-    def angles(self, *names: str) -> list[float]:
-        """Angles [rad]; missing ones are zero."""
-        return [self.value(name, 0.0) * DEGREE for name in names]
+    def angles(self, *names: str, default: float | None = None) -> list[float]:
+        """Angles [rad]. Raises BlockError where one is missing or more than a turn."""
+        found = [self.value(name, default) for name in names]
+        if max(map(abs, found)) > MOST_ANGLE:
+            raise BlockError(f"{', '.join(names)} of PLANE are angles between -360 and 360: correct them")
+        return [angle * DEGREE for angle in found]
 
     def vector(self, name: str) -> list[float]:
         """Components X, Y, Z (3,)."""
@@ -59,14 +72,19 @@ class Tilting:
 
     def __init__(self, control: Control, frames: Frames, machine: MachineFunctions, parameters: Parameters) -> None:
         self.control, self.frames, self.machine, self.parameters = control, frames, machine, parameters
+        self.axes = AxialAngles(control)
+        self.positions: list[float] | None = None
+        """Rotary words that the plane in force was told by [rad]; None where it was told otherwise."""
 
     def compile(self, text: str) -> Step:
         """PLANE and what stands behind it. Raises BlockError."""
         form, _, rest = text.partition(" ")
         if form not in FORMS:
-            cure = "write PLANE SPATIAL with its angles"
+            cure = PROJECTED if form == "PROJECTED" else "write PLANE SPATIAL with its angles"
             return lambda: self.control.findings.refused(f"PLANE {form}", self.control.line, cure)
         asked = self.words(rest)
+        if form != "RESET" and not asked.words & {"MOVE", "TURN", "STAY"}:
+            raise BlockError(f"PLANE {form} does not say how the axes turn: write MOVE, TURN or STAY")
         return lambda: self.run(form, asked)
 
     def words(self, text: str) -> Asked:
@@ -85,15 +103,35 @@ class Tilting:
 
     def run(self, form: str, asked: Asked) -> None:
         """Tilt, and turn the rotary axes as asked."""
+        self.positions = None
         if form == "RESET":
-            self.frames.tilt(None)
-        else:
+            self.reset(asked)
+        elif not self.hindered(by_axes=form == "AXIAL"):
             made = self.matrix(form, asked)
             if made is None:
                 return
             self.frames.tilt(made)
+            self.turn(asked, reset=False)
+        self.machine.motion.seen_upright = None
         self.machine.state.came_from = []
-        self.turn(asked, reset=form == "RESET")
+        self.machine.state.spatial_angles = [None] * 3
+
+    def reset(self, asked: Asked) -> None:
+        """The axes back to zero, and no plane: MOVE holds the tip on the part, as long as the plane is there."""
+        self.axes.reset()
+        turned = any(abs(angle) > STRAIGHT for angle in self.control.words[3:])
+        if "MOVE" in asked.words and turned and self.frames.plane is None and self.control.poses.machine is not None:
+            self.frames.tilt(affine.rotation(2, 0.0))
+        self.turn(asked, reset=True)
+        self.frames.tilt(None)
+
+    def hindered(self, *, by_axes: bool) -> bool:
+        """Note what is in force over which a plane is not laid, if anything is."""
+        found = self.frames.hindrance(by_axes=by_axes)
+        if found is not None:
+            word, cure = found
+            self.control.findings.refused(word, self.control.line, cure)
+        return found is not None
 
     def matrix(self, form: str, asked: Asked) -> Matrix | None:
         """The rotation of a plane in the frame of the datum; None where it is refused."""
@@ -103,7 +141,7 @@ class Tilting:
             return euler(*asked.angles("EULPR", "EULNU", "EULROT"))
         if form == "RELATIV":
             now = affine.IDENTITY if self.frames.plane is None else self.frames.plane
-            return affine.product(now, spatial(*asked.angles("SPA", "SPB", "SPC")))
+            return affine.product(now, spatial(*asked.angles("SPA", "SPB", "SPC", default=0.0)))
         if form == "AXIAL":
             return self.axial(asked)
         if form == "VECTOR":
@@ -117,22 +155,16 @@ class Tilting:
         return made
 
     def axial(self, asked: Asked) -> Matrix | None:
-        """The plane across the tool at positions of the rotary axes, where tables make it."""
-        poses = self.control.poses
-        rotary = list(self.control.words[3:])
-        for letter in ANGLES:
-            if letter in asked.values:
-                rotary[self.control.slot(letter) - 3] = asked.value(letter) * DEGREE
-        if poses.machine is None:
-            raise BlockError("PLANE AXIAL needs the machine: give --machine NAME (machine= in Python)")
-        _, columns, axis = poses.linear_map(rotary)
-        _, zero, straight = poses.linear_map([0.0] * len(rotary))
-        turn = columns @ np.linalg.inv(zero)
-        if not np.allclose(turn @ straight, axis, atol=1e-9) or not upright(list(straight)):
-            cure = "write PLANE SPATIAL: on this machine axis positions alone do not tell the turn of the plane"
-            self.control.findings.refused("PLANE AXIAL", self.control.line, cure)
-            return None
-        return affine.linear(turn.tolist())
+        """The plane across the tool at positions of the rotary axes; None where it is refused."""
+        angles = {}
+        for word in asked.values:
+            if word.removeprefix("I") in ANGLES:
+                angles[word[-1]] = asked.value(word) * DEGREE, word.startswith("I")
+        self.positions = self.axes.take(angles)
+        made = self.axes.plane(self.positions)
+        if made is None:
+            self.control.findings.refused("PLANE AXIAL", self.control.line, HEAD)
+        return made
 
     def turn(self, asked: Asked, *, reset: bool) -> None:
         """MOVE, TURN or STAY; the angles go to Q120 to Q122."""
@@ -147,14 +179,23 @@ class Tilting:
         if control.poses.machine is None and not moves:
             return
         straight = reset
-        if "TABLEROT" in words and upright(plane_axis(control)):
+        if "TABLEROT" in words and self.positions is None and upright(plane_axis(control)):
             # the table turns to the angle of the plane, which is told without its axis where it is zero
             straight = np.allclose(self.frames.plane or affine.IDENTITY, affine.IDENTITY, atol=STRAIGHT)
             if not straight:
                 control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
-        wanted = [0.0] * len(control.poses.rotary) if straight else rotary_for(control, plane_axis(control), sign)
+        if straight:
+            wanted = [0.0] * len(control.poses.rotary)
+        elif self.positions is not None:
+            wanted = self.positions  # SEQ, TABLE ROT and COORD ROT do nothing with PLANE AXIAL
+        else:
+            wanted = self.rotary(sign)
         self.note(wanted)
         if not moves:
+            return
+        if "TURN" in words and self.machine.state.tip_mode:
+            cure = "write MOVE, or M129 before: whether the tip stays or the linear axes do is not known here"
+            control.findings.refused("PLANE .. TURN under M128", control.line, cure)
             return
         rapid = "F" not in asked.values
         with control.feed.held(*((1.0, 1.0) if rapid else self.machine.motion.speed_of(asked.value("F")))):
@@ -162,6 +203,21 @@ class Tilting:
                 turn_about(control, wanted, pivot, rapid=rapid)
             else:
                 turn_joints(control, wanted, rapid=rapid)
+
+    def rotary(self, sign: int) -> list[float]:
+        """Rotary words [rad] of the plane: the nearer solution, or that with the master axis below or above zero.
+
+        Of two that are as near the one above zero: from A+0 C+0 the manual's table has A+45 C+90, not A-45 C-90
+        (TNC 640 Klartext, "Selection of tilting possibilities SEQ +/-").
+        """
+        control, axis = self.control, plane_axis(self.control)
+        found = rotary_for(control, axis, sign)
+        above, fault = control.orientation.rotary(axis, control.placement.place(control.words)[3:], 1)
+        if sign or fault:
+            return found
+        shift, present = control.placement.shift or (0.0,) * len(found), control.words[3:]
+        other = [a - b for a, b in zip(above, shift)]
+        return other if math.dist(other, present) < math.dist(found, present) + STRAIGHT else found
 
     def note(self, wanted: list[float]) -> None:
         """Set Q120, Q121, Q122 to the angles [deg] of A, B and C."""
@@ -172,15 +228,25 @@ class Tilting:
 
     def cycle_19(self, angles: dict[str, float], *, axial: bool) -> None:
         """CYCL DEF 19: tilt without turning the axes; all angles zero: not at all."""
+        self.positions = None
         if not any(angles.values()):
+            self.axes.reset()
             self.frames.tilt(None)
+        elif self.hindered(by_axes=True):
+            return
+        elif axial:
+            made = self.axial(Asked(dict(angles)))
+            if made is None:
+                return
+            self.frames.tilt(made)
         else:
-            asked = Asked(dict(angles))
-            spatial_of = spatial(*(angles.get(letter, 0.0) * DEGREE for letter in ANGLES))
-            self.frames.tilt(self.axial(asked) if axial else spatial_of)
+            self.frames.tilt(spatial(*(angles.get(letter, 0.0) * DEGREE for letter in ANGLES)))
+        self.machine.motion.seen_upright = None
         self.machine.state.came_from = []
-        if self.control.poses.machine is not None:
-            self.note(rotary_for(self.control, plane_axis(self.control)))
+        if self.positions is not None:
+            self.note(self.positions)
+        elif self.control.poses.machine is not None:
+            self.note(self.rotary(0))
 
 
 def upright(axis: list[float]) -> bool:

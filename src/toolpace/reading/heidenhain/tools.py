@@ -16,6 +16,11 @@ from toolpace.units import MINUTE
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
+DELTAS = ("DL", "DR", "DR2")
+MOST_DELTA, MOST_TOOL = 999.9999, 32767.9
+"""Of an oversize (TNC7; 99.9999 on older ones), and of a tool's number ("Input format and unit of TNC functions")."""
+STRAIGHT = 1e-9
+"""By what a unit vector may miss an axis that it is along."""
 
 
 class Tools:
@@ -45,7 +50,12 @@ class Tools:
                 self.axis(letter)
             figures = {name: evaluate(value) for name, value in words.items()}
             tool = self.name(found)
-            if tool or "DL" in figures or "DR" in figures:
+            for name in DELTAS:
+                if abs(figures.get(name, 0.0)) > MOST_DELTA:
+                    raise BlockError(f"{name} of TOOL CALL is not between -999.9999 and 999.9999: correct it")
+            deltas = [figures[name] for name in DELTAS if name in figures]
+            if tool or deltas:
+                self.state.oversize = any(deltas)
                 self.change(tool or self.control.tool, figures)
             if "VC" in figures:
                 self.control.findings.refused("VC of TOOL CALL", self.control.line, "write the spindle speed S")
@@ -63,7 +73,13 @@ class Tools:
             cure = "write X, Y or Z for the tool axis"
             self.control.findings.refused(f"TOOL CALL with tool axis {letter}", self.control.line, cure)
             return
-        self.state.tool_axis = "XYZ".index(letter)
+        axis = "XYZ".index(letter)
+        if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - STRAIGHT:
+            self.control.findings.assumed(
+                f"TOOL CALL with tool axis {letter} sets the plane of arcs, turns and cycles; the tool stands as the "
+                "machine holds it, and its length counts along it"
+            )
+        self.state.tool_axis = axis
 
     def name(self, found: re.Match[str]) -> str:
         """Number or name of the tool; "" where the block has none."""
@@ -71,13 +87,21 @@ class Tools:
             return found[1].strip()
         if found[2]:
             return self.parameters.text(found[2])
-        if found[3]:
-            return f"{self.parameters.get(found[3]):g}"
-        return f"{float(found[4]):g}" if found[4] else ""
+        if not found[3] and not found[4]:
+            return ""
+        number = self.parameters.get(found[3]) if found[3] else float(found[4])
+        if not 0.0 <= number <= MOST_TOOL:
+            raise BlockError(f"tool {number:g} is not between 0 and {MOST_TOOL:g}: correct its number")
+        return f"{number:g}"
 
     def change(self, tool: str, figures: dict[str, float]) -> None:
         """Take it, and reckon with its length and oversize; 0 is none, whose length is zero."""
         control = self.control
+        if self.state.tip_mode:
+            # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128"
+            cure = "write M129 or FUNCTION RESET TCPM before, and switch it on again behind"
+            control.findings.refused("TOOL CALL of a tool under M128", control.line, cure)
+            return
         table = {name.upper(): name for name in control.setup.tools}
         tool = table.get(tool, tool)
         if tool != control.tool or tool == "0":

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.curves.arcs import Arc, ArcError, centre_of_radius, plane_arc
+from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.curves.arcs import Arc, ArcError, Tolerance, centre_of_radius, plane_arc
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import WordError, near_whole
+from toolpace.units import INCH, MILLIMETRE
 
 FARTHEST = 1e6
 """Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""
@@ -15,38 +17,52 @@ MOST_TURNS = 1000
 """Most whole turns of an arc (P): more is a slip, and would fill memory with points."""
 ROUNDING = 1e-12
 """Of a radius [m]."""
+SPIRAL = (
+    "where the radius of an arc at its end is another than at its start, within what the control allows, it changes "
+    "evenly with the angle"
+)
+SAID = 5e-6
+"""Difference of radii [m] from which that is said: more than decimals explain."""
 _CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
 
 
 class ArcReader:
     """Reads I, J, K, R and P in the plane in force."""
 
-    def __init__(self, control: Control, state: Modal, centres: str, *, full: bool) -> None:
-        """centres: "by mode" (distances from the start, or positions), or "fitting": what makes both radii equal.
-
-        full: ends on one ray from the centre make a full circle.
-        """
-        self.control, self.state, self.centres, self.full = control, state, centres, full
+    def __init__(self, control: Control, state: Modal, by: Controller) -> None:
+        self.control, self.state = control, state
+        self.centres = by.option("arc_centre", "by mode")
+        """By mode (distances from the start, or positions), or "fitting": what makes both radii equal."""
+        self.full = by.option("rs274_checks", False)
+        """Whether ends on one ray from the centre make a full circle."""
+        self.radii = {unit: _radii(by, unit) for unit in (MILLIMETRE, INCH)}
+        reach = by.option("arc_reach_mm", 0.0) * MILLIMETRE
+        self.reach = Tolerance(reach, 0.0) if reach else Tolerance()
 
     def arc(self, arc_words: dict[str, float], start: list[float], target: list[float]) -> Arc:
         """The arc from `start` to `target` (3,), in the program's coordinates."""
         state = self.state
         plane = self._plane(arc_words)
         clockwise = state.motion == "arc clockwise"
-        turns = arc_words.pop("P", 1.0)
+        tolerance = self.radii[state.unit]
+        turns = near_whole(arc_words.pop("P", 1.0), 1e-3)
         if turns != int(turns) or not 1 <= turns <= MOST_TURNS:
             raise WordError(f"P{turns:g} of an arc counts its turns: write a whole number from 1 to {MOST_TURNS}")
         if "R" in arc_words:
             radius = arc_words.pop("R") * state.unit
-            if any(arc_words.values()):
+            if any(arc_words.values()) or (self.full and arc_words):
                 raise WordError("an arc has R, or I, J, K, not both: remove one")
             self._refuse_far(radius, "R")
-            centre = centre_of_radius(start, target, radius, plane, clockwise)
+            centre = centre_of_radius(start, target, radius, plane, clockwise, self.reach)
+            tolerance = Tolerance()
         elif self.centres == "fitting":
             centre = self._fitting_centre(arc_words, start, target, plane)
         else:
             centre = self._centre(arc_words, start, plane, state.arc_absolute, 1.0)
-        return plane_arc(start, target, centre, plane, clockwise, int(turns), full=self.full)
+        made = plane_arc(start, target, centre, plane, clockwise, int(turns), full=self.full, tolerance=tolerance)
+        if abs(made.r1 - made.r0) > SAID:
+            self.control.findings.assumed(SPIRAL)
+        return made
 
     def _plane(self, arc_words: dict[str, float]) -> int:
         """The plane in force; where centres are fitted, that of the two letters that are given."""
@@ -105,3 +121,12 @@ class ArcReader:
     def _refuse_far(self, value: float, letter: str) -> None:
         if not abs(value) <= FARTHEST * self.state.unit:
             raise WordError(f"{letter} is beyond {FARTHEST:g}: correct the number")
+
+
+def _radii(by: Controller, unit: float) -> Tolerance:
+    """How far radii may differ in a program of this unit [m]."""
+    least = by.option("arc_radii_inch", 0.0) * INCH if unit == INCH else 0.0
+    least = least or by.option("arc_radii_mm", 0.01) * MILLIMETRE
+    times = by.option("arc_radii_times", 0.0)
+    smallest = by.option("arc_radius_least_mm", 1e-6) * MILLIMETRE
+    return Tolerance(least, by.option("arc_radii_percent", 0.1) / 100, times * least if times else math.inf, smallest)

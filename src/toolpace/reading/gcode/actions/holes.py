@@ -13,7 +13,7 @@ from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
-from toolpace.reading.gcode.program.words import Numbers, WordError
+from toolpace.reading.gcode.program.words import WordError
 from toolpace.units import DEGREE, MILLIMETRE
 
 PLANE = ((0, 1), (2, 0), (1, 2))
@@ -49,6 +49,8 @@ KINDS = {
     "bore backwards": Kind(dwells=True, stops=True, needs="IJK"),
     "bore by hand": Kind(dwells=True, stops=True, needs="P"),
 }
+TURNED = {"G74": ("M4",), "G84": ("M3",), "G86": ("M3", "M4"), "G87": ("M3", "M4"), "G88": ("M3", "M4")}
+"""How the spindle has to turn for LinuxCNC's interpreter."""
 FED_BACK = ("tap", "bore and dwell")
 """Cycles in which LinuxCNC's interpreter feeds out to the level that is gone back to."""
 
@@ -100,17 +102,23 @@ class Holes:
             self.level = control.words[state.drill_axis]
         drills = bool(plane) or letter in numbers
         if self.rs274:
-            self._refuse_in_rs274(plane, drills, numbers)
+            self._refuse_in_rs274(plane, drills)
         elif "R" in numbers and not drills:
             control.findings.assumed(R_ALONE)
         for name in (letter, *"RQIJK"):
             if name in numbers:
                 self.words[name] = numbers.pop(name)
                 self.absolute[name] = state.absolute
+        if dwell is not None and dwell < 0.0:
+            raise WordError(f"the dwell P of a cycle is {dwell:g} s: write it from zero")
         if dwell is not None:
             self.words["P"] = dwell
         if not drills:
             return
+        if self.rs274 and state.turning not in (wanted := TURNED.get(state.motion_word, (state.turning,))):
+            turns = f"turns by {state.turning}" if state.turning else "is at rest"
+            cure = f"write {' or '.join(wanted)} before it"
+            control.findings.stops(f"{state.motion_word} while the spindle {turns}", control.line, cure)
         cycle = self._cycle(letter)
         joining = control.moves.joining
         if self.rs274:  # its interpreter has cycles on the exact path, whatever mode is in force
@@ -149,14 +157,16 @@ class Holes:
             place[slot] += words[letter] * unit if slot != axis else 0.0
         return place, words["IJK"[axis]] * unit + (0.0 if self.state.absolute else bottom)
 
-    def _refuse_in_rs274(self, plane: list[str], drills: bool, numbers: Numbers) -> None:
-        """Words on which its interpreter ends: "All axes missing", "R word with no g code that uses it", "Cannot put an
-        A in canned cycle"."""
-        alone = next((letter for letter in "RQ" if letter in numbers), None)
-        if alone is not None and not drills and not self.state.cycle_word:
-            raise WordError(f"{alone} without an axis drills nothing: write it in the block of a hole")
+    def _refuse_in_rs274(self, plane: list[str], drills: bool) -> None:
+        """Words on which its interpreter ends: "All axes missing", "Cannot put an A in canned cycle"; and on which
+        it moves elsewhere than its manual says."""
         if self.state.cycle_word and not drills:
             raise WordError("a cycle without an axis drills nothing: write where, like G81 X1 Y1 Z-5 R2")
+        if self.state.cycle == "tap" and self.state.drill_axis != 2:
+            raise WordError(
+                f"{self.state.motion_word} outside the plane of G17: LinuxCNC's interpreter moves other axes than the "
+                "manual says; write the strokes out"
+            )
         turned = next((axis for axis in plane if axis in "ABC"), None)
         if turned is not None:
             raise WordError(f"{turned} in a block of a cycle: turn the axis in a block before it")

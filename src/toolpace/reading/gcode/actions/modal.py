@@ -22,6 +22,10 @@ class Modal:
     """0: XY, 1: ZX, 2: YZ."""
     motion: str | None = None
     """Meaning of the motion word in force."""
+    motion_word: str = ""
+    """The word itself, that of a cycle too."""
+    turning: str = ""
+    """The word by which the spindle turns (M3, M4); "": it is at rest."""
     cycle: str | None = None
     """Meaning of the canned cycle in force, which then rules in place of the motion."""
     exact_stop: bool = False
@@ -50,6 +54,14 @@ class Modal:
     """Whether words of tip mode are in coordinates that do not turn with the table."""
     along: float = 0.0
     """Motion along the tool axis by a letter of its own [m]."""
+    not_alone: tuple[int, int] | None = None
+    """Slots of the axes of which neither may move alone yet: where the other is in turned coordinates is not sure."""
+    level_by_machine: bool = False
+    """Whether machine coordinates (G28, G30, G53) have told Z last."""
+    turned_plane: int | None = None
+    """The plane that G68 turns."""
+    scaled: bool = False
+    """Whether G51 scales the coordinates."""
     next_tool: str = ""
     length_word: str | None = None
     """H in force."""

@@ -16,10 +16,12 @@ from toolpace.reading.coordinates import affine
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.units import DEGREE
 
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
+TOOL_VECTOR = ("I1", "J1", "K1")
+"""The tool's direction under G141 of MillPlus."""
 _USES = {
     "P": "dwells, calls or arcs (turns)",
     "Q": "cycles",
@@ -34,9 +36,10 @@ class MotionReader:
         self.source, self.control, self.state = control.source, control, state
         self.rotary = controller.option("rotary", "as written")
         self.rotary_varies = controller.option("rotary_varies", False)
-        by = controller.option
-        self.arcs = ArcReader(control, state, by("arc_centre", "by mode"), full=by("rs274_checks", False))
+        self.arcs = ArcReader(control, state, controller)
         self.by_radius = controller.option("inverse_time_by_radius", False)
+        self.fanuc = controller.option("fanuc_checks", False)
+        """Whether blocks are refused that Fanuc stops with an alarm."""
         self.along = controller.option("letter_along_tool", "")
         self.stated: list[float] = []
         """(3,) X, Y, Z of the block as stated [m]."""
@@ -50,6 +53,8 @@ class MotionReader:
         arc_words = {}
         if motion in ARCS:
             arc_words = {letter: numbers.pop(letter) for letter in "IJKRP" if letter in numbers}
+        if self.fanuc and state.vectors and any(letter in numbers for letter in "ABC"):
+            raise WordError("a rotary word under G43.5 stops with an alarm (PS5421): write I, J, K, or use G43.4")
         vector = {letter: numbers.pop(letter, 0.0) for letter in "IJK"} if self._has_vector(numbers) else None
         if not state.absolute and not len(control.moves):
             # distances start somewhere: at zero, as on a controller that was never told its place
@@ -61,6 +66,8 @@ class MotionReader:
         if vector is not None:
             target[3:] = self._rotary_of(vector)
         if motion in ARCS:
+            if self.fanuc and state.turned_plane not in (None, state.plane):
+                raise WordError("an arc in another plane than that of G68 stops with an alarm: write G69 before it")
             arc = self.arcs.arc(arc_words, start, self.stated if state.stands else target)
             if state.stands:
                 arc = self._carried(arc, target)
@@ -72,6 +79,8 @@ class MotionReader:
             if motion == "rapid" and number is not None and control.feed.mode == INVERSE:
                 control.findings.ignored("F with G0 under G93")
             if self.corners.waiting is not None:
+                if motion == "rapid" and self.fanuc:
+                    self.corners.refuse()
                 self.corners.before(target, state.plane)
             control.straight(target, named, rapid=motion == "rapid", number=number)
         if corner is not None:
@@ -122,10 +131,27 @@ class MotionReader:
                 if absolute and abs(turned - present) > HALF:
                     turned = self._rotary(turned, present, value)
                 target[slot] = turned
+        if named & 4:
+            state.level_by_machine = False
+        if state.not_alone is not None and named:
+            self._need_both(named)
         if state.stands or along or state.along:
             self.stated, state.along = target[:3], along
             target[:3] = self._moved(target)
         return target, named
+
+    def _need_both(self, named: int) -> None:
+        """Refuse to move one axis of a plane that was turned (G68) beside its centre, before both are named."""
+        assert self.state.not_alone is not None
+        first, second = self.state.not_alone
+        both = named >> first & named >> second & 1
+        if not both and self.state.absolute and named & (1 << first | 1 << second):
+            raise RefusedError(
+                "one axis alone behind G68",
+                f"controls differ in where the other is: name {'XYZ'[first]} and {'XYZ'[second]} in the first motion",
+            )
+        if both:
+            self.state.not_alone = None
 
     def _rotary(self, turned: float, present: float, value: float) -> float:
         """A rotary position more than half a turn away, by the rule of the controller."""
@@ -207,6 +233,12 @@ class MotionReader:
         return rotary_for(self.control, direction_on_part(self.control, list(vector.values())))
 
     def _refuse_word(self, letter: str) -> None:
+        if letter in TOOL_VECTOR:
+            raise RefusedError(
+                f"{letter}= of G141",
+                "in which coordinates the tool's direction stands while the table turns is not known here: write the "
+                "positions of the rotary axes (A, B, C)",
+            )
         if letter in _USES:
             raise WordError(f"{letter} has no use in this block, it belongs to {_USES[letter]}: remove it")
         if letter in "ABC" or (letter in "UVW" and self.control.poses.machine is not None):

@@ -6,12 +6,12 @@ After its manual, "M70 Save Modal State", "M72 Restore Modal State" and "M73 Sav
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.gcode.actions.frames import Frames
+from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.flow import Flow
 from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
 
-MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial", "length_word")
+MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial", "length_word", "turning")
 """Of `Modal`; the motion in force is not among them."""
 
 

@@ -8,6 +8,9 @@ from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.reading.options import PROGRAM, ReadOptions
 
+STILL = 1e-9
+"""Lengths [m] that are the same."""
+
 
 class Tools:
     """Carries out the words of tools."""
@@ -18,6 +21,8 @@ class Tools:
         self.with_tool = by.option("length_with_tool", False)
         self.rs274 = by.option("rs274_checks", False)
         """Whether number 0 of H and D, and a length without H, mean the tool in the spindle (LinuxCNC's manual)."""
+        self.lengths_move: str = by.option("lengths_move", "")
+        """What a change of the length does to a block under G91: "with the block" it is gone as well, "refused"."""
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -52,6 +57,7 @@ class Tools:
     def change(self, numbers: Numbers, word: str) -> None:
         """M6: the tool that T named last."""
         numbers.pop("T", None)
+        self.state.turning = ""
         self.control.change_tool(self.state.next_tool)
         if self.with_tool:
             self.control.set_length(self.state.next_tool)
@@ -85,12 +91,50 @@ class Tools:
     def length(self, numbers: Numbers, word: str) -> None:
         """G43: the length of H, or of the tool at hand."""
         self.control.findings.ignored(word)
+        before = self.control.words[:3]
         self._length(numbers, word)
         self._tip(self.state.switched_tip_mode, False)
+        self._settle(before, numbers, word)
+
+    def number_alone(self, numbers: Numbers) -> None:
+        """H without G43: under it the offset of that number takes the place of the one before, number 0 ends it."""
+        control, number = self.control, numbers["H"]
+        if not self.lengths_move or not control.coordinates.compensated:
+            return
+        if self.state.tip_mode and f"{number:g}" == self.state.length_word:
+            return
+        if self.state.tip_mode or (number and self.lengths_move == "refused"):
+            numbers.clear()
+            raise RefusedError(f"H{number:g} alone", "it may change the length: write it with G43, G43.4 or G43.5")
+        self.length(numbers, f"H{number:g}")
+
+    def _settle(self, before: list[float], numbers: Numbers, word: str) -> None:
+        """What becomes of the words (3,) [m] that the machine had before its length changed."""
+        control, state = self.control, self.state
+        off = [a - b for a, b in zip(before, control.words[:3])]
+        if not self.lengths_move or not len(control.moves) or not any(abs(each) > STILL for each in off):
+            return
+        named = [letter in numbers for letter in "XYZ"]
+        if any(abs(each) > STILL and not there for each, there in zip(off, named)):
+            if state.level_by_machine:
+                return  # at a reference point no length is in force, and none can be gone by
+            control.findings.assumed(
+                f"{word} without Z moves nothing, and the next Z counts with the new length (on Fanuc where parameter "
+                "5006#6 is 1; else the axis goes by the difference at once)"
+            )
+        elif not state.absolute and self.lengths_move == "refused":
+            numbers.clear()
+            raise RefusedError(f"{word} under G91", "controls differ in where it ends: write G90 before it")
+        elif not state.absolute:
+            for slot, letter in enumerate("XYZ"):
+                if named[slot]:
+                    numbers[letter] += off[slot] / state.unit
 
     def _length(self, numbers: Numbers, word: str) -> None:
         control, state = self.control, self.state
         given = numbers.pop("H", None)
+        if given is not None and not (given >= 0.0 and given == int(given)):
+            raise WordError(f"H{given:g} of {word} is no number of a tool: write a whole one, from 0")
         if given == 0.0 and self.rs274:
             given, state.length_word = None, None
         if given is not None or not self.h_stays:
@@ -174,8 +218,12 @@ class Tools:
         self.control.findings.ignored(word)
         self.state.vectors = self.state.stands = False
         self.state.length_word = None
+        before = self.control.words[:3]
+        was_tip = self.state.tip_mode
         self._tip(self.state.switched_tip_mode, False)
         self.control.set_length(None)
+        if not was_tip:
+            self._settle(before, numbers, word)
 
     def tip_mode_off(self, numbers: Numbers, word: str) -> None:
         """G40 of MillPlus: the length stays."""

@@ -6,12 +6,24 @@ import re
 from dataclasses import dataclass, field
 
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.program import alarms
+from toolpace.reading.gcode.program.alarms import Alarm
 from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
 from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict, last_of_groups
-from toolpace.reading.gcode.program.statements import Statement, statement
-from toolpace.reading.gcode.program.words import WordError, bounded, decimal_comma, fault, plain_words, without_comments
+from toolpace.reading.gcode.program.statements import Statement, refuse_unknown_o_word, statement
+from toolpace.reading.gcode.program.words import (
+    WordError,
+    bounded,
+    decimal_comma,
+    fault,
+    near_whole,
+    plain_words,
+    without_comments,
+)
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
+_NUMBERED_BY_PARTS = re.compile(r"N[ \t]*+[0-9]{1,9}(?:\.[0-9]{1,9})?+[ \t]*+(?![0-9.])")
+"""LinuxCNC: "N10.5"."""
 _INDEXED = re.compile(r"([A-Z])([0-9]*)[ \t]*+=")
 _COMPUTES = re.compile(r"[\[#=<]")
 _LATE = re.compile(r"(?<=[0-9.])[ \t]*+/[1-9]?[ \t]*+(?=[A-Z])")
@@ -19,7 +31,7 @@ _EQUALS = re.compile(r"[ \t]*+=")
 _OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ \t]*+([^()]{1,80})\)", re.IGNORECASE)
 _SPLIT_NUMBER = re.compile(r"[A-FH-LN-Z][ \t]*+[-+]?[ \t]*+[0-9.]++(?:[ \t]++[0-9.]++)++")
 _ABORT = re.compile(r"\([ \t]*+ABORT[ \t]*+,([^()]*+)\)", re.IGNORECASE)
-_UNKNOWN_O = re.compile(r"O[ \t]*+(?:[0-9]++|<[^<>]*+>)[ \t]*+([A-Z]++)")
+LATE_SLASH = Alarm("/ behind the beginning of a block", "it stands first: write what it skips as a line of its own")
 CORNER = "let the CAM system write the corner out as blocks"
 
 
@@ -38,6 +50,10 @@ class Block:
     computed: list[tuple[str, Node]] = field(default_factory=list)
     codes: list[tuple[str, Node]] = field(default_factory=list)
     """G and M words with variables."""
+    words: list[str] = field(default_factory=list)
+    """All G and M words, in order."""
+    alarms: list[Alarm] = field(default_factory=list)
+    """What the control stops at, though its meaning is certain."""
     whole: frozenset[str] = frozenset()
     """Letters whose number has no point and is not zero."""
     actions: list[Action] = field(default_factory=list)
@@ -80,26 +96,34 @@ class Compiler:
             block.name = found[1].strip() if found else ""
             aborts = _ABORT.search(line) if self.rs274 else None
             block.aborts = aborts[1].strip() or "no reason is given" if aborts else ""
+            if self.rs274:
+                alarms.refuse_comment_in_word(line)
         text = without_comments(line, self.nested)
+        if self.rs274:
+            block.alarms += alarms.of_line(line)
         if self.semicolon_ends and ";" in line and _behind(line):
             block.refused.append((";", "a block stands behind it: write each block on a line of its own"))
         if text.startswith("/"):
             block.deleted, text = True, text.lstrip("/0123456789 \t")
         if text.startswith("N"):
-            match = _NUMBERED.match(text)
+            match = (_NUMBERED_BY_PARTS if self.rs274 else _NUMBERED).match(text)
             text = text[match.end() :] if match else text
             if text.startswith("/"):
                 block.deleted, text = True, text.lstrip("/0123456789 \t")
+                if self.rs274:
+                    block.alarms.append(LATE_SLASH)
         if block.deleted and self.deletes:
             block.text, block.empty = text, not text
             return block  # whatever it says: notes of people stand there too
         if "/" in text and not _COMPUTES.search(text):
             text = self._late(block, text)
+        if self.rs274:
+            block.alarms += alarms.of_text(text)
         block.text, block.empty = text, not text
         if text and text[0] in "OIWDEGSPB:<":
             block.statement = statement(text, self.parser, self.assignments)
             if self.rs274 and block.statement is not None and block.statement.kind == "header":
-                _refuse_unknown_o_word(text)
+                refuse_unknown_o_word(text)
         if text and block.statement is None:
             if self.blanks and (" " in text or "\t" in text):
                 block.text = _SPLIT_NUMBER.sub(lambda match: "".join(match[0].split()), text)
@@ -112,6 +136,8 @@ class Compiler:
         found = _LATE.search(text)
         if found is None:
             return text
+        if self.rs274:
+            block.alarms.append(LATE_SLASH)
         block.ignored.append("/")
         return text[: found.start()] if self.deletes else _LATE.sub(" ", text)
 
@@ -125,11 +151,13 @@ class Compiler:
             problem = conflict(actions)
             if problem:
                 raise WordError(problem)
+        if self.rs274 and len(block.words) > 1:
+            block.alarms += [alarm for alarm in alarms.of_codes(block.words) if alarm not in block.alarms]
         block.before_feed = sum(ORDER[action.meaning] <= self.last_before_feed for action in actions)
 
     def parser(self, text: str, at: int = 0) -> Parser:
         """A parser of values in the controller's manner."""
-        return Parser(text, at, bits=self.bits, letter=self.letter)
+        return Parser(text, at, bits=self.bits, letter=self.letter, strict=self.rs274)
 
     def assignments(self, text: str) -> list[tuple[Reference, Node]]:
         """What a text of assignments alone sets."""
@@ -168,8 +196,11 @@ class Compiler:
 
     def code(self, block: Block, letter: str, value: float) -> None:
         """Add a G or M word to a block."""
+        if self.rs274:  # its interpreter takes what a post rounds so for the number
+            value = near_whole(10 * value, 1e-3) / 10 if letter == "G" else near_whole(value, 1e-4)
         found = self.vocabulary.of(letter, value)
         word = f"{letter}{value:.12g}"
+        block.words.append(word)
         if letter == "M" and (value != int(value) or value < 0):
             raise WordError("M has no whole number")
         if isinstance(found, Action):
@@ -227,7 +258,12 @@ class Compiler:
         if equals is None:
             raise WordError("a variable at the beginning of a block is set: write = and a value behind it")
         parser.at = equals.end()
-        block.assignments.append((reference, parser.expression()))
+        if not self.rs274:
+            block.assignments.append((reference, parser.expression()))
+            return
+        block.assignments.append((reference, parser.value()))
+        if parser.peek()[1] in parser.operations:
+            raise WordError(f"'{parser.text[parser.at :].strip()[:20]}' stands behind a value: write sums in [ ]")
 
     def _word(self, block: Block, key: str, node: Node) -> None:
         if key == "G" or (key == "M" and not _calls_macro(block)):
@@ -248,13 +284,6 @@ class Compiler:
 def _calls_macro(block: Block) -> bool:
     """Whether what stands behind in the block is handed to a macro, M too ("G65 P L <argument>", M is #13)."""
     return any(action.meaning in ("macro call", "modal macro call") for action in block.actions)
-
-
-def _refuse_unknown_o_word(text: str) -> None:
-    """Raise WordError where a word stands behind an O-number: a misspelt call would be passed over."""
-    found = _UNKNOWN_O.match(text)
-    if found:
-        raise WordError(f"{found[1][:20]} is no O-word: write sub, call, while, do, if, repeat or one that ends these")
 
 
 def _behind(line: str) -> bool:

@@ -11,7 +11,15 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from toolpace.reading.gcode.program.operations import BITS, FUNCTIONS, OPERATIONS, TOWARDS_ZERO, TRUTH
+from toolpace.reading.gcode.program.operations import (
+    BITS,
+    FUNCTIONS,
+    LONG,
+    OPERATIONS,
+    TOWARDS_ZERO,
+    TRUTH,
+    long_degrees,
+)
 from toolpace.reading.gcode.program.words import WordError, bounded
 
 if TYPE_CHECKING:
@@ -24,7 +32,7 @@ MOST_NESTED = 60
 EQUAL = 1e-4
 """Difference of two numbers that EQ takes for none (LinuxCNC, "Binary Operators")."""
 _TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<]))")
-_NAME = re.compile(r"[^>\[\]#]{1,200}>")
+_NAME = re.compile(r"(?:_(?:HAL|INI)\[[^>\[\]#]{1,100}\][^>\[\]#]{0,100}|[^>\[\]#]{1,200})>")
 
 
 class Reference:
@@ -71,14 +79,18 @@ def _function(node: Node) -> Callable[[Variables], float]:
 class Parser:
     """Reads values and expressions of one block from a place on."""
 
-    def __init__(self, text: str, at: int = 0, *, bits: bool = False, letter: str = "") -> None:
+    def __init__(
+        self, text: str, at: int = 0, *, bits: bool = False, letter: str = "", strict: bool = False
+    ) -> None:
         """bits: AND, OR and XOR work on bits and bind like * and + (Fanuc); else on truth, last of all (LinuxCNC).
 
-        letter: with a number behind it it is a variable too (E254 of MillPlus).
+        letter: with a number behind it it is a variable too (E254 of MillPlus). strict: expressions are
+        those of LinuxCNC's interpreter, whose ATAN takes two values.
         """
+        self.strict = strict
         self.text, self.at, self.bits, self.letter = text, at, bits, letter
         self.operations = OPERATIONS | (BITS if bits else TRUTH)
-        self.functions = FUNCTIONS | TOWARDS_ZERO if bits else FUNCTIONS
+        self.functions = FUNCTIONS | (TOWARDS_ZERO if bits else {}) | (LONG if strict else {})
         self.depth = 0
         self.end = at
         """Where the token that was looked at last ends."""
@@ -133,7 +145,7 @@ class Parser:
         """Values joined by operations that bind at least so strongly."""
         left = self.value()
         while True:
-            _, text = self.peek()
+            text = self._operator()
             power, operation = self.operations.get(text, (0, None))
             if operation is None or power <= least:
                 return left
@@ -143,6 +155,16 @@ class Parser:
                 left = _equal(text, left, right) if self.bits else _near(text, left, right)
             else:
                 left = _combined(operation, left, right)
+
+    def _operator(self) -> str:
+        """The next token; of letters that begin with an operation that operation, since no blank need follow it."""
+        kind, text = self.peek()
+        if kind == "name" and text not in self.operations:
+            for name in self.operations:
+                if text.startswith(name) and name.isalpha():
+                    self.end -= len(text) - len(name)
+                    return name
+        return text
 
     def _named(self, name: str) -> Node:
         self.at = self.end
@@ -154,20 +176,20 @@ class Parser:
             self.take("[")
             first = self.expression()
             self.take("]")
-            if self.peek() != ("mark", "/"):
+            if self.peek() != ("mark", "/") and not self.strict:
                 return _applied(lambda a: math.degrees(math.atan(a)), first)
             self.take("/")
             self.take("[")
             second = self.expression()
             self.take("]")
-            return _combined(lambda a, b: math.degrees(math.atan2(a, b)), first, second)
+            degrees = long_degrees if self.strict else math.degrees
+            return _combined(lambda a, b: degrees(math.atan2(a, b)), first, second)
         if name == "EXISTS":
             self.take("[")
             self.take("#")
             reference = self._reference()
             self.take("]")
-            # numbered ones are always there
-            return lambda variables: float(isinstance(key := reference.key(variables), int) or variables.known(key))
+            return lambda variables: float(variables.exists(reference.key(variables)))
         function = self.functions.get(name)
         if function is None:
             raise WordError(f"'{name[:20]}' is no function that is known here: write the value out")

@@ -12,20 +12,21 @@ from toolpace.reading.source import Source
 class Text:
     """A file of blocks."""
 
-    def __init__(self, source: Source) -> None:
-        self.source = source
+    def __init__(self, source: Source, to_tape_end: bool = False) -> None:
+        self.source, self.to_tape_end = source, to_tape_end
 
     @cached_property
     def layout(self) -> Layout:
         """Where its labels and loops are."""
-        return Layout(self.source)
+        return Layout(self.source, self.to_tape_end)
 
 
 class Files:
     """Finds programs by name."""
 
-    def __init__(self, source: Source) -> None:
-        self.main = Text(source)
+    def __init__(self, source: Source, to_tape_end: bool = False) -> None:
+        self.to_tape_end = to_tape_end
+        self.main = Text(source, to_tape_end)
         self.beside: dict[str, Text | None] = {}
         """Files that were looked for; None where there is none."""
 
@@ -60,5 +61,5 @@ class Files:
                 wanted = {stem + suffix for stem in stems for suffix in (path.suffix.lower(), ".ngc", ".nc", "")}
                 files = sorted(other for other in path.parent.iterdir() if other.name.lower() in wanted)
                 found = next((other for other in files if other.is_file() and other != path), None)
-                self.beside[name] = None if found is None else Text(Source.load(found))
+                self.beside[name] = None if found is None else Text(Source.load(found), self.to_tape_end)
         return self.beside[name]

@@ -12,8 +12,8 @@ from toolpace.reading.gcode.program.statements import Statement
 from toolpace.reading.gcode.program.variables import Key, Variables
 from toolpace.reading.source import Source
 
-DEEPEST = 64
-"""Calls within each other: controllers allow four to ten, and more is a program that calls itself without end."""
+DEEPEST = 64.0
+"""Calls within each other, where a control does not say: it allows four to ten; more calls itself without end."""
 MOST_REPEATS = 1_000_000
 
 
@@ -46,11 +46,16 @@ class Frame:
 class Flow:
     """The stack of frames."""
 
-    def __init__(self, source: Source, variables: Variables) -> None:
-        self.variables = variables
-        self.files = Files(source)
+    def __init__(
+        self, source: Source, variables: Variables, deepest: float = DEEPEST, *, to_tape_end: bool = False
+    ) -> None:
+        """deepest: calls within each other. to_tape_end: what stands behind a second % is not looked for."""
+        self.variables, self.deepest = variables, int(deepest)
+        self.files = Files(source, to_tape_end)
         self.main = self.files.main
         self.frames = [Frame(self.main)]
+        self.defined: set[tuple[Text, int]] = set()
+        """Subprograms that were come to outside calls."""
         self.ended = False
 
     @property
@@ -98,8 +103,8 @@ class Flow:
             self.fail(f"L{times:g} counts calls: write a whole number from 1 to {MOST_REPEATS}")
         if times == 0:
             return
-        if len(self.frames) > DEEPEST:
-            self.fail(f"calls are nested more than {DEEPEST} deep: does a program call itself?")
+        if len(self.frames) > self.deepest:
+            self.fail(f"calls are nested more than {self.deepest} deep: does a program call itself?")
         frame = self.frame
         at = frame.called_at or (frame.next if text is not frame.text else 0)
         outer = None if given is None else self.variables.local
@@ -142,6 +147,10 @@ class Flow:
     def run(self, statement: Statement) -> None:
         """Do what a statement says."""
         kind, line = statement.kind, self.frame.next - 1
+        layout = self.frame.text.layout if statement.name else None
+        if layout is not None and line in layout.taken:
+            first = layout.taken[line] + 1
+            self.fail(f"O{statement.name} {kind}: its label stands in line {first} already: take another")
         if kind == "goto":
             self.goto(self.value(statement.value))
         elif kind == "if goto":
@@ -161,11 +170,23 @@ class Flow:
             self._result(statement)
             self.leave()
         elif kind == "sub":
+            if layout is not None and line in layout.within:
+                self.fail(f"O{statement.name} sub holds another, or stands in one: write them one behind the other")
+            if (self.frame.text, line) in self.defined:
+                self.fail(f"O{statement.name} sub is come to twice: write it behind the end, or before the loop")
+            self.defined.add((self.frame.text, line))
             self.frame.next = self._partner(line) + 1
         elif kind in ("if", "elseif", "else", "endif"):
             self._branch(statement, line)
         else:
             self._loop(statement, line)
+
+    def _times(self, node: Node | None) -> int:
+        """How often `repeat` goes round: to the nearest number, halves to the even one (LinuxCNC's `round_to_int`)."""
+        value = self.value(node)
+        if not -MOST_REPEATS <= value <= MOST_REPEATS:
+            self.fail(f"repeat [{value:g}]: {MOST_REPEATS} rounds are the most")
+        return max(0, round(value))
 
     def _partner(self, line: int) -> int:
         found = self.frame.text.layout.partner.get(line)
@@ -174,10 +195,16 @@ class Flow:
         return found
 
     def _call_sub(self, statement: Statement) -> None:
-        given: dict[Key, float | None] = dict.fromkeys(range(1, self.variables.locals_to + 1), 0.0)
+        most = self.variables.locals_to
+        if len(statement.arguments) > most:
+            self.fail(f"a call with {len(statement.arguments)} arguments: {most} are the most")
+        given: dict[Key, float | None] = dict.fromkeys(range(1, most + 1), 0.0)
         for number, node in enumerate(statement.arguments, start=1):
             given[number] = self.value(node)
-        self.call(statement.name, 1.0, given, sub=True)
+        name = statement.name
+        if statement.number is not None:
+            name = str(whole(self.value(statement.number), "the number of a subprogram"))
+        self.call(name, 1.0, given, sub=True)
 
     def _result(self, statement: Statement) -> None:
         returned = statement.value is not None
@@ -212,7 +239,7 @@ class Flow:
         elif kind == "endwhile":
             frame.next = self._partner(line)
         elif kind == "repeat":
-            times = whole(self.value(statement.value), "the number behind repeat")
+            times = self._times(statement.value)
             if times > 0:
                 frame.counts[line] = times
             else:

@@ -22,7 +22,8 @@ _CLOSES = {"ENDSUB": "SUB", "ENDWHILE": "WHILE", "ENDREPEAT": "REPEAT", "ENDIF":
 class Layout:
     """Indices of lines, from 0."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: Source, to_tape_end: bool = False) -> None:
+        """to_tape_end: nothing stands behind a second line with % alone."""
         self.labels: dict[int, list[int]] = defaultdict(list)
         self.programs: dict[str, int] = {}
         self.subs: dict[str, int] = {}
@@ -32,9 +33,21 @@ class Layout:
         """Of `if`, `elseif` and `else` the next of them, or `endif`."""
         self.end: dict[int, int] = {}
         """Of `elseif` and `else` their `endif`; of `break` and `continue` the beginning of their loop."""
+        self.taken: dict[int, int] = {}
+        """Of what begins with a label that its subprogram has already, the line that has it."""
+        self.within: dict[int, int] = {}
+        """Of a subprogram that is written within another the line of the latter."""
+        self._scope: tuple[str, int] = ("", -1)
+        """Name and first line of the subprogram at hand."""
+        self._labels: dict[tuple[str, str], int] = {}
         self._open: dict[str, list[list[int | str]]] = defaultdict(list)
         dos: dict[str, list[int]] = defaultdict(list)
+        tapes = 0
         for index, text in enumerate(source.lines):
+            if to_tape_end and text.strip() == "%":
+                tapes += 1
+                if tapes > 1:
+                    break
             text = text.upper()
             label = _LABEL.match(text) if "N" in text else None
             if label:
@@ -51,13 +64,33 @@ class Layout:
         word = _O_LINE.match(text)
         if word:
             name = word[1]
-            self._o_word("".join(name[1:-1].split()) if name[0] == "<" else str(int(name)), word[2], index)
+            name = "".join(name[1:-1].split()) if name[0] == "<" else str(int(name))
+            kind = "".join(word[2].split())
+            self._label(name, kind, index)
+            self._o_word(name, kind, index)
             return
         program = _PROGRAM.match(text)
         if program:
             self.programs.setdefault(str(int(program[1])), index)
+            self._scope = (program[1], -1)
         elif named := _NAMED.match(text):
             self.programs.setdefault("".join(named[1].split()), index)
+
+    def _label(self, name: str, kind: str, index: int) -> None:
+        """Note where a label is taken, and a subprogram that stands within another."""
+        if kind == "SUB":
+            if self._scope[1] >= 0:
+                self.within[index] = self.within[self._scope[1]] = self._scope[1]
+            first = self._labels.setdefault(("", f"sub {name}"), index)
+            self._scope = (name, index)
+        elif kind in _OPENS and not (kind == "WHILE" and self._open[name] and self._open[name][-1][0] == "DO"):
+            first = self._labels.setdefault((self._scope[0], name), index)
+        else:
+            if kind == "ENDSUB":
+                self._scope = ("", -1)
+            return
+        if first != index:
+            self.taken[index] = first
 
     def _o_word(self, name: str, kind: str, index: int) -> None:
         stack = self._open[name]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import numpy as np
+
 from toolpace.reading.gcode.program.words import WordError
 
 _COMPARED: dict[str, Callable[[float, float], float]] = {
@@ -51,7 +53,9 @@ OPERATIONS: dict[str, tuple[int, Callable[[float, float], float]]] = {
 
 
 def _never_negative(a: float, b: float) -> float:
-    rest = math.fmod(a, b) if b else _divided(a, b)
+    if b == 0.0:
+        raise WordError("a remainder of a division by zero: check the expression and its variables")
+    rest = math.fmod(a, b)
     return rest if rest >= 0.0 else rest + abs(b)
 
 
@@ -103,6 +107,33 @@ _PLAIN: dict[str, Callable[[float], float]] = {
 }
 FUNCTIONS = {name: _checked(name, function) for name, function in _PLAIN.items()}
 """Of angles in degrees."""
+_PI = np.longdouble("3.14159265358979323846264338327950288")
+
+
+def _of_degrees(function: Callable[[np.longdouble], np.longdouble]) -> Callable[[float], float]:
+    return lambda value: float(function(np.longdouble(value) * _PI / 180))
+
+
+def long_degrees(angle: float) -> float:
+    """An angle [rad] in degrees, as LinuxCNC's interpreter reckons it."""
+    return float(np.longdouble(angle * 180.0) / _PI)
+
+
+def _round_of_integers(value: float) -> float:
+    if abs(value) >= 2.0**31:
+        raise WordError(f"ROUND of {value:g} is beyond what LinuxCNC's interpreter can round: check the expression")
+    return _half_away(value)
+
+
+LONG: dict[str, Callable[[float], float]] = {
+    "SIN": _checked("SIN", _of_degrees(np.sin)),
+    "COS": _checked("COS", _of_degrees(np.cos)),
+    "TAN": _checked("TAN", _of_degrees(np.tan)),
+    "ASIN": _checked("ASIN", lambda a: long_degrees(math.asin(a))),
+    "ROUND": _round_of_integers,
+    "ACOS": _checked("ACOS", lambda a: long_degrees(math.acos(a))),
+}
+"""As LinuxCNC's interpreter reckons them, with its long number pi: the cosine of 90 degrees has another sign."""
 TOWARDS_ZERO: dict[str, Callable[[float], float]] = {
     "FIX": _checked("FIX", math.trunc),
     "FUP": _checked("FUP", lambda a: math.copysign(math.ceil(abs(a)), a)),

@@ -9,10 +9,18 @@ from typing import NamedTuple
 from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
 from toolpace.reading.gcode.program.words import WordError
 
-O_WORD = re.compile(
-    r"O[ \t]*+(<[^<>]{1,200}>|[0-9]{1,9})[ \t]*+"
-    r"(SUB|ENDSUB|RETURN|CALL|WHILE|ENDWHILE|DO|IF|ELSEIF|ELSE|ENDIF|REPEAT|ENDREPEAT|BREAK|CONTINUE)(?![A-Z])"
+_KINDS = (
+    *("SUB", "ENDSUB", "RETURN", "CALL", "WHILE", "ENDWHILE", "DO", "IF", "ELSEIF", "ELSE", "ENDIF"),
+    *("REPEAT", "ENDREPEAT", "BREAK", "CONTINUE"),
 )
+_KIND = "|".join(r"[ \t]*+".join(kind) for kind in _KINDS)
+"""O-words, with blanks anywhere: they mean nothing there ("o100 end if")."""
+O_WORD = re.compile(rf"O[ \t]*+(<[^<>]{{1,200}}>|[0-9]{{1,9}})[ \t]*+({_KIND})(?![A-Z])")
+_COMPUTED = re.compile(r"O[ \t]*+(?=[\[#])")
+_UNKNOWN_O = re.compile(r"O[ \t]*+(?:[0-9]++|<[^<>]*+>)[ \t]*+([A-Z]++)")
+_CALL = re.compile(r"[ \t]*+C[ \t]*+A[ \t]*+L[ \t]*+L(?![A-Z])")
+_CONDITIONS = ("while", "if", "elseif", "repeat")
+_WITH_RESULT = ("return", "endsub")
 HEADER = re.compile(r"[O:][ \t]*+(?:[0-9]|<|[A-Z])")
 _MACRO = re.compile(r"(IF|WHILE|DO|END|GOTO)(?![A-Z])")
 _NAMED = re.compile(r"<[A-Z0-9_.+-]{1,60}>")
@@ -33,6 +41,8 @@ class Statement(NamedTuple):
     label: Node | None = None
     """Where a condition jumps to."""
     assignments: tuple[tuple[Reference, Node], ...] = ()
+    number: Node | None = None
+    """Of a subprogram that is called by a number that is reckoned."""
 
 
 Assignments = Callable[[str], list[tuple[Reference, Node]]]
@@ -44,7 +54,12 @@ def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assi
     if text[0] in "O:":
         match = O_WORD.match(text)
         if match:
-            return _o_word(match, parser(text, match.end()))
+            name = match[1]
+            name = "".join(name[1:-1].split()) if name[0] == "<" else str(int(name))
+            return _o_word(name, "".join(match[2].split()).lower(), parser(text, match.end()))
+        computed = _COMPUTED.match(text)
+        if computed:
+            return _computed_call(parser(text, computed.end()))
         if HEADER.match(text) and "=" not in text:
             return Statement("header", text[1:].strip())
         raise WordError("O is followed by neither a number nor a name: write it like O1000")
@@ -56,20 +71,36 @@ def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assi
     return Statement("output") if _OUTPUT.match(text) else None
 
 
-def _o_word(match: re.Match[str], parser: Parser) -> Statement:
-    name = match[1]
-    name = "".join(name[1:-1].split()) if name[0] == "<" else str(int(name))
-    kind = match[2].lower()
+def _o_word(name: str, kind: str, parser: Parser) -> Statement:
     values: list[Node] = []
-    while parser.peek()[0]:
+    while parser.peek()[1] == "[":
         values.append(parser.value())
-    if parser.text[parser.at :].strip():
-        raise WordError(f"'{parser.text[parser.at :].strip()[:20]}' has no meaning behind {match[2]}: remove it")
-    if kind in ("while", "if", "elseif", "repeat") and len(values) != 1:
+    if kind in _CONDITIONS and len(values) != 1:
         raise WordError(f"{kind} takes one value in [ ]: write it like o100 {kind} [#1 LT 5]")
-    if kind in ("call",):
+    most = len(values) if kind == "call" else 1 if kind in (*_CONDITIONS, *_WITH_RESULT) else 0
+    rest = parser.text[parser.at :].strip()
+    if rest or len(values) > most:
+        raise WordError(f"'{(rest or '[')[:20]}' has no meaning behind {kind}: write values in [ ], and nothing else")
+    if kind == "call":
         return Statement(kind, name, arguments=tuple(values))
     return Statement(kind, name, values[0] if values else None)
+
+
+def _computed_call(parser: Parser) -> Statement:
+    """o[#1*10] call: the only O-word of which the label may be reckoned, since those of a file are found beforehand."""
+    number = parser.value()
+    match = _CALL.match(parser.text, parser.at)
+    if match is None:
+        raise WordError("a label that is reckoned can be called, and nothing else: write a number or a name behind O")
+    parser.at = match.end()
+    return _o_word("", "call", parser)._replace(number=number)
+
+
+def refuse_unknown_o_word(text: str) -> None:
+    """Raise WordError where a word stands behind an O-number: a misspelt call would be passed over."""
+    found = _UNKNOWN_O.match(text)
+    if found:
+        raise WordError(f"{found[1][:20]} is no O-word: write sub, call, while, do, if, repeat or one that ends these")
 
 
 def _macro(kind: str, text: str, parser: Parser, assignments: Assignments) -> Statement:

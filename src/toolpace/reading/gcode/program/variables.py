@@ -9,11 +9,16 @@ from toolpace.reading.gcode.program.words import RefusedError, WordError, bounde
 Key = int | str
 
 
+_ELSEWHERE = {"#<_hal[": "HAL of the machine", "#<_ini[": "the INI file of the machine"}
+
+
 class UnsetError(RefusedError):
     """A variable is read that nothing has set."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(name, "set it before it is read, or give it in [variables] of the set-up sheet")
+        where = next((where for sign, where in _ELSEWHERE.items() if name.startswith(sign)), "")
+        set_it = f"{where} has it, and the program is read without: " if where else "set it before it is read, or "
+        super().__init__(name, f"{set_it}give it in [variables] of the set-up sheet")
 
 
 class Variables:
@@ -33,8 +38,11 @@ class Variables:
         empty_locals: bool,
         system_from: int,
         letter: str = "#",
+        free: frozenset[int] = frozenset(),
+        last: int = 999_999,
     ) -> None:
-        self.system, self.letter = system, letter
+        """free: numbers of the controller's own that a program may set nevertheless. last: highest number."""
+        self.system, self.letter, self.free, self.last = system, letter, free, last
         self.locals_to, self.empty_locals, self.system_from = locals_to, empty_locals, system_from
         self.common: dict[Key, float | None] = {0: None} if empty_locals else {}
         for name, value in given.items():
@@ -54,6 +62,8 @@ class Variables:
 
     def get(self, key: Key) -> float | None:
         """The value. Raises UnsetError."""
+        if isinstance(key, int) and key > self.last:
+            raise WordError(f"{self.text(key)} is beyond the last variable, {self.text(self.last)}: choose another")
         place = self._place(key)
         if key in place:
             return place[key]
@@ -73,12 +83,18 @@ class Variables:
         except UnsetError:
             return False
 
+    def exists(self, key: Key) -> bool:
+        """Whether there is such a variable: a number always, a name where it has a value."""
+        return 0 < key <= self.last if isinstance(key, int) else self.known(key)
+
     def is_system(self, key: Key) -> bool:
-        """Whether it is the controller's own."""
-        return isinstance(key, int) and self.system_from <= key < 10_000
+        """Whether it is the controller's own, and not to be set."""
+        if isinstance(key, str):
+            return key.startswith("_") and self.system(key) is not None
+        return self.system_from <= key < 10_000 and key not in self.free
 
     def set(self, key: Key, value: float | None) -> None:
         """Give it a value. Raises WordError."""
-        if key == 0 or (isinstance(key, int) and not 0 < key < 1_000_000):
+        if isinstance(key, int) and not 0 < key <= self.last:
             raise WordError(f"{self.text(key)} cannot be set: choose another variable")
         self._place(key)[key] = None if value is None else bounded(value)

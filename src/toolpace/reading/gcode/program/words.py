@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 
@@ -19,8 +20,8 @@ Handler = Callable[[Numbers, str], None]
 """Carries out a word: takes what belongs to it out of the numbers of the block."""
 
 
-LARGEST = 1e15
-"""Most of a number: more is a slip, and would end as infinity."""
+LARGEST = 1e21
+"""Most of a number: more is a slip, and would end as infinity; the tangent of 90 degrees is less."""
 
 
 class WordError(ValueError):
@@ -73,6 +74,12 @@ def bounded(value: float) -> float:
     if not -LARGEST <= value <= LARGEST:
         raise WordError(f"the number {value:g} is too large for any meaning: correct it")
     return value
+
+
+def near_whole(value: float, near: float) -> float:
+    """The whole number that a value is nearer to than `near`, as posts round; else the value."""
+    whole = math.floor(value + 0.5) if abs(value) <= LARGEST else value
+    return float(whole) if abs(value - whole) < near else value
 
 
 def plain_words(block: str) -> list[tuple[str, str]] | None:

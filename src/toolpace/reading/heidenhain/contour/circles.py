@@ -35,6 +35,10 @@ class Circles:
             target, named = self.motion.target(axes)
             if not named:
                 state.pole = self.control.words[:3]
+            elif named.bit_count() == 1 and not state.pole_known:
+                raise BlockError("the first CC names one coordinate, and it takes two of X, Y and Z: write both")
+            elif named.bit_count() == 1:
+                self.control.findings.assumed("a CC of one coordinate keeps the other one of the CC before")
             for slot, _, _, _ in axes:
                 state.pole[slot] = target[slot]
             state.pole_known = True
@@ -167,6 +171,8 @@ class Circles:
     def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:
         """Move along it."""
         self.motion.refuse_corner()
+        first, second = (k for k in range(3) if abs(arc.u[k]) + abs(arc.w[k]) > SAME)
+        self.motion.need_even_scale(first, second)
         self.motion.contour_begins(list(arc.w))
         before = self.control.words
         self.control.arc(target, named, arc, rapid=rapid)

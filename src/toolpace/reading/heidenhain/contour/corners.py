@@ -7,7 +7,7 @@ from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.reading.heidenhain.klartext.words import PathWords
-from toolpace.reading.heidenhain.state import ARC_PLANE
+from toolpace.reading.heidenhain.state import ARC_PLANE, OF_AXIS
 
 CURE = "write it as L and CR blocks: it is read between two straight lines in the plane of the tool axis"
 
@@ -28,6 +28,8 @@ class Corners:
 
         def run() -> None:
             control, state = self.control, self.state
+            if state.corner is not None:
+                raise BlockError(f"{name} behind {state.corner.name}: one of them stands between two lines, remove one")
             length = evaluate(size) * state.unit
             if not 0.0 <= length <= 100.0:
                 raise BlockError(f"the size of {name} must be a length from 0 on: correct it")
@@ -50,6 +52,8 @@ class Corners:
         """Lay the corner before the straight way to the target (3 + rotary) begins. Raises BlockError."""
         state, corner = self.state, self.state.corner
         assert corner is not None
+        if corner.kind == ROUND:
+            self.motion.need_even_scale(*OF_AXIS[state.tool_axis])
         try:
             laid = lay(self.control, corner, target, ARC_PLANE[state.tool_axis])
         except CornerError as error:

@@ -23,12 +23,18 @@ from toolpace.units import DEGREE, MINUTE
 Step = Callable[[], None]
 Axis = tuple[int, bool, Value, float]
 """Column of the words, whether incremental, value, and its unit [m or rad]."""
+UPRIGHT = 3e-5
+"""By how much a unit vector may miss the normal of its plane: posts write angles with three decimals [rad]."""
 PROGRAM_CONTOUR = "give --compensation program where the contour is the tool's centre, or write R0"
 TURNING = {
     "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
     "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
 }
 """What is said of `feed_when_turning`."""
+NOT_TURNED = (
+    "a block moves X, Y or Z in a tilted plane that the rotary axes are not turned to, without M128: its words are the "
+    "tip in the plane all the same"
+)
 OTHER_FEEDS = {
     "FZ": "write F or FU, a length a turn, in place of a length a tooth",
     "FT": "write F in place of the time of a block",
@@ -70,6 +76,8 @@ class Motion:
         """What lays a corner before the line behind it."""
         self.approaches: ApproachLayer | None = None
         """What lays an approach before the contour behind it."""
+        self.seen_upright: tuple[float, ...] | None = None
+        """Rotary words at which the tool was last held against the plane in force."""
 
     # Words
 
@@ -83,14 +91,18 @@ class Motion:
             found.append((slot, incremental, value, self.state.unit if slot < 3 else DEGREE))
         return found
 
-    def target(self, axes: list[Axis]) -> tuple[list[float], int]:
-        """Words (3 + rotary) at the end of a block, and the bits of X, Y, Z that it names."""
+    def target(self, axes: list[Axis], *, of_program: bool = True) -> tuple[list[float], int]:
+        """Words (3 + rotary) at the end of a block, and the bits of X, Y, Z that it names.
+
+        of_program: in the program's coordinates, where a mirror of rotary axes counts, not in the machine's.
+        """
         words, named = list(self.control.words), 0
+        mirrored = self.frames.mirrored if of_program else ()
         for slot, incremental, value, unit in axes:
             figure = value if isinstance(value, float) else value()
             if not -LARGEST <= figure <= LARGEST:
                 raise BlockError(f"a coordinate of {figure:.6g} is beyond any machine: check its figures")
-            figure *= unit
+            figure *= -unit if slot in mirrored else unit
             words[slot] = words[slot] + figure if incremental else figure
             if slot < 3:
                 named |= 1 << slot
@@ -210,9 +222,21 @@ class Motion:
                 self.refuse_corner()
             else:
                 self.corners.lay(target)
+        if self.frames.plane is not None and not state.tip_mode:
+            self.say_where_not_turned(target)
         before = control.words
         control.straight(target, named, rapid=rapid)
         state.came_from, state.came_by = before, None
+
+    def say_where_not_turned(self, target: list[float]) -> None:
+        """Say what is assumed where the tool does not stand upright on the plane at the end of a block."""
+        control, at = self.control, tuple(target[3:])
+        if control.poses.machine is None or at == self.seen_upright:
+            return
+        axis = control.poses.axis(control.placement.place(target)[3:])
+        if math.dist(axis, self.frames.normal()) > UPRIGHT:
+            control.findings.assumed(NOT_TURNED)
+        self.seen_upright = at
 
     def contour_begins(self, way: list[float]) -> None:
         """A motion in this direction (3,) comes next."""
@@ -234,38 +258,14 @@ class Motion:
             turn_joints(control, target[3:], rapid=rapid)
             state.came_from = []
 
-    def normal_line(self, words: PathWords) -> Step:
-        """LN: the tip goes straight, the tool to the direction TX TY TZ; NX NY NZ is the way out of the part."""
-        axes = self.resolved(words)
-        self.only(words, "LN", ("NX", "NY", "NZ", "TX", "TY", "TZ"))
-        given = [words.others.get(name) for name in ("TX", "TY", "TZ")]
-        normals = [words.others.get(name) for name in ("NX", "NY", "NZ")]
+    def need_even_scale(self, first: int, second: int) -> None:
+        """Raise BlockError where an arc lies in a plane that is scaled unevenly.
 
-        def run() -> None:
-            control, line = self.control, self.control.line
-            self.compensation(words.side)
-            rapid = self.set_feed(words)
-            target, named = self.target(axes)
-            tool = [0.0 if value is None else evaluate(value) for value in given]
-            if any(value is not None for value in given):
-                if not self.state.tip_mode:
-                    control.findings.refused("TX TY TZ without M128", line, "write M128 or FUNCTION TCPM before")
-                    return
-                length = math.hypot(*tool)
-                if not 1e-6 < length < 1e6:
-                    raise BlockError("TX TY TZ is no direction: give the one from the tip to the spindle")
-                target[3:] = rotary_for(control, direction_on_part(control, [value / length for value in tool]))
-            elif any(value is not None for value in normals) and self.state.tip_mode:
-                control.findings.refused("NX NY NZ without TX TY TZ", line, "write the tool's direction TX TY TZ too")
-                return
-            rows = len(control.moves)
-            self.straight(target, named, rapid)
-            out = [0.0 if value is None else evaluate(value) for value in normals]
-            if len(control.moves) > rows and 1e-6 < math.hypot(*out) < 1e6:
-                x, y, z = direction_on_part(control, [value / math.hypot(*out) for value in out])
-                control.moves.normals[len(control.moves) - 1] = x, y, z
-
-        return run
+        "Coordinate axes sharing coordinates for arcs must be enlarged or reduced by the same factor" (TNC 620 Cycle
+        Programming, "Axis-specific scaling (cycle 26)").
+        """
+        if self.frames.before.uneven(first, second) or self.frames.within.uneven(first, second):
+            raise BlockError("an arc in axes that CYCL DEF 26 scales differently: give both the same factor")
 
     def only(self, words: PathWords, name: str, allowed: tuple[str, ...]) -> None:
         """Refuse a block with words that its kind does not have."""

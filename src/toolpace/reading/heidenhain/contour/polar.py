@@ -43,6 +43,8 @@ class Polar:
         axes = self.motion.resolved(words)
         self.motion.only(words, "CP", ("PA", "IPA"))
         by = words.others.get("IPA")
+        if by is None and "PA" not in words.others:
+            raise BlockError("CP needs the angle of its end: write PA or IPA")
 
         def run() -> None:
             self.circles.need_pole()

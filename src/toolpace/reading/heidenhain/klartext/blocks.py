@@ -12,6 +12,7 @@ from toolpace.reading.source import Source
 _NUMBER = re.compile(r"[Nn]?[0-9]+(?=[\s/;*]|$)")
 _BEGIN = re.compile(r"\s*(?:N?[0-9]+\s+)?BEGIN\s+PGM\b", re.IGNORECASE)
 _ITEM = re.compile(r"Q[0-9]{3,4}\s*=\s*(?:[-+]?(?:[0-9.,]+|Q[LR]?[0-9]+)|(?:F\s*)?(?:MAX|AUTO)|PREDEF)")
+_IN_LINES = re.compile(r"CYCL DEF\s*[0-9]+\.[0-9]")
 _QUOTED = re.compile(r"(?:[^\";]++|\"[^\"]*+(?:\"|$))*+")
 """All up to the first semicolon that stands in no text."""
 _OPERATION = re.compile(r"(?:TOOL NAME|OPERATION)\b[\s:=]*(\S.*)")
@@ -76,8 +77,9 @@ def _sheet(lines: Sequence[str]) -> int:
 
 
 def _continues(first: str, text: str) -> bool:
-    """Whether a line without number is part of the cycle above: some posts leave the mark `~` out."""
-    return first.startswith("CYCL DEF") and _ITEM.fullmatch(text) is not None
+    """Whether a line without number is part of the cycle above: some posts leave the mark `~` out. Cycles in lines
+    (7.1, 10.1) have no such parameters."""
+    return first.startswith("CYCL DEF") and not _IN_LINES.match(first) and _ITEM.fullmatch(text) is not None
 
 
 def without_comment(text: str) -> tuple[str, str]:

@@ -8,6 +8,9 @@ from collections.abc import Callable, Mapping
 LARGEST = 1e9
 """Beyond which a value is a slip: no machine travels so far."""
 
+MOST = {"Q": 1999, "QL": 499, "QR": 499}
+"""Highest number of a parameter of each kind (TNC 640 Klartext, "Q parameters", "Overview of functions")."""
+
 
 class BlockError(Exception):
     """A block that cannot be executed; the message says why and what to write."""
@@ -60,6 +63,14 @@ class Parameters:
             return self.texts[name]
         except KeyError:
             raise UnsetError(name) from None
+
+
+def named(name: str) -> str:
+    """The name of a parameter that a block sets. Raises BlockError where the control has none of that number."""
+    kind = name.rstrip("0123456789")
+    if int(name[len(kind) :]) > MOST[kind]:
+        raise BlockError(f"{name} is no parameter: {kind} are numbered from 0 to {MOST[kind]}")
+    return name
 
 
 def number(text: str) -> float:

@@ -6,13 +6,10 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
+from toolpace.reading.gcode.actions.frames.offsets import Offsets, given_axes
+from toolpace.reading.gcode.actions.frames.transforms import NORMAL, STILL, Transforms
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.actions.offsets import Offsets, given_axes
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
-from toolpace.units import DEGREE
-
-_NORMAL = (2, 1, 0)
-"""Normal of the planes XY, ZX and YZ."""
 
 
 class Frames:
@@ -23,8 +20,6 @@ class Frames:
 
     def __init__(self, control: Control, state: Modal, by: Controller) -> None:
         self.control, self.state = control, state
-        self.factor_of_whole: float = by.option("scale_of_whole", 1.0)
-        """What a whole P of scaling counts (0.001 where P1000 is life size)."""
         size = len(control.words)
         self.local = [0.0] * size
         self.position = [0.0] * size
@@ -33,13 +28,14 @@ class Frames:
         self.position_on = False
         """Whether a position is in force, be it zero."""
         self.one_shift = by.option("local_shift_is_position", False)
-        self.turned: Matrix | None = None
-        self.tilted = False
-        self.scaled: Matrix | None = None
-        self.mirrored: Matrix | None = None
+        self.transforms = Transforms(control, state, by)
+        self.plane: Matrix | None = None
+        """The tilted plane in force."""
         self.indexed = by.option("indexed_words", False)
         self.offsets = Offsets(control, state, by, self.of_offset, self.apply)
         self.offsets.shifted = lambda: any(self.position[:2]) or any(self.local[:2])
+        if not self.indexed:
+            self.offsets.need_plain = self._need_plain
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -57,18 +53,15 @@ class Frames:
             "restore position": self.restore_position,
             "datum": self.datum,
             "datum added": self.datum_added,
-            "scale": self.scale,
-            "scale off": self.scale_off,
-            "mirror": self.mirror,
-            "mirror off": self.mirror_off,
             "rotate": self.rotate,
             "rotation off": self.rotation_off,
+            **self.transforms.handlers(self._transformed),
         }
 
     def apply(self) -> None:
         """Hand the frame to the control."""
         made, turn = self.of_offset(self.offsets.offset)
-        self.control.set_frame(made, tilted=self.tilted)
+        self.control.set_frame(made, tilted=self.plane is not None)
         if turn != self.control.coordinates.turn:
             self.control.set_rotary_shift(turn)
 
@@ -85,8 +78,8 @@ class Frames:
             made = affine.product(moved, affine.shift(inner))
         else:
             made = affine.shift(total) if any(total[:3]) else affine.IDENTITY
-        for part in (self.turned, self.scaled, self.mirrored):
-            if part is not None:
+        for part in (self.plane, self.transforms.matrix):
+            if part is not None and part is not affine.IDENTITY:
                 made = part if made is affine.IDENTITY else affine.product(made, part)
         return made, tuple(total[3:])
 
@@ -97,6 +90,7 @@ class Frames:
         if self.offsets.of_zero == "local" and numbers.get("L") == 2.0 and numbers.get("P") == 0.0:
             numbers.pop("L")
             numbers.pop("P")
+            self._need_plain(word)
             for letter, value in given_axes(self.control, self.state, numbers).items():
                 slot = self.control.slots[letter]
                 self.local[slot] = value if self.state.absolute else self.local[slot] + value
@@ -109,6 +103,8 @@ class Frames:
         shift = list(self.position if self.one_shift else self.local)
         for letter, value in self._given(numbers, word).items():
             shift[self.control.slots[letter]] = value
+        if shift != (self.position if self.one_shift else self.local):
+            self._need_plain(word)
         if self.one_shift:
             self.position = self.stored = shift
             self.position_on = True
@@ -124,7 +120,7 @@ class Frames:
 
     def datum(self, numbers: Numbers, word: str) -> None:
         """MillPlus G93: the datum, in the coordinates of the work offset; axes that are not named keep theirs."""
-        self.turned, self.tilted = None, False
+        self.plane = None
         self.local_shift(numbers, word)
 
     def datum_added(self, numbers: Numbers, word: str) -> None:
@@ -136,8 +132,8 @@ class Frames:
     def set_position(self, numbers: Numbers, word: str) -> None:
         """G92: the place where the machine is gets these words."""
         given = self._given(numbers, word)
-        if (self.turned or self.scaled or self.mirrored) and given:
-            raise RefusedError(f"{word} in turned or scaled coordinates", "end those before it")
+        if given:
+            self._need_plain(word)
         self.position = self.stored = list(self.position)
         for letter, value in given.items():
             slot = self.control.slots[letter]
@@ -147,6 +143,8 @@ class Frames:
 
     def clear_position(self, numbers: Numbers, word: str) -> None:
         """G92.1."""
+        if any(self.position):
+            self._need_plain(word)
         self.position = self.stored = [0.0] * len(self.position)
         self.position_on = False
         self.apply()
@@ -165,100 +163,66 @@ class Frames:
         """The stored position in force, or none; the frame is not handed on yet."""
         self.position, self.position_on = self.stored if on else [0.0] * len(self.stored), on
 
-    # Turns, scales, mirrors
+    # Turns, scales, mirrors, planes
 
     def rotate(self, numbers: Numbers, word: str) -> None:
-        """G68: turn the plane about a point, that where the machine is unless X, Y tell another, by R [deg]."""
-        if any(letter in numbers for letter in "IJK"):
-            raise RefusedError(f"{word} with I, J, K", "it turns about a vector: write G68.2, or points")
+        """G68: turn the plane about a point by R [deg]."""
         if "R" not in numbers:
             raise WordError(f"{word} needs its angle as R: write it like {word} X0 Y0 R30")
-        if self.tilted:
+        if self.plane is not None:
             raise RefusedError(
                 f"{word} in a tilted plane", "turn the plane by its own angles (the last of them turns it in itself)"
             )
-        normal = _NORMAL[self.state.plane]
-        angle = numbers.pop("R") * DEGREE
-        about = self._about(numbers)
-        about[normal] = 0.0
-        back = [-value for value in about]
-        self._only_linear(numbers, word)
-        turn = affine.product(affine.rotation(normal, angle), affine.shift(back))
-        self.turned, self.tilted = affine.product(affine.shift(about), turn), False
+        if self.state.turned_plane not in (None, self.state.plane):
+            raise RefusedError(f"{word} in another plane than the turn in force", "end that turn before: write G69")
+        before = self.control.words[:3]
+        about_tool = any(letter in numbers for letter in "IJK")
+        if about_tool:
+            self.transforms.turn_about_tool(numbers, word)
+        else:
+            self.transforms.turn(numbers, word)
+            self.state.turned_plane = self.state.plane
         self.apply()
-
-    def _about(self, numbers: Numbers) -> list[float]:
-        """A point of X, Y, Z; of those that are not named, the place where the machine is."""
-        point = self.control.words[:3]
-        for slot, letter in enumerate("XYZ"):
-            if letter in numbers:
-                value = numbers.pop(letter) * self.state.unit
-                point[slot] = value if self.state.absolute else point[slot] + value
-        return point
-
-    @staticmethod
-    def _only_linear(numbers: Numbers, word: str) -> None:
-        """A rotary word that is left in the block of a turn, a scale or a mirror is none of a motion."""
-        for letter in "ABCUVW":
-            if letter in numbers:
-                numbers.clear()
-                raise RefusedError(
-                    f"{word} with {letter}", "it acts on X, Y and Z here: let the CAM system write the other axes so"
-                )
+        normal = 2 if about_tool else NORMAL[self.state.plane]
+        inside = [slot for slot in range(3) if slot != normal]
+        if any(abs(before[slot] - self.control.words[slot]) > STILL for slot in inside):
+            self.state.not_alone = (inside[0], inside[1])
 
     def rotation_off(self, numbers: Numbers, word: str) -> None:
         """G69."""
-        self.turned, self.tilted = None, False
+        self.transforms.turn_off()
+        self.plane = self.state.not_alone = self.state.turned_plane = None
         self.apply()
 
-    def tilt(self, frame: Matrix) -> None:
-        """Lay the coordinates into a tilted plane."""
-        if self.turned is not None and not self.tilted:
+    def tilt(self, frame: Matrix | None, word: str = "a tilted plane") -> None:
+        """Lay the coordinates into a tilted plane, in place of the one before; None ends it."""
+        if self.transforms.turned is not None:
             raise RefusedError("a tilted plane in turned coordinates (G68)", "end the turn before it: write G69")
-        self.turned, self.tilted = (None, False) if frame == affine.IDENTITY else (frame, True)
+        if self.transforms.any:
+            raise RefusedError(f"{word} in scaled or mirrored coordinates", "end those before it: write G50, G50.1")
+        coordinates = self.control.coordinates
+        begun = coordinates.fixed_at if coordinates.tip_mode and self.plane is None else None
+        if frame is not None and begun is not None and any(self.control.poses.carried(begun)):
+            raise RefusedError(
+                f"{word} in tool-centre-point mode that began with the table turned",
+                "controls differ in where the plane is then: write G49 before it",
+            )
+        self.plane = frame
         self.apply()
 
-    def scale(self, numbers: Numbers, word: str) -> None:
-        """G51: by P, or by I, J, K along the axes, about X, Y, Z."""
-        common = numbers.pop("P", None)
-        factors = [numbers.pop(letter, None) for letter in "IJK"]
-        if common is None and not any(factors):
-            raise WordError(f"{word} needs its factor as P, or I, J and K: write it like {word} X0 Y0 P0.5")
-        chosen = [self._factor(factor if factor is not None else common) for factor in factors]
-        if not all(chosen):
-            raise WordError(f"{word} by zero leaves nothing: correct the factor")
-        self.scaled = self._about_point(affine.scaling(chosen), numbers)
-        self._only_linear(numbers, word)
+    def _transformed(self, numbers: Numbers, word: str) -> None:
+        self.state.scaled = self.transforms.scaled is not None
         self.apply()
 
-    def _factor(self, given: float | None) -> float:
-        if given is None:
-            return 1.0
-        return given * self.factor_of_whole if given == int(given) else given
+    def _need_plain(self, word: str) -> None:
+        """Refuse to move the origin in which mirrors, scales, turns or a plane stand.
 
-    def _about_point(self, frame: Matrix, numbers: Numbers) -> Matrix:
-        about = self._about(numbers)
-        back = affine.shift([-value for value in about])
-        return affine.product(affine.shift(about), affine.product(frame, back))
-
-    def scale_off(self, numbers: Numbers, word: str) -> None:
-        """G50."""
-        self.scaled = None
-        self.apply()
-
-    def mirror(self, numbers: Numbers, word: str) -> None:
-        """G51.1: the named axes turn round at the positions named."""
-        named = [letter for letter in "XYZ" if letter in numbers]
-        signs = [-1.0 if letter in named else 1.0 for letter in "XYZ"]
-        places = [numbers.pop(letter, 0.0) * self.state.unit for letter in "XYZ"]
-        self._only_linear(numbers, word)
-        made = affine.product(affine.shift([2.0 * place for place in places]), affine.scaling(signs))
-        self.mirrored = made if self.mirrored is None else affine.product(self.mirrored, made)
-        self.apply()
-
-    def mirror_off(self, numbers: Numbers, word: str) -> None:
-        """G50.1."""
-        for letter in "XYZABC":
-            numbers.pop(letter, None)
-        self.mirrored = None
-        self.apply()
+        "In coordinate system rotation mode, G codes [...] for changing the coordinate system (G52 to G59, G92, etc.)
+        must not be specified" (B-63944EN-2, and so of the programmable mirror image): the centre may go with it or
+        stay.
+        """
+        if self.transforms.any or self.plane is not None:
+            raise RefusedError(
+                f"{word} in turned, scaled, mirrored or tilted coordinates",
+                "controls differ in whether their centre goes with it: end those before it (G69, G50, G50.1)",
+            )

@@ -43,6 +43,8 @@ class Offsets:
         """By how much it has turned each about Z [rad]."""
         self.shifted: Callable[[], bool] = lambda: False
         """Whether the program shifts its coordinates within the offset."""
+        self.need_plain: Callable[[str], None] = lambda word: None
+        """Refuses to move the offset in force where other coordinates stand in it."""
         self.external = [0.0] * len(control.words)
         """By how much it has moved all of them (3 + rotary) [m, rad]."""
         self.base: dict[str, float] = {}
@@ -51,13 +53,20 @@ class Offsets:
     def work_offset(self, numbers: Numbers, word: str) -> None:
         """G54 to G59.3; Fanuc's G54 P3 is G54.1 P3."""
         number = numbers.pop("P", None) if word == "G54" else None
-        self.take(word if number is None else f"G54.1 P{number:g}")
+        self.take(word if number is None else f"G54.1 P{self._number(number, word):g}")
 
     def numbered_offset(self, numbers: Numbers, word: str) -> None:
         """G54.1 P, G154 P."""
         if "P" not in numbers:
             raise WordError(f"{word} needs the number of its offset as P: write it like {word} P1")
-        self.take(f"{word} P{numbers.pop('P'):g}")
+        self.take(f"{word} P{self._number(numbers.pop('P'), word):g}")
+
+    def _number(self, number: float, word: str) -> float:
+        """Of an extended offset: Fanuc has 300 at most, Haas 99. Raises WordError."""
+        most = 99 if self.extended == "G154" else 300
+        if number != int(number) or not 1 <= number <= most:
+            raise WordError(f"{word} P{number:g} is no offset: write P1 to P{most}")
+        return number
 
     def indexed_offset(self, numbers: Numbers, word: str) -> None:
         """MillPlus: I tells the line of the table."""
@@ -70,7 +79,10 @@ class Offsets:
 
     def take(self, name: str) -> None:
         """Put an offset in force."""
-        self.offset = self._on_sheet(name)
+        name = self._on_sheet(name)
+        if name != self.offset:
+            self.need_plain(name)
+        self.offset = name
         self.control.set_offset(self.offset)
         self.changed()
 
@@ -92,6 +104,8 @@ class Offsets:
             raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
         if kind == 20.0 and self.extended and number < 1.0:
             raise WordError(f"{word} L20 needs the number of an offset {self.extended} as P: write it like L20 P1 X0")
+        if kind == 20.0 and self.extended:
+            self._number(number, f"{word} L20")
         if number != int(number) or (without and (self.always_absolute or self.of_zero != "in force")):
             raise WordError(f"P{number:g} of {word} is the number of an offset: write a whole number")
         if number == 0.0 and kind == 2.0 and self.of_zero == "external":
@@ -103,6 +117,8 @@ class Offsets:
             name = self._offset_name(int(number), kind) if number else self.offset or "G54"
         if self.offset == "":
             self.offset = name
+        if name == self.offset:
+            self.need_plain(word)
         if "R" in numbers:
             self._turn(name, numbers.pop("R"), kind, word)
         self._put(name, kind, numbers, word)
@@ -135,6 +151,7 @@ class Offsets:
 
     def _move_all(self, numbers: Numbers, word: str) -> None:
         """P0: the offset that is added to all others; before, it is zero."""
+        self.need_plain(word)
         for letter, value in given_axes(self.control, self.state, numbers).items():
             slot = self.control.slots[letter]
             self.external[slot] = value if self.state.absolute else self.external[slot] + value
@@ -198,8 +215,9 @@ class Offsets:
     def _offset_name(self, number: int, kind: float) -> str:
         if kind == 20.0 and self.offset.startswith("G54.1 "):
             return f"G54.1 P{number}"
-        if not 1 <= number <= 9:
-            raise WordError(f"P{number} is no work offset: write P1 (G54) to P9 (G59.3)")
+        most, last = (9, "G59.3") if self.of_zero == "in force" else (6, "G59")
+        if not 1 <= number <= most:
+            raise WordError(f"P{number} is no work offset: write P1 (G54) to P{most} ({last})")
         return ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")[number - 1]
 
 

@@ -1,0 +1,99 @@
+"""A folder of LinuxCNC's programs (its tests, its examples), read by us and by `rs274`, in one table.
+
+    python -m testbed.linuxcnc.suite FOLDER [--list KIND]
+
+Every file `.ngc` below the folder is read by both, with the files beside it that it calls, and with the lengths of the
+one tool table (`.tbl`) that lies there. Its INI files and Python are not looked at: a remapped word is an unknown one
+to both. Nothing is kept of the programs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+from pathlib import Path
+
+from testbed.against_rs274 import DIFFERENT, OURS, THEIRS, UNTOLD, Verdict, compared
+from testbed.linuxcnc.canon import INCH
+from testbed.linuxcnc.job import Job
+
+REASONS = (
+    ("cutter compensation", r"cutter compensation|G4[12]"),
+    ("time follows the spindle (G33, G76)", r"spindle-synchronised|threading|G33|G76"),
+    ("probing: where it ends is not known", r"probing|G38"),
+    ("an axis that the compared machine has not", r"has no axis|word [UVWB] |letter W"),
+    ("a variable that nothing has set", r"#<?[^ ]*>? (?:\(first|is not read)"),
+    ("a word that is not LinuxCNC's own (remapped)", r"not known here|might move something"),
+    ("lathes (G7, G70 to G72)", r"G7[012]? |diameter"),
+    ("polar words (@, ^)", r"'[@^]'"),
+    ("settings of the controller's own variables", r"belongs to the controller"),
+    ("stored reference points (G28.1, G30.1)", r"G28\.1|G30\.1"),
+    ("a tool or its table that is not at hand", r"[Tt]ool"),
+    ("a file that is called and is not there", r"neither|not in this file|nor in a file"),
+)
+"""Why one of both refuses, by what its message says; the first that fits counts."""
+OTHER = "otherwise"
+NO_TOOL = 99
+"""A tool without length, for programs that come without a table."""
+_LENGTH = re.compile(r"^\s*T(\d+)\b[^;]*?\bZ([-+]?[0-9.]+)", re.MULTILINE)
+
+
+def tools(folder: Path) -> dict[int, float]:
+    """Lengths [mm] by number, of the one tool table in a folder; its figures are inches."""
+    tables = sorted(folder.glob("*.tbl"))
+    if len(tables) != 1:
+        return {NO_TOOL: 0.0}
+    text = tables[0].read_text(encoding="utf-8", errors="replace")
+    return {int(number): float(length) * INCH for number, length in _LENGTH.findall(text) if int(number)}
+
+
+def verdict(path: Path) -> Verdict:
+    """What came of one program."""
+    text = path.read_bytes().decode("utf-8", errors="replace")
+    try:
+        return compared(Job(text, tools=tools(path.parent), numbered=False, beside=path.parent))
+    except (RuntimeError, subprocess.TimeoutExpired) as error:
+        return Verdict(UNTOLD, f"{type(error).__name__}: {error}")
+
+
+def reason(said: str) -> str:
+    """The kind of a refusal."""
+    return next((name for name, pattern in REASONS if re.search(pattern, said)), OTHER)
+
+
+def table(found: dict[Path, Verdict]) -> str:
+    """How many programs there are of each kind, those that one of both refuses by reason (Markdown)."""
+    rows: Counter[tuple[str, str]] = Counter()
+    of: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for path, (kind, said) in found.items():
+        row = (kind, reason(said) if kind in (OURS, THEIRS) else "")
+        rows[row] += 1
+        of[row].append(path.name)
+    lines = ["| | why | programs | such as |", "|---|---|---|---|"]
+    for (kind, why), count in sorted(rows.items(), key=lambda item: (item[0][0], -item[1])):
+        lines.append(f"| {kind} | {why} | {count} | {of[kind, why][0]} |")
+    return "\n".join(lines)
+
+
+def main(arguments: Iterable[str]) -> int:
+    """Compare a folder, print the table and what differs; end with 1 where something moves elsewhere in silence."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--list", action="append", default=[DIFFERENT], help="kinds of which each program is printed")
+    given = parser.parse_args(list(arguments))
+    paths = sorted(path for path in given.folder.rglob("*.ngc") if path.is_file())
+    found: dict[Path, Verdict] = {}
+    for path in paths:
+        found[path] = verdict(path)
+        if found[path].kind in given.list:
+            print(f"{path.relative_to(given.folder)}: {found[path].kind}: {found[path].said[:300]}", flush=True)
+    print(table(found))
+    return int(any(kind == DIFFERENT for kind, _ in found.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
