@@ -1,6 +1,6 @@
 """Our reading of LinuxCNC programs against LinuxCNC's own: the same places, order, feeds and dwells, the same refusals.
 
-    python -m testbed.against_rs274 [--first SEED] [--programs N] [FILE...]
+    python -m testbed.against_rs274 [--first SEED] [--programs N] [--contours] [FILE...]
 
 Places are compared in machine coordinates, so that offsets, rotations and tool lengths count; a difference is a place
 off the way that the interpreter commands, a time of a motion at feed, a dwell, a line, or a refusal by one of both.
@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from testbed.linuxcnc.canon import INCH, Judged, Motion
+from testbed.linuxcnc.contours import random_contour
 from testbed.linuxcnc.job import Cartesian, Job
 from testbed.linuxcnc.programs import random_job
 from testbed.linuxcnc.rs274 import NAME, copy_called, judged
@@ -48,7 +49,8 @@ def compared(job: Job) -> Verdict:
     """Our reading of a program beside LinuxCNC's."""
     try:
         tools = {n: length / INCH for n, length in job.tools.items()}
-        theirs = judged(job.text, job.parameters(), tools, beside=job.beside)
+        diameters = {n: 2.0 * radius / INCH for n, radius in job.radii.items()}
+        theirs = judged(job.text, job.parameters(), tools, diameters, beside=job.beside)
     except ValueError as error:
         return Verdict(UNTOLD, str(error))
     moving = any(_moves(motion) for motion in theirs.motions)
@@ -92,6 +94,9 @@ KNOWN = {
     r"is no number: check the expression": "what is infinite, or no number, goes on there",
     r"a remainder of a division by zero": "MOD 0 is no number there, and the block goes on with it",
     r"G92(?:\.\d)? and \S+ exclude|\S+ and G92\.\d exclude": "G92.1 beside another word of coordinates",
+    r"M0 or M1 stands before an inside corner": "its interpreter gouges such a corner",
+    r"closes but for a rounding": "a compensated circle that its planner may take for nothing",
+    r"a change of the unit .* under cutter compensation": "G20 and G21 within a compensated contour",
     r"its label stands in line \d+ already": "do with a label of a loop before goes back to that loop there",
 }
 """Refusals of ours alone that are meant, by what they say, and why."""
@@ -131,13 +136,15 @@ def main(arguments: Iterable[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--first", type=int, default=0, help="seed of the first program")
     parser.add_argument("--programs", type=int, default=1000, help="how many")
+    parser.add_argument("--contours", action="store_true", help="contours with cutter compensation")
     parser.add_argument("--show", type=int, default=5, help="how many different programs are printed whole")
     parser.add_argument("files", nargs="*", type=Path, help="programs to compare in place of random ones")
     given = parser.parse_args(list(arguments))
     if given.files:
         jobs = ((str(file), Job(file.read_text(errors="replace"), numbered=False)) for file in given.files)
     else:
-        jobs = ((f"seed {seed}", random_job(seed)) for seed in range(given.first, given.first + given.programs))
+        job_of = random_contour if given.contours else random_job
+        jobs = ((f"seed {seed}", job_of(seed)) for seed in range(given.first, given.first + given.programs))
     different = 0
     counts: Counter[str] = Counter()
     for name, job in jobs:

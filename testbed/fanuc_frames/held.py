@@ -52,8 +52,8 @@ def held(seed):
     for place in program.places:
         rows = np.flatnonzero(path.block == place.line)
         stays, before = before is not None and np.abs(place.q - before).max() < 1e-9, place.q
-        if not len(rows) and stays:
-            continue  # a motion to where the machine is
+        if not len(rows) and (stays or place is program.places[0]):
+            continue  # a motion to where the machine is, or the place where the path starts with another tool
         row = rows[-1]
         rotary = path.rotary[row, columns]
         named = {name: rotary[k : k + 1] for k, name in enumerate(chain.rotary)}

@@ -65,6 +65,9 @@ def held(seed) -> Held:
         tip, axis = world.forward(world.q)
         # a block without points leaves the machine where it is
         reached, upright = (path.tip[row], path.axis[row]) if len(rows) else (before, world.forward(standing)[1])
+        if row == 0 and len(rows):
+            # the path starts with the tip of the tool with which the first motion begins
+            reached = reached + (path.tool_length[0] - world.length) * upright
         off = float(np.linalg.norm(reached - tip))
         if off > 1e-6 and not found.wrong:
             found.wrong = f"line {line}: {off * 1e3:.6f} mm off, {written.text.splitlines()[line - 1]}"

@@ -46,6 +46,8 @@ class Job:
     """Of G28 (1) and G30 (2)."""
     tools: dict[int, float] = field(default_factory=dict)
     """Lengths [mm] by number."""
+    radii: dict[int, float] = field(default_factory=dict)
+    """Of tools [mm], by number."""
     numbered: bool = True
     """Whether N words are the numbers of their lines."""
     beside: Path | None = None
@@ -68,7 +70,10 @@ class Job:
             offsets={name: {a: _si(a, self.offsets.get(name, {}).get(a, 0.0)) for a in AXES} for name in OFFSETS},
             references={n: {a: _si(a, self.references.get(n, {}).get(a, 0.0)) for a in AXES} for n in (1, 2)},
             machine_zero=zero,
-            tools={str(n): Tool(length * MILLIMETRE) for n, length in self.tools.items()},
+            tools={
+                str(n): Tool(length * MILLIMETRE, self.radii[n] * MILLIMETRE if n in self.radii else None)
+                for n, length in self.tools.items()
+            },
             start=zero,
         )
 

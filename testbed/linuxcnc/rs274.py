@@ -32,6 +32,7 @@ def judged(
     program: str,
     parameters: Mapping[int, float] | None = None,
     tools: Mapping[int, float] | None = None,
+    diameters: Mapping[int, float] | None = None,
     *,
     block_delete: bool = True,
     seconds: float = SECONDS,
@@ -40,6 +41,7 @@ def judged(
     """What `rs274` makes of a program.
 
     parameters: of the interpreter, by number [inch, deg]. tools: length by number [inch]; tool n stands in pocket n.
+    diameters: of tools, by number [inch].
     beside: a folder with the files that the program calls; they are looked for nowhere else.
     """
     with tempfile.TemporaryDirectory(prefix="rs274.") as folder:
@@ -53,7 +55,8 @@ def judged(
         (place / NAME).write_text(program, encoding="utf-8")
         lines = [f"{number} {value:.12f}" for number, value in sorted((parameters or {5220: 1.0}).items())]
         (place / "part.var").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        table = [f"T{number} P{number} Z{length:.12f}" for number, length in sorted((tools or {}).items())]
+        wide = {number: f" D{diameter:.12f}" for number, diameter in (diameters or {}).items()}
+        table = [f"T{n} P{n} Z{length:.12f}{wide.get(n, '')}" for n, length in sorted((tools or {}).items())]
         (place / "part.tbl").write_text("\n".join(table) + "\n", encoding="utf-8")
         command = ["rs274", *(["-b"] if block_delete else []), "-g", *of_ini, "-v", "part.var", "-t", "part.tbl"]
         command.append(NAME)

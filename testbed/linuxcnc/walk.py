@@ -38,7 +38,11 @@ class Walk:
         if np.abs(self.points[0]).max() > 1e-9:
             return f"our path begins at {self.points[0]}, not at the machine's zero"
         for number, motion in enumerate(self.theirs.motions):
+            before = self.at, self.waited
             found = self._motion(motion)
+            if found and motion.normal >= 0 and np.abs(motion.end - motion.start).max() <= PRINTED * motion.unit:
+                # ends that are one as they are printed: a whole turn, or next to nothing
+                (self.at, self.waited), found = before, ""
             if found:
                 return f"motion {number} ({_said(motion)}): {found}"
         last = self.theirs.motions[-1] if self.theirs.motions else None
@@ -73,8 +77,10 @@ class Walk:
                 return f"rapid with one, feed with the other (line {line})"
             if self.numbered and motion.line and line != motion.line:
                 return f"we are on line {line}, it is of {motion.line}"
-            spent += float(self.times[self.at])
-            self.waited += float(self.ours.dwell[self.at])
+            spent += self._step()
+        while self._still_there(motion, near):
+            self.at += 1
+            spent += self._step()
         return "" if motion.rapid else self._of_time(motion, spent, near)
 
     def _finish_motion_before(self, motion: Motion, near: float) -> None:
@@ -91,7 +97,23 @@ class Walk:
     def _pass_over(self) -> None:
         """Go on to the next point."""
         self.at += 1
+        self._step()
+
+    def _step(self) -> float:
+        """Time of the way to the point at hand [s]; its dwell is counted."""
         self.waited += float(self.ours.dwell[self.at])
+        return float(self.times[self.at])
+
+    def _still_there(self, motion: Motion, near: float) -> bool:
+        """Whether the next point is one more of the same block, at the motion's end as far as it is printed."""
+        following = self.at + 1
+        return (
+            following < len(self.points)
+            and self.ours.block[following] == self.ours.block[self.at]
+            and bool(self.ours.rapid[following]) == motion.rapid
+            and not self.ours.dwell[self.at]
+            and float(np.abs(self.points[following] - motion.end).max()) <= near
+        )
 
     @staticmethod
     def _of_time(motion: Motion, spent: float, near: float) -> str:
@@ -148,10 +170,14 @@ class _Way:
         turned = math.cos(share * sweep) * self.u + math.sin(share * sweep) * self.w
         turned = turned * (1.0 + self.growth * share)
         wanted[:3] = np.array(self.motion.centre) + turned + (self.height + share * self.rise) * self.axis
-        # what the rounding of the centre makes of the share gone, the rotary axes show too
+        # what the rounding of the centre makes of the share gone, the rotary axes show too,
         doubt = 4 * PRINTED * self.motion.unit / (self.radius * abs(sweep))
         rotary = np.abs(point - wanted)[3:] - doubt * np.abs(self.way[3:])
-        return max(float(np.linalg.norm((point - wanted)[:3])), float(rotary.max()))
+        aside = (point - wanted)[:3]
+        along = float(aside @ self.axis)
+        # and the height of a helix
+        risen = max(abs(along) - doubt * abs(self.rise), 0.0)
+        return max(math.hypot(float(np.linalg.norm(aside - along * self.axis)), risen), float(rotary.max()))
 
     def done(self, point: Floats, near: float) -> bool:
         """Whether a place is the end."""

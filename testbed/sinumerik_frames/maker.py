@@ -51,6 +51,8 @@ class Maker:
         self.tables = [name for name in self.chain.workpiece if name in self.chain.rotary]
         self.carried = self.rng.random() < 0.4
         """Whether offsets and shifts have words of the table's axes, with which planes are refused."""
+        self.inches = bool(self.rng.random() < 0.2)
+        """Whether the program is in inches (G700)."""
         self.zero = np.round(self.rng.uniform(-0.2, 0.5, 3), 4)
         self.offsets = self._offsets()
         self.steps: list[Step] = []
@@ -74,7 +76,7 @@ class Maker:
 
     def truth(self):
         """The control before the first block."""
-        made = Truth(self.chain, self.length, self.zero, self.offsets)
+        made = Truth(self.chain, self.length, self.zero, self.offsets, 25.4 * MM if self.inches else MM)
         made.offset = "G54"
         return made
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbed.sinumerik_frames.plane_steps import PlaneSteps
-from testbed.sinumerik_frames.truth import DEG, MM
+from testbed.sinumerik_frames.truth import DEG
 
 
 class MotionSteps(PlaneSteps):
@@ -27,7 +27,7 @@ class MotionSteps(PlaneSteps):
         by = {x: self.number(20) for x in self.some("XYZ")}
 
         def act(truth, found):
-            words = truth.said / MM
+            words = truth.said / truth.unit
             truth.move({x: words["XYZ".index(x)] + v for x, v in by.items()}, {})
 
         self.say("G1 " + " ".join(f"{x}=IC({v:.3f})" for x, v in by.items()), act, straight=True)
@@ -42,13 +42,14 @@ class MotionSteps(PlaneSteps):
         clockwise = bool(self.rng.random() < 0.5)
 
         def act(truth, found):
-            words = truth.words() / MM
+            words = truth.words() / truth.unit
             centre = words[:2] + np.array([i, j])
             a = np.radians(-opening if clockwise else opening)
             turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
             x, y = centre + turn @ (words[:2] - centre)
-            end = truth.said[2] / MM + rise
-            truth.arc = centre * MM, float(np.hypot(i, j)) * MM, words[2] * MM, (end - words[2]) * MM, a
+            end = truth.said[2] / truth.unit + rise
+            heights = words[2] * truth.unit, (end - words[2]) * truth.unit
+            truth.arc = centre * truth.unit, float(np.hypot(i, j)) * truth.unit, *heights, a
             truth.move({"X": x, "Y": y, "Z": end}, {})
 
         code = "G2" if clockwise else "G3"

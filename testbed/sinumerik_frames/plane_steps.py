@@ -6,7 +6,7 @@ import numpy as np
 
 from testbed.sinumerik_frames.frame_steps import FrameSteps
 from testbed.sinumerik_frames.matrices import about, linear, shift, solid
-from testbed.sinumerik_frames.truth import DEG, MM
+from testbed.sinumerik_frames.truth import DEG
 
 MODES = {57: "XYZ", 45: "XZY", 54: "YXZ", 30: "YZX", 39: "ZXY", 27: "ZYX"}
 PAIRS = {185: "XYZ", 182: "YXZ", 173: "XZY", 158: "YZX", 167: "ZXY", 155: "ZYX"}
@@ -55,7 +55,8 @@ class PlaneSteps(FrameSteps):
 
         def act(truth, found):
             made = linear(turn) if turn is not None else truth.square(rotary)
-            truth.swivel(shift(np.array(before) * MM) @ made @ shift(np.array(behind) * MM), additive=upon)
+            first, second = (shift(np.array(by) * truth.unit) for by in (before, behind))
+            truth.swivel(first @ made @ second, additive=upon)
             if not direction:
                 return
             normal = truth.plane[:3, :3] @ [0.0, 0.0, 1.0]

@@ -18,7 +18,7 @@ class Program(MotionSteps):
 
     def _make(self):
         rng = self.rng
-        self.say("G54 G90 G710 G94 G17 G64 F1000", lambda truth, found: None)
+        self.say(f"G54 G90 {'G700' if self.inches else 'G710'} G94 G17 G64 F1000", lambda truth, found: None)
         self.say("T1 D1 M6", lambda truth, found: None)
         place = {x: self.number(40) for x in "XYZ"} | {x: self.angle(x) for x in self.chain.rotary}
         self._motion(place)

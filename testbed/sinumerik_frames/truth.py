@@ -12,8 +12,8 @@ MM, DEG = 1e-3, np.pi / 180.0
 class Truth:
     """The machine at its joints (m,), and all that its words mean."""
 
-    def __init__(self, chain, length, zero, offsets):
-        self.chain, self.length, self.zero, self.offsets = chain, length, zero, offsets
+    def __init__(self, chain, length, zero, offsets, unit):
+        self.chain, self.length, self.zero, self.offsets, self.unit = chain, length, zero, offsets, unit
         self.reckoned = length
         """The length that words of joints reckon with: zero after D0."""
         self.said = np.zeros(3)
@@ -92,10 +92,10 @@ class Truth:
     # Motion
 
     def move(self, told, rotary):
-        """To words X, Y, Z by letter [mm] and rotary joints by name [rad]; what is not named keeps its words."""
+        """To words X, Y, Z by letter [units] and rotary joints by name [rad]; what is not named keeps its words."""
         words = self.words()
         for letter, value in told.items():
-            words["XYZ".index(letter)] = value * MM
+            words["XYZ".index(letter)] = value * self.unit
         point = (self.frame() @ [*words, 1.0])[:3]
         self.q = self.q.copy()
         for name, value in rotary.items():
@@ -107,10 +107,10 @@ class Truth:
             self.q[self.slides] = point + self.origin()[0] + self.lift * self.reckoned
 
     def to_machine(self, told, rotary):
-        """To machine coordinates by letter [mm] and rotary joints by name [rad]."""
+        """To machine coordinates by letter [units] and rotary joints by name [rad]."""
         self.turn(rotary)
         for letter, value in told.items():
-            self.q[self.slides["XYZ".index(letter)]] = self.zero["XYZ".index(letter)] + value * MM
+            self.q[self.slides["XYZ".index(letter)]] = self.zero["XYZ".index(letter)] + value * self.unit
 
     def turn(self, rotary):
         """Rotary joints by name [rad]; the slides stay."""
@@ -126,13 +126,13 @@ class Truth:
         self.coarse_turn, self.fine_turn = (dict.fromkeys(self.chain.rotary, 0.0) for _ in range(2))
 
     def translate(self, by, turned, *, additive):
-        """TRANS, ATRANS (3,) [mm], and of rotary words by name [deg]."""
+        """TRANS, ATRANS (3,) [units], and of rotary words by name [deg]."""
         if additive:
-            self.fine = self.fine + self.linear @ (np.array(by) * MM)
+            self.fine = self.fine + self.linear @ (np.array(by) * self.unit)
             self.fine_turn = {n: v + turned.get(n, 0.0) * DEG for n, v in self.fine_turn.items()}
             return
         self.clear()
-        self.coarse = np.array(by) * MM
+        self.coarse = np.array(by) * self.unit
         self.coarse_turn = {n: turned.get(n, 0.0) * DEG for n in self.coarse_turn}
 
     def turn_frame(self, matrix, *, additive):
@@ -142,10 +142,10 @@ class Truth:
         self.linear = self.linear @ matrix
 
     def axial(self, told, turned, *, fine):
-        """G58, G59: shifts of the axes that are named [mm, deg]."""
+        """G58, G59: shifts of the axes that are named [units, deg]."""
         part, turns = (self.fine.copy(), self.fine_turn) if fine else (self.coarse.copy(), self.coarse_turn)
         for letter, value in told.items():
-            part["XYZ".index(letter)] = value * MM
+            part["XYZ".index(letter)] = value * self.unit
         turns = turns | {name: value * DEG for name, value in turned.items()}
         if fine:
             self.fine, self.fine_turn = part, turns

@@ -141,8 +141,8 @@ def test_repetitive_commands_for_rotation():
     contour of O2100 at 0, 45, .. 315 degrees."""
     main = (
         "G92 X0 Y0 Z0 G69 G17\nG01 F200\nM98 P2100\nM98 P072200\nG00 G90 X0 Y0\nM30\n"
-        "O2200\nG68 X0 Y0 G91 R45.0\nG90 M98 P2100\nM99\n"
-        "O2100\nG90 G01 G42 X0 Y-10.0\nX4.142\nX7.071 Y-7.071\nG40\nM99"
+        "O2200 G68 X0 Y0 G91 R45.0\nG90 M98 P2100\nM99\n"
+        "O2100 G90 G01 G42 X0 Y-10.0\nX4.142\nX7.071 Y-7.071\nG40\nM99"
     )
     by = Controller.from_toml('name = "fanuc-rin"\nlike = "fanuc"\n[options]\nrotation_adds = true\n')
     path = read(main, controller=by, compensation="program")

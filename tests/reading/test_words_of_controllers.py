@@ -428,3 +428,11 @@ def test_a_program_without_a_unit_says_how_it_is_taken():
     inches = read_for(with_options("haas", units="inch"), text)
     assert inches.tip[-1, 0] == 0.0254 and any("are inches" in said for said in inches.assumed)
     assert not any("unit of lengths" in said for said in read_for("haas", "G21\n" + text).assumed)
+
+
+def test_words_behind_the_number_of_a_program_are_a_block_of_it():
+    """As in the examples of Fanuc's manual ("O2200 G68 X0 Y0 G91 R45.0"); a name that is no words moves nothing."""
+    assert tips("fanuc", "O1000 G90 G21 G0 X1. Y0 Z0\nG1 F600. X2.\nM30") == [[1, 0, 0], [2, 0, 0]]
+    body = START + "M98 P200\nX5.\nM30\nO200 G1 X#1 Y3.\nM99"
+    assert tips("fanuc", body)[1:] == [[0, 3, 0], [5, 3, 0]]
+    assert tips("haas", "O1000 M12 NUT\n" + START + "G1 X1.\nM30")[-1] == [1, 0, 0]

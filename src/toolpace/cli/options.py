@@ -157,7 +157,7 @@ class Reading:
     ] = False
     compensation: Annotated[
         str | None,
-        Parameter(help="program: what G41 and G42 follow is the programmed contour. Refused otherwise."),
+        Parameter(help="program: under G41, G42, RL and RR the tool's centre follows the programmed contour."),
     ] = None
     max_blocks: Annotated[
         int | None,

@@ -53,8 +53,8 @@ def read(
     setup: set-up sheet (TOML file) with offsets, references and tools; None takes the one in the machine file, if any.
         Where it tells how the part is clamped, the machine must be mounted so: `machine.mounted(**setup.part)`.
     skip_unknown: whether words that are not read are passed over, and said in `ToolPath.assumed`.
-    compensation: `program` where what G41 and G42 follow is the programmed contour; else they are refused, but with
-        a radius of zero.
+    compensation: `program` where under G41, G42, RL and RR the tool's centre follows the programmed contour; else the
+        radius is that of the set-up sheet's tool.
     max_blocks: most blocks that may be executed; more is taken for a loop without end.
     lenient: whether blocks at which the control itself would stop are read where their meaning is certain (a file
         without M2, a word twice), and said in `ToolPath.assumed`.

@@ -32,7 +32,7 @@ class ReadOptions:
     block_delete: bool = True
     """Whether blocks that begin with `/` are passed over."""
     compensation: str = ""
-    """"program": what G41 and G42 follow is the programmed contour; "": they are refused, but with D of zero."""
+    """"program": under G41, G42, RL and RR the centre follows the programmed contour; "": beside it, by the radius."""
     most_blocks: int | None = None
     """Blocks that are executed: more is taken for a loop without end; None: as the length of the program explains."""
     default_feed: float | None = None

@@ -165,7 +165,8 @@ class _Sheet(TablesInUnits):
             if value < 0.0:
                 self.fail(place, f"{key} = {table[key]!r} is below zero; write it from the spindle nose, above zero")
         length, radius, corner = figures
-        return Tool(length, radius, corner if "corner_radius" in table else None)
+        told = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
+        return Tool(length, *told)
 
     def part(self) -> dict[str, tuple[float, float, float]]:
         table = self.table("part")

@@ -28,7 +28,7 @@ angle = "deg"  # or "rad"
 ZERO = "Joint positions (as the machine file counts them) at which the machine's own display shows zero."
 OFFSET = "Origin of the work offset in machine coordinates, as the control's table of offsets has it."
 REFERENCE = "Reference point of {word}, in machine coordinates."
-TOOL = "From the spindle nose to the tip, as the control's tool table has it."
+TOOL = "From the spindle nose to the tip, as the control's tool table has it; with its radius where it is compensated."
 
 
 _OUT_OF_TRAVEL = re.compile(r" its limit of \S+ mm")
@@ -68,7 +68,7 @@ def setup_sheet(program: str, used: Used, machine: Kinematics | None, given: Set
         parts.append(_table(f"references.{number}", said, filled.reference(number)))
     for name in dict.fromkeys(map(tool_name, [*used.tools, *given.tools])):
         tool = given.tool(name)
-        figures = {"length": own.own_length, "radius": 0.0} if tool is None else tool.figures()
+        figures = {"length": own.own_length} if tool is None else tool.figures()
         parts.append(_table(f"tools.{toml_key(name)}", TOOL, figures))
     return "\n".join(parts)
 

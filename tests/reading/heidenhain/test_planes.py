@@ -203,6 +203,7 @@ def test_m130_positions_in_the_untilted_system():
     path = read(text + "L X+2 Y+3 Z+4 M130", MACHINE)
     a, c = path.rotary[-1]
     assert np.allclose(path.tip[-1], MACHINE.rotation(np.array([a]), np.array([c]))[0] @ (0.002, 0.003, 0.004))
+    assert any("M130" in said for said in path.assumed)
     after = last(text + "L X+2 Y+3 Z+4 M130\nL X+1 Y+1 Z+1", MACHINE)
     assert after == (1, -1, 1)
 

@@ -11,6 +11,7 @@ import pytest
 
 from tests.support.sinumerik import SINUMERIK, read
 from toolpace.errors import ProgramError
+from toolpace.reading.coordinates.setup import SetUp, Tool
 
 START = "G54 G710 G64 G90 G94 G17 F500\nG0 X0 Y0 Z50 A0 C0\n"
 ALARMS = [
@@ -61,8 +62,7 @@ ALARMS = [
     (61001, "S100 M3\nCYCLE84(10,0,2,-5,,,3,5,2,0,100,100)"), (61002, "CYCLE83(10,0,2,-20,,-5,,2,0,0,1,7)"),
     (61103, "MCALL CYCLE81(10,0,2,-5)\nHOLES1(0,0,0,5,5,0)\nMCALL"),
     (61103, "MCALL CYCLE81(10,0,2,-5)\nHOLES2(0,0,10,0,30,0)\nMCALL"), (61101, "CYCLE81(10,0,2,5)"),
-    (61107, "CYCLE83(10,0,2,-20,,5,,2,0,0,1,1)"), (61109, "T1 D1\nCYCLE90(10,0,2,-20,,20,18,1,5,7,0,0,0)"),
-    (61119, "CYCLE90(10,0,2,-20,,0,0,1,5,2,0,0,0)"), (61120, "CYCLE90(10,0,2,-20,,20,18,1,5,2,9,0,0)"),
+    (61107, "CYCLE83(10,0,2,-20,,5,,2,0,0,1,1)"),
     (61180, 'CYCLE800(7,"",0,57,0,0,0,30,0,0,0,0,0,-1,0,1)'),
     (61184, 'CYCLE800(0,"",0,57,0,0,0,170,0,0,0,0,0,-1,0,1)'), (14920, "CIP X10 Y10 I1=15 J1=15"),
     (12641, "IF R1==0\n" * 20 + "G1 X1\n" + "ENDIF\n" * 20),
@@ -114,3 +114,21 @@ def test_cycles_that_stop_a_control_are_refused_where_that_is_asked_for(text):
 def test_words_of_a_group_may_stand_twice_and_groups_beside_each_other():
     path = read("G90 G90 G1 G17 G54 G64 G94 G40 X10 M3 M8\nG0 G153 Z60", "xyzac-trunnion", start=START)
     assert path.tip[-2] * 1e3 == pytest.approx([10, 0, 50])
+
+
+@pytest.mark.parametrize(
+    ("alarm", "call"),
+    [
+        (61000, "D0\nCYCLE90(10,0,2,-20,,20,18,1,500,2,0,0,0)"), (61101, "CYCLE90(10,0,2,1,,20,18,1,500,2,0,0,0)"),
+        (61109, "CYCLE90(10,0,2,-20,,20,18,1,500,7,0,0,0)"), (61119, "CYCLE90(10,0,2,-20,,0,0,1,500,2,0,0,0)"),
+        (61120, "CYCLE90(10,0,2,-20,,20,18,1,500,2,9,0,0)"), (61007, "CYCLE90(10,0,2,-20,,5,4,1,500,2,0,0,0)"),
+    ],
+)  # fmt: skip
+def test_threads_that_stop_a_control_are_refused(alarm, call):
+    sheet = SetUp(tools={"1": Tool(0.1, 0.004)})
+    head = "T1 D1 M6\nG0 X0 Y0 Z50\n"
+    assert not refusal(f"{head}CYCLE90(10,0,2,-20,,20,18,1,500,2,0,0,0)", start="G54 G710 F500\n", setup=sheet)
+    assert refusal(f"{head}{call}", start="G54 G710 F500\n", setup=sheet)
+    # the path that G41 follows tells nothing of what a cycle compensates itself
+    said = refusal(f"{head}CYCLE90(10,0,2,-20,,20,18,1,500,2,0,0,0)", start="G54 G710 F500\n", compensation="program")
+    assert "needs the radius of the tool" in said

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.support.sinumerik import read
+from tests.support.sinumerik import last, read
 from toolpace.errors import ProgramError
+from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.reading.sinumerik.flow.memory import Store
 from toolpace.reading.sinumerik.syntax.expressions import DEEPEST, OPERATIONS, Parser
 from toolpace.reading.sinumerik.syntax.lexer import SyntaxFault, tokens
@@ -150,3 +151,13 @@ def test_priorities_fall_in_the_manuals_order():
 def test_a_fault_in_an_expression_names_the_line():
     with pytest.raises(ProgramError, match=r"part\.mpf:3: an expression divides by zero"):
         read("G1 X=1/R5")
+
+
+def test_radii_of_the_sheet():
+    """$P_TOOLR and $TC_DP6: of the tool in the spindle, and of a number; refused where the sheet tells none."""
+    told, untold = (SetUp(tools={"1": Tool(0.1, radius)}) for radius in (0.004, 0.0))
+    for name in ("$P_TOOLR", "$TC_DP6[1,1]"):
+        text = f"T1 D1 M6\nG0 X0 Y0 Z0\nG1 X={name}"
+        assert last(text, setup=told)[0] == pytest.approx(4)
+        with pytest.raises(ProgramError, match="tells no radius of the tool"):
+            read(text, setup=untold)

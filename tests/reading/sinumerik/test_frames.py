@@ -227,6 +227,8 @@ def test_cycle800_takes_the_other_solution_where_the_asked_one_is_out_of_travel(
         ('CYCLE800(0,"",0,57,0,0,0,10,0,0,0,0,0,0,0,2)', "CYCLE800 under G18"),
         ('G18\nCYCLE800(0,"",0,57,0,0,0,10,0,0,0,0,0,0,0)', "CYCLE800 under G18"),
         ('CYCLE800(5,"",0,57,0,0,0,10,0,0,0,0,0,1,-5)', "below zero"),
+        ('CYCLE800(0,"",0,57,0,0,0,10,0,0,0,0,0,2)', "_DIR 2"),
+        ('CYCLE800(0,"",0,64,0,0,0,10,20,5,0,0,0,1)', "a solid angle and a third one"),
     ],
 )
 def test_cycle800_that_is_refused(call, said):
@@ -273,3 +275,15 @@ def test_positions_of_a_plane_may_be_repeated_as_posts_round_them():
     assert again.tip[-1] == pytest.approx(found.tip[-1], abs=1e-12) and any("repeat" in said for said in again.assumed)
     turned = dict(zip(found.rotary_joints, angles))["C"] + 360
     assert swivelled(f"{call}G0 C={turned:.12f}\n").tip[-1] == pytest.approx(found.tip[-1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("ROT RPL=30 Z10", "ROT beside Z"), ("AROT RPL=30 X10", "AROT beside X"), ("TRANS X5 AP=30", "TRANS beside AP"),
+        ("MIRROR X0 A3=1", "MIRROR beside A3"), ("G111 X5 Y5 B2=3", "G111 beside B2"), ("TRANS X=IC(5)", r"X=IC\(\)"),
+    ],
+)  # fmt: skip
+def test_words_that_a_frame_leaves_over_are_no_motion(text, said):
+    with pytest.raises(ProgramError, match=said):
+        read(f"{text}\nG1 X5")

@@ -205,7 +205,7 @@ def test_radius_compensation():
     assert read("G41 G1 X5\nG40 X6", compensation="program").assumed
     assert last("T1 M6\nG41 G1 X5\nG40 X6", setup=SetUp(tools={"1": Tool(0.1, 0.0)})) == [6, 0, 0]
     assert last("D0 G41 G1 X5\nG40 X6") == [6, 0, 0]
-    with pytest.raises(ProgramError, match="G41 is not read: give --compensation program"):
+    with pytest.raises(ProgramError, match="G41 is not read: the tool's radius is not known"):
         read("G41 G1 X5")
 
 
@@ -242,3 +242,18 @@ def test_machine_coordinates_under_traori_are_refused(block):
     with pytest.raises(ProgramError, match="TRAFOOF before"):
         read(f"TRAORI\nG1 X5\n{block}", "xyzac-trunnion")
     assert read(f"TRAORI\nG1 X5\nTRAFOOF\n{block}", "xyzac-trunnion").tip.shape[1] == 3
+
+
+def test_modal_rounding_in_a_block_of_its_own():
+    """NC Programming, "Chamfer, rounding": RNDM is modal, RNDM=0 ends it."""
+    modal = read("RNDM=2\nG1 X10\nY10\nRNDM=0\nX0\nY0")
+    alone = read("G1 X10 RND=2\nY10 RND=2\nX0\nY0")
+    assert modal.tip == pytest.approx(alone.tip)
+
+
+@pytest.mark.parametrize("block", ["X5 CYCLE81(9,0,2,-5)", "CYCLE81(9,0,2,-5)X5", "TRAORI X5", "HOLES1(0,0,0,5,5,9)Y2"])
+def test_axes_beside_a_cycle_are_refused(block):
+    """Which of them is first is told nowhere; a cycle and a transformation stand in blocks of their own."""
+    with pytest.raises(ProgramError, match="write two blocks"):
+        read(f"G1 X1 F100\n{block}", "xyzac-trunnion")
+    assert len(read('G1 X1\nMSG("A") X5').tip)

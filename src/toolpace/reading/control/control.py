@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from toolpace.commanded import Commanded
 from toolpace.reading.control.commanded_moves import commanded_of
 from toolpace.reading.control.feed import Feed, FeedRules
-from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, MoveTable, Rate
+from toolpace.reading.control.moves import FEED, JUMP, RAPID, Moves, MoveTable, Rate, Stage
 from toolpace.reading.control.operations import Operations
 from toolpace.reading.control.unroll import Unroll
 from toolpace.reading.controllers.controller import Controller
@@ -21,7 +21,7 @@ from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.coordinates.in_force import Coordinates
 from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.coordinates.orientation import Orientation
-from toolpace.reading.coordinates.placement import Datum
+from toolpace.reading.coordinates.placement import Datum, Placement
 from toolpace.reading.coordinates.setup import OFFSETS_UNSAID, ZERO_UNSAID, Position
 from toolpace.reading.coordinates.tool_lengths import NO_SHEET, NO_TOOL, NOT_LISTED, ONLY_TOOL
 from toolpace.reading.curves.arcs import Arc
@@ -84,6 +84,8 @@ class Control:
         self.line = 0
         """Of the block at hand."""
         self.effort = Effort(source, options.most_blocks)
+        self.stage: Stage | None = None
+        """What follows the program's contour beside it, where it is not the way itself."""
         self.tool = ""
         self.coordinates = Coordinates(self.datum, (0.0,) * rotary)
         self.placement = self.coordinates.placement(self.tool)
@@ -113,13 +115,15 @@ class Control:
             self.findings.assumed(NO_SHEET.format(self.datum.own_length * 1e3, self.poses.machine.name))
         if new == old:
             return
+        if self.stage is not None:
+            self.stage.other_motion("a change of coordinates")
         place = old.place(self.words)
+        stands = place if self.stage is None else old.place(self.reached())
         another = (old.tip_mode, old.tool_length) != (new.tip_mode, new.tool_length)
         if another and self.poses.machine is not None:
             if old.tip_mode != new.tip_mode:
                 self.need_linear_joints()
-            place = self.poses.to_joints(place, old.tool_length) if old.tip_mode else place
-            place = self.poses.to_tip(place, new.tool_length) if new.tip_mode else place
+            place, stands = self._seen_by(new, old, place), self._seen_by(new, old, stands)
         self.words, self.placement = new.words(place), new
         if self.coordinates.tilted and new.shift and any(self.poses.carried(list(new.shift))):
             self.source.fail(
@@ -133,7 +137,12 @@ class Control:
         if another and len(self.moves):
             if old.tool_length != new.tool_length:
                 self.stop()  # the joints stand while another tip is reckoned with
-            self.moves.add(place, Rate(), self.line, JUMP, new.tip_mode, self.named, new.tool_length)
+            self.moves.add(stands, Rate(), self.line, JUMP, new.tip_mode, self.named, new.tool_length)
+
+    def _seen_by(self, new: Placement, old: Placement, place: list[float]) -> list[float]:
+        """A place of one placement as another has it: joints, or the tip of its tool."""
+        place = self.poses.to_joints(place, old.tool_length) if old.tip_mode else place
+        return self.poses.to_tip(place, new.tool_length) if new.tip_mode else place
 
     def set_offset(self, name: str) -> None:
         """Make a work offset the one in force; "" is none but its stand-in."""
@@ -268,9 +277,7 @@ class Control:
                 "an arc in coordinates that are scaled unevenly: controls cut no ellipse; scale it in the CAM system",
                 self.line,
             )
-        length = arc.length()
-        self.moves.arcs[len(self.moves)] = arc if frame is affine.IDENTITY else affine.carried(frame, arc)
-        self._move(words, named, rapid, number, length)
+        self._move(words, named, rapid, number, arc)
 
     def spline(self, curves: list[Bezier], named: int, number: float | None = None) -> None:
         """Move along Bezier curves that follow each other, in the program's coordinates; rotary words stay."""
@@ -279,6 +286,8 @@ class Control:
             self.source.fail("a spline cannot be the first motion, its start is not known: position with G0", self.line)
         if not placement.tip_mode:
             self.need_linear_joints()
+        if self.stage is not None:
+            self.stage.other_motion("a spline")
         lengths = [curve.length() for curve in curves]
         total = max(math.fsum(lengths), math.ulp(0.0))
         rate = self._rate([*curves[-1].points[-1], *turned], number, total)
@@ -292,15 +301,37 @@ class Control:
             self.moves.add(place, part, self.line, FEED, placement.tip_mode, self.named, placement.tool_length)
 
     def _move(
-        self, words: list[float], named: int, rapid: bool, number: float | None, length: float | None = None
+        self, words: list[float], named: int, rapid: bool, number: float | None, arc: Arc | None = None
     ) -> None:
-        placement, kind = self.placement, RAPID if rapid else FEED
-        if not placement.tip_mode:
+        if not self.placement.tip_mode:
             self.need_linear_joints()
-        rate = Rate() if rapid else self._rate(words, number, length)
-        self.words, self.named = words, self.named | named
+        kind = RAPID if rapid else FEED
+        rate = Rate() if rapid else self._rate(words, number, None if arc is None else arc.length())
+        start, self.words, self.named = self.words, words, self.named | named
+        if self.stage is not None:
+            self.stage.move(start, words, arc, rate, kind)
+        else:
+            self.lay(words, rate, kind, arc)
+
+    def lay(self, words: list[float], rate: Rate, kind: float, arc: Arc | None = None) -> None:
+        """Note a motion to words (3 + rotary), straight or along an arc of the program's coordinates."""
+        placement, moves = self.placement, self.moves
+        if arc is not None:
+            moves.arcs[len(moves)] = self._carried(arc)
         place = placement.place(words)
-        self.moves.add(place, rate, self.line, kind, placement.tip_mode, self.named, placement.tool_length)
+        moves.add(place, rate, self.line, kind, placement.tip_mode, self.named, placement.tool_length)
+
+    def relay(self, row: int, words: list[float], arc: Arc | None = None) -> None:
+        """End a motion that was noted elsewhere, at words (3 + rotary), along another arc where it was one."""
+        place = self.placement.place(words)
+        self.moves.rows[row] = (*place, *self.moves.rows[row][len(place) :])
+        self.moves.arcs.pop(row, None)
+        if arc is not None:
+            self.moves.arcs[row] = self._carried(arc)
+
+    def _carried(self, arc: Arc) -> Arc:
+        frame = self.placement.matrix
+        return arc if frame is affine.IDENTITY else affine.carried(frame, arc)
 
     def _rate(self, words: list[float], number: float | None, length: float | None) -> Rate:
         if self.placement.tip_mode or self.feed.rules.turning == "xyz":
@@ -311,11 +342,16 @@ class Control:
 
     def redirect(self, places: list[list[float]]) -> None:
         """End the last motions, which were straight, elsewhere: at words (3 + rotary) each."""
-        rows = self.moves.rows
-        for k, words in enumerate(places, start=len(rows) - len(places)):
-            place = self.placement.place(words)
-            rows[k] = (*place, *rows[k][len(place) :])
+        if self.stage is not None:
+            self.stage.redirect(places[-1])
+        else:
+            for row, words in enumerate(places, start=len(self.moves) - len(places)):
+                self.relay(row, words)
         self.words = places[-1]
+
+    def reached(self) -> list[float]:
+        """Words (3 + rotary) of the place where the machine is, which a stage may have led beside the program's."""
+        return self.placement.words(list(self.moves.rows[-1][: len(self.words)])) if len(self.moves) else self.words
 
     def begin_here(self) -> None:
         """Take the place where the machine is, as far as it is known, for the start of the path."""

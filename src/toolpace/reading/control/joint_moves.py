@@ -54,13 +54,15 @@ def turn_joints(control: Control, wanted: list[float], *, rapid: bool) -> None:
 def _joints(control: Control) -> list[float]:
     """Where the joints are (3 + rotary) [m, rad]."""
     placement = control.placement
-    place = placement.place(control.words)
+    place = placement.place(control.words if control.stage is None else control.stage.kept)
     return control.poses.to_joints(place, placement.tool_length) if placement.tip_mode else place
 
 
 def _move(control: Control, joints: list[float], *, rapid: bool) -> None:
     """Move to joints (3 + rotary) [m, rad]; words then speak of the place that is reached."""
     placement, moves, line = control.placement, control.moves, control.line
+    if control.stage is not None:
+        control.stage.other_motion("a motion in machine coordinates")
     rate = Rate() if rapid else control.feed.rate(None, line)
     if placement.tip_mode and len(moves):
         # the way begins at the joints, and the last row is a tip

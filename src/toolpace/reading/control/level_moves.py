@@ -26,6 +26,8 @@ def along(
     placement, strokes = control.placement, tuple(strokes)
     if not placement.tip_mode:
         control.need_linear_joints()
+    if control.stage is not None:
+        control.stage.other_motion("a cycle of holes")
     control.check_dwell(max(stroke.dwell for stroke in strokes))
     by_feed = any(not stroke.rapid and not stroke.speed for stroke in strokes)
     rate = control.feed.rate(number, control.line) if by_feed else FREE

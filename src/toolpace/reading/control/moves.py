@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -43,6 +43,26 @@ class Asked(NamedTuple):
     """[m]"""
     axis: float = math.nan
     """[rad]"""
+
+
+class Stage(Protocol):
+    """What may stand between the motions of a program and the moves, and lays other ways in their place."""
+
+    compensates: bool
+    """Whether the program's contour is being followed beside it; else the way back to it is still to come."""
+
+    @property
+    def kept(self) -> list[float]:
+        """Words (3 + rotary) that axes keep which a motion in machine coordinates does not name."""
+
+    def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
+        """A motion of the program between words (3 + rotary)."""
+
+    def redirect(self, end: list[float]) -> None:
+        """The last motion of the program, which was straight, ends earlier."""
+
+    def other_motion(self, what: str) -> None:
+        """A motion that is no line and no arc of a contour comes next, or coordinates change."""
 
 
 class Moves:
@@ -165,9 +185,10 @@ class Moves:
         reread = first
         while reread + 1 < len(array) and array[reread + 1, self.kind] == JUMP:
             reread += 1
-        if reread > first and array[reread, -1] != array[first, -1]:
-            # no way leads to the start: it is the tip that is reckoned with where the first motion begins
+        if reread > first and array[reread, -1] != array[first, -1] and array[reread, -2] == array[first, -2]:
+            # no way leads to the start: of the same tool it is the tip that is reckoned with where the motion begins
             dwell[reread] += dwell[first:reread].sum()
+            array[reread, width + 3 : width + 5] = array[first, width + 3 : width + 5]  # of the block that came there
             first = reread
         arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
         curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}

@@ -17,6 +17,7 @@ TURNING = ("xyz", "vector")
 WORD_ADDRESS: dict[str, Kind] = {
     **dict.fromkeys(
         (
+            *("compensation_ends_before_stops", "compensation_in_xy"),
             *("assignments_last", "blanks_mean_nothing", "corner_words", "cycle_without_r", "cycles_are_a_group"),
             *("cycles_go_back_to_initial", "empty_variables", "feed_before_units", "feed_kept"),
             *("fanuc_checks", "feed_mode_forgets_feed", "indexed_words", "inverse_seconds", "inverse_time_by_radius"),
@@ -39,6 +40,9 @@ WORD_ADDRESS: dict[str, Kind] = {
         ),
         NUMBER,
     ),
+    "compensation": ("", "linuxcnc", "type A", "type B"),
+    "compensation_corners": ("lines", "arcs"),
+    "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),
     "extended_offsets": ("", "G54.1", "G154"),
     "first_offset": TEXT,

@@ -24,15 +24,15 @@ class Tool:
 
     length: float
     """From the spindle nose to the tip [m]."""
-    radius: float = 0.0
-    """[m]"""
+    radius: float | None = None
+    """[m]; None where the sheet does not tell it."""
     corner_radius: float | None = None
     """Of the ball or the torus at its tip (R2 of Heidenhain's tool table) [m]; None where nothing tells it."""
 
     def figures(self) -> dict[str, float]:
         """What is known of it, by the key of the sheet [m]."""
-        known = {"length": self.length, "radius": self.radius}
-        return known if self.corner_radius is None else {**known, "corner_radius": self.corner_radius}
+        told = {"length": self.length, "radius": self.radius, "corner_radius": self.corner_radius}
+        return {key: figure for key, figure in told.items() if figure is not None}
 
 
 @dataclass(frozen=True)

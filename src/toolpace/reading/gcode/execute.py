@@ -7,6 +7,7 @@ from collections.abc import Callable
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.compensation import FORBIDDEN_FUNCTIONS, Compensation
 from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.functions import Functions
@@ -67,10 +68,12 @@ class Executor:
         frames = Frames(control, state, by)
         self.places = Places(control, state, self.motion, frames, by)
         self.planes = Planes(control, state, frames, self.variables, by)
-        self.tools = Tools(control, state, options, by)
-        self.handlers: dict[str, Handler] = (
+        self.tools = Tools(control, state, by)
+        self.compensation = Compensation(control, state, options, by)
+        self.handlers: dict[str, Handler] = self.compensation.guarded(
             self.modes.handlers()
             | self.tools.handlers()
+            | self.compensation.handlers()
             | frames.handlers()
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
@@ -100,8 +103,11 @@ class Executor:
         if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
             self.planes.need_whole()
         numbers = self._numbers(block)
+        moves = len(control.moves)
         if self.rs274:
             self._refuse_unused(block, numbers)
+            if control.stage is not None:
+                self._refuse_functions(block)
         if actions:
             if self.splines.opened is not None:
                 self.splines.close()
@@ -144,6 +150,14 @@ class Executor:
             control.moves.stop_by_mode()
         if self.after is not None:
             self.after()
+        if control.stage is not None:
+            self.compensation.behind_block(moves)
+
+    def _refuse_functions(self, block: Block) -> None:
+        """What LinuxCNC's interpreter refuses under compensation, and switches before a G40 of the block."""
+        for word in (*block.ignored, *(action.word for action in block.actions)):
+            if word in FORBIDDEN_FUNCTIONS:
+                self.compensation.refuse(word)
 
     def _refuse_unused(self, block: Block, numbers: Numbers) -> None:
         """Take letters that no word uses out of a block of LinuxCNC, each with an alarm; and see what is in force."""
@@ -185,6 +199,7 @@ class Executor:
     def _rest(self, numbers: Numbers, number: float | None, free: bool) -> None:
         """What no word of the block has taken: the motion, and letters that mean nothing for it."""
         state, control, slots = self.state, self.control, self.control.slots
+        state.radius_number = numbers.get("D", state.radius_number)
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
                 control.findings.ignored(letter)
@@ -264,7 +279,12 @@ class Executor:
         self.state.motion = None
 
     def _program_stop(self, numbers: Numbers, word: str) -> None:
-        self.after = self.control.stop
+        def stop() -> None:
+            self.compensation.pause()
+            self.control.stop()
+
+        self.after = stop
 
     def _end(self, numbers: Numbers, word: str) -> None:
+        self.after = self.compensation.pause
         self.state.ended = True

@@ -19,7 +19,7 @@ from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow, Frame
 from toolpace.reading.gcode.program.statements import Statement
 from toolpace.reading.gcode.program.variables import Variables
-from toolpace.reading.gcode.program.words import RefusedError, WordError
+from toolpace.reading.gcode.program.words import RefusedError, WordError, plain_words
 from toolpace.reading.gcode.system import FREE, System
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
@@ -32,6 +32,8 @@ ALARM, PAUSE = 3000, 3006
 SWITCHES = (3001, 3002, 3003, 3004)
 """Clocks, and what the operator may interrupt ("#3003, #3004: automatic operation control"): they move nothing."""
 RAISED = "the program stops itself with this alarm: correct what it tests before"
+_BEHIND_NUMBER = re.compile(r"[0-9]++[ \t]*+([A-Z][ \t]*+[-+.0-9#\[].*)")
+"""Words behind the number of a program are a block of it ("O2200 G68 X0 Y0 G91 R45.0", B-63944EN-2)."""
 _CODE = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[GXYZ][ \t]*+[-+.#\[0-9]", re.IGNORECASE)
 
 
@@ -257,6 +259,9 @@ class WordAddressReader:
     def _statement(self, statement: Statement) -> None:
         if statement.kind in ("header", "output"):
             self.findings.ignored("O" if statement.kind == "header" else "output")
+            words = _BEHIND_NUMBER.match(statement.name)
+            if words and (plain_words(words[1]) or "#" in words[1] or "[" in words[1]):
+                self._block(self._compiled(words[1]), self.control.line)
         elif statement.kind == "if then":
             if self.flow.value(statement.value):
                 self._assign([(a.key(self.variables), value_of(b, self.variables)) for a, b in statement.assignments])

@@ -7,6 +7,7 @@ from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.control.joint_moves import machine_coordinates
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.variables import Key
+from toolpace.reading.gcode.program.words import WordError
 from toolpace.units import DEGREE, INCH, MINUTE
 
 _FEEDS = {INVERSE: 93.0, PER_MINUTE: 94.0, PER_REVOLUTION: 95.0}
@@ -40,6 +41,9 @@ class System:
         slot = self.control.slots.get(letter)
         if slot is None:
             return 0.0
+        stage = self.control.stage
+        if stage is not None and (stage.compensates or not self.named):
+            raise WordError("the place of the machine is asked for under cutter compensation: write G40 before it")
         return self.control.words[slot] / (self.state.unit if slot < 3 else DEGREE)
 
     def _of_linuxcnc(self, key: int) -> float | None:

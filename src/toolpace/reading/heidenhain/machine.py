@@ -22,6 +22,10 @@ from toolpace.reading.heidenhain.state import State
 from toolpace.units import DEGREE
 
 UNKNOWN = "leave it out if it moves nothing, or name it under `ignored` in the controller's file"
+UNTILTED = (
+    "M130: X, Y and Z are the linear axes as without the plane (under M128 the tip), and what was programmed in the "
+    "plane does not count"
+)
 FULL_TURN = 360.0 * DEGREE
 MOST_FUNCTIONS = 4
 """Of a block (TNC 640 Klartext, "Entering miscellaneous functions M"; iTNC 530 takes two)."""
@@ -36,6 +40,7 @@ class Functions(NamedTuple):
     """In which coordinates the block is: "machine", "untilted", or "" for the program's."""
 
 
+OF_CORNERS = ("M97", "M98")
 OF_HEIDENHAIN = frozenset((0, 1, 2, 3, 4, 5, 6, 8, 9, 13, 14, 30))
 """M functions up to M88 that the control itself has (TNC 640, Klartext, "M functions"); others are the builder's."""
 
@@ -93,6 +98,8 @@ class MachineFunctions:
     def other(self, word: str) -> Step:
         """A function without a meaning for motion, or one that is refused."""
         findings = self.control.findings
+        if word in OF_CORNERS:
+            return lambda: self.corner(word)
         if word in self.controller.ignored:
             return lambda: findings.ignored(word)
         if word in self.controller.refused:
@@ -107,6 +114,15 @@ class MachineFunctions:
 
             return run
         return self.refused(word, UNKNOWN)
+
+    def corner(self, word: str) -> None:
+        """M97 and M98, which change corners of a compensated contour, and nothing else."""
+        stage = self.control.stage
+        if stage is not None and stage.compensates:
+            cure = "corners of a compensated contour are read as they are without it: remove it"
+            self.control.findings.refused(word, self.control.line, cure)
+        else:
+            self.control.findings.ignored(word)
 
     def refused(self, word: str, cure: str) -> Step:
         """A step that notes a refused word."""
@@ -260,6 +276,7 @@ class MachineFunctions:
             if plane is None:
                 step()
                 return
+            self.control.findings.assumed(UNTILTED)
             frames.plane, frames.within = None, type(within)()
             frames.apply()
             step()

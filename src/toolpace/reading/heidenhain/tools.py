@@ -97,11 +97,14 @@ class Tools:
     def change(self, tool: str, figures: dict[str, float]) -> None:
         """Take it, and reckon with its length and oversize; 0 is none, whose length is zero."""
         control = self.control
+        if control.stage is not None and control.stage.compensates:
+            raise BlockError("TOOL CALL under RL or RR is not read: write R0 before it")
         if self.state.tip_mode:
             # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128"
             cure = "write M129 or FUNCTION RESET TCPM before, and switch it on again behind"
             control.findings.refused("TOOL CALL of a tool under M128", control.line, cure)
             return
+        self.state.radius_oversize = figures.get("DR", 0.0) * self.state.unit
         table = {name.upper(): name for name in control.setup.tools}
         tool = table.get(tool, tool)
         if tool != control.tool or tool == "0":
@@ -110,7 +113,7 @@ class Tools:
             control.findings.assumed(NOT_LISTED.format(tool))
         control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
         known = control.setup.tool(tool)
-        if known is None:
+        if known is None or known.radius is None:
             if "Q108" not in map(str.upper, control.setup.variables):
                 self.parameters.shared.pop("Q108", None)
         else:

@@ -158,7 +158,11 @@ class Commands:
 
     def _thread(self, values: list[Value | None]) -> None:
         need_turned(self.control, self.run.frames)
-        mill_thread(values, self.control, self.state, self.run.tooling.radius)
+        if self.run.tooling.edge == 0:
+            raise ValueFault("CYCLE90 reckons with the radius of the tool, and D0 with none (alarm 61000): write D1")
+        # the cycle compensates itself, whatever path G41 follows
+        tool = self.control.setup.tool(self.control.tool)
+        mill_thread(values, self.control, self.state, None if tool is None else tool.radius)
 
     def _pattern(self, name: str, values: list[Value | None]) -> None:
         modal = self.run.modal

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from toolpace.reading.compensation.following import Follower
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik import state as modes
@@ -16,7 +17,7 @@ from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED
 from toolpace.reading.sinumerik.given import Given, Words, bounded
 from toolpace.reading.sinumerik.groups import fault_of
-from toolpace.reading.sinumerik.motion import OF_ARCS
+from toolpace.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
@@ -24,6 +25,8 @@ from toolpace.units import DEGREE
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
+STILL = ("MSG", "FGROUP", "CYCLE832")
+"""Commands that may stand beside motion."""
 POLES = ("G110", "G111", "G112")
 OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
 
@@ -106,6 +109,8 @@ class Executor:
         words = self._words(block)
         if block.assignments:
             self._assign(block)
+        if words and (block.calls or block.codes):
+            self._alone(block, words)
         now = Now(words)
         dwells = "G4" in block.codes
         if words and not dwells:
@@ -125,6 +130,7 @@ class Executor:
             self._call(call, words)
         if words:
             self._ask(words)
+            self.motion.round_from_here(words)
         with self.feed_words.of_block(words):
             moved = self._move(now) if words else False
         if now.stop_after:
@@ -132,6 +138,13 @@ class Executor:
         if now.ends:
             self.interpreter.end()
         return moved
+
+    def _alone(self, block: Block, words: Words) -> None:
+        """ValueFault where a cycle or a command that moves, or changes coordinates, stands beside words of axes."""
+        for name in (*(call.name for call in block.calls), *block.codes):
+            if name in self.commands.known and name not in STILL and self.motion.has_axes(words):
+                address = next((address for address in words if address in AXES), next(iter(words)))
+                raise ValueFault(f"{name} beside {address}: which of them is first is not told; write two blocks")
 
     def _words(self, block: Block) -> Words:
         if block.plain:
@@ -162,6 +175,8 @@ class Executor:
         state = self.state
         if modes.apply(state, code):
             self.memory.unit = state.unit
+            if self.control.stage is not None:
+                self._under_compensation(code)
             if code in modes.TOLERANCES:
                 self.control.findings.ignored(code)
         elif code in IN_MACHINE:
@@ -178,6 +193,14 @@ class Executor:
             now.claim = code
         elif code != "G4":
             self._named(code, now)
+
+    def _under_compensation(self, code: str) -> None:
+        """A mode changes while a contour is followed. Raises ProgramError."""
+        stage = self.control.stage
+        if isinstance(stage, Follower):
+            if stage.plane != self.state.plane:
+                stage.other_motion(f"a change of the plane ({code})")
+            self.tooling.change_rules()
 
     def _named(self, code: str, now: Now) -> None:
         """A word that the controller's file explains, a command, or a subprogram."""
@@ -238,6 +261,9 @@ class Executor:
         else:
             self.commands.reference(code, words)
             self.motion.here()
+        for address in words:
+            if address in AXES:
+                raise ValueFault(f"{code} beside {address}: no motion stands there; write it in another block")
 
     def _move(self, now: Now) -> bool:
         words, moved = now.words, False

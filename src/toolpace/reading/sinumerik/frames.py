@@ -122,6 +122,9 @@ class Frames:
 
     def program(self, code: str, words: Words, state: State) -> None:
         """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
+        for letter, given in words.items():
+            if given.form not in ("", "AC"):
+                raise ValueFault(f"{letter}={given.form}() of {code}: write the number alone")
         kind = code[1:] if code[0] == "A" else code
         if code == kind:
             if code == "TRANS" and any(self.fine) and words:

@@ -55,7 +55,7 @@ class Motion:
         """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
         control, state = self.control, self.state
         start, polar = control.words, "AP" in words or "RP" in words
-        turned = any(letter in words for letter in control.slots if letter not in "XYZ")
+        turned = self.vectors.asked(words) and any(letter in words for letter in control.slots if letter not in "XYZ")
         if self.splines.end:
             control.words, present = self.splines.end, start
             try:
@@ -65,7 +65,7 @@ class Motion:
         else:
             target, named = self.target(words)
         path_axis = bool(named)
-        if turned_alone(control, self.frames, state, target, named):
+        if self.frames.tilted and turned_alone(control, self.frames, state, target, named):
             if self.corners.waiting is not None:
                 self._before(target, False)
             self.programmed = control.words
@@ -124,6 +124,11 @@ class Motion:
             if size is not None:
                 return f"{name}=", kind, size * state.unit
         return ("RNDM=", ROUND, state.rounding) if state.rounding and state.motion != "G0" else None
+
+    def round_from_here(self, words: Words) -> None:
+        """RNDM in a block without motion: the radius of every corner from the next block on, 0 for none."""
+        if "RNDM" in words and not self.has_axes(words):
+            self.state.rounding = (number(words, "RNDM") or 0.0) * self.state.unit
 
     def _put(self, name: str, kind: str, size: float, came_from: list[float]) -> None:
         try:

@@ -31,6 +31,18 @@ class State:
     stop_told: bool = False
     """Whether the program said how blocks meet: G60, G64."""
     compensation: str = "G40"
+    outside: str = "G450"
+    """G450: arcs about outside corners; G451: the ways beside them meet."""
+    approach: str = "NORM"
+    """How a compensated contour is gone to and left: NORM, KONT, KONTC, KONTT."""
+    retract: str = "G460"
+    """What is done where that way and the contour do not meet."""
+    contour_feed: str = ""
+    """What F is the speed of under compensation: CFC, CFTCP, CFIN; "" where the program does not say."""
+    overshoot: float = 0.0
+    """DISC: how far arcs about outside corners are drawn out [%]."""
+    in_frame: bool = False
+    """Whether the plane of compensation is that of the frame (CUT2DF)."""
     turning: str = GREAT_CIRCLE
     angles: str = EULER
     pole: Point = (0.0, 0.0, 0.0)
@@ -51,6 +63,12 @@ SETS: dict[str, dict[str, object]] = {
     "G17": {"plane": 0},
     "G18": {"plane": 1},
     "G19": {"plane": 2},
+    **{code: {"outside": code} for code in ("G450", "G451")},
+    **{code: {"approach": code} for code in ("NORM", "KONT", "KONTC", "KONTT")},
+    **{code: {"retract": code} for code in ("G460", "G461", "G462")},
+    **{code: {"contour_feed": code} for code in ("CFC", "CFTCP", "CFIN")},
+    "CUT2D": {"in_frame": False},
+    "CUT2DF": {"in_frame": True},
     "G90": {"absolute": True},
     "G91": {"absolute": False},
     "G60": {"exact_stop": True, "stop_told": True},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.coordinates.setup import Tool
 from toolpace.reading.sinumerik.frames import Frames
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, whole
@@ -30,20 +31,27 @@ class System:
         if name in ("$P_EP", "$AA_IW", "$AA_IM", "$P_EPM") and len(index) == 1:
             return self._position(name, index[0])
         if name == "$P_TOOLR":
-            tool = self.control.setup.tools.get(self.control.tool)
+            tool = self.control.setup.tool(self.control.tool)
             if tool is not None:
-                return tool.radius / self.state.unit
+                return self._radius(name, tool) / self.state.unit
         if name == "$P_TOOLNO" and self.control.tool.isdecimal():
             return int(self.control.tool)
         if name in ("$TC_DP3", "$TC_DP6") and index:
             tool = self.control.setup.tools.get(str(whole(index[0])))
             if tool is not None:
-                return (tool.length if name == "$TC_DP3" else tool.radius) / self.state.unit
+                return (tool.length if name == "$TC_DP3" else self._radius(name, tool)) / self.state.unit
         if name == "$P_PFRAME" and not index and not self.frames.turns_words:
             return self.frames.programmed()
         if name == "$P_UIFR" and len(index) == 1 and whole(index[0]) in self.frames.settable:
             return self.frames.settable[whole(index[0])]
         raise Unread(name, _CURE)
+
+    @staticmethod
+    def _radius(name: str, tool: Tool) -> float:
+        """Radius of a tool of the sheet [m]; Unread where it tells none, lest a contour is reckoned without one."""
+        if not tool.radius:
+            raise Unread(name, "the set-up sheet tells no radius of the tool: write it there")
+        return tool.radius
 
     def _position(self, name: str, axis: Value) -> float:
         letter = axis.letter if isinstance(axis, Axis) else ""
@@ -51,6 +59,8 @@ class System:
         if slot is None:
             raise Unread(f"{name}[{letter}]", "the machine has no such axis: name one of its axes")
         unit = self.state.unit if slot < 3 else DEGREE
+        if name != "$P_EP" and self.control.stage is not None:
+            raise Unread(f"{name}[{letter}]", "the radius is compensated here: read it behind G40 and a motion")
         if name in ("$P_EP", "$AA_IW"):
             return self.control.words[slot] / unit
         control = self.control

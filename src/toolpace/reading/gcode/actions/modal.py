@@ -65,6 +65,10 @@ class Modal:
     next_tool: str = ""
     length_word: str | None = None
     """H in force."""
+    radius_number: float | None = None
+    """D in force."""
+    told_radii: set[float] = field(default_factory=set)
+    """Numbers D whose radius the program itself has told (G10 L12, L13)."""
     between: list[float] | None = None
     """Words of the place over which the reference point was gone to."""
     ended: bool = False

@@ -34,9 +34,9 @@ class Modes:
             "feed per revolution": feed(PER_REVOLUTION),
             "inch": self._unit(INCH),
             "millimetre": self._unit(MILLIMETRE),
-            "plane XY": self._set("plane", 0),
-            "plane ZX": self._set("plane", 1),
-            "plane YZ": self._set("plane", 2),
+            "plane XY": self._plane(0),
+            "plane ZX": self._plane(1),
+            "plane YZ": self._plane(2),
             "absolute": self._set("absolute", True),
             "incremental": self._set("absolute", False),
             "arc centre absolute": self._set("arc_absolute", True),
@@ -59,12 +59,23 @@ class Modes:
         def set_unit(numbers: Numbers, word: str) -> None:
             if self.rs274 and self.state.cycle is not None and unit != self.state.unit:
                 raise WordError(f"{word} within a cycle changes what its words mean: end the cycle with G80 before it")
+            if self.control.stage is not None and unit != self.state.unit:
+                self.control.stage.other_motion(f"a change of the unit ({word})")
             self.state.unit, self.state.unit_said = unit, True
 
         return set_unit
 
     def _set(self, name: str, value: object) -> Handler:
         return lambda numbers, word: setattr(self.state, name, value)
+
+    def _plane(self, plane: int) -> Handler:
+        def set_plane(numbers: Numbers, word: str) -> None:
+            stage = self.control.stage
+            if stage is not None and stage.compensates and plane != self.state.plane:
+                stage.other_motion(f"a change of the plane ({word})")
+            self.state.plane = plane
+
+        return set_plane
 
     def _feed(self, mode: str) -> Handler:
         return lambda numbers, word: self.control.feed.set_mode(mode)

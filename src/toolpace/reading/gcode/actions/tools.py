@@ -1,4 +1,4 @@
-"""Tools: change, length, compensation of the radius, and tool-centre-point mode."""
+"""Tools: change, length, and tool-centre-point mode."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
-from toolpace.reading.options import PROGRAM, ReadOptions
 
 STILL = 1e-9
 """Lengths [m] that are the same."""
@@ -15,8 +14,8 @@ STILL = 1e-9
 class Tools:
     """Carries out the words of tools."""
 
-    def __init__(self, control: Control, state: Modal, options: ReadOptions, by: Controller) -> None:
-        self.control, self.state, self.options = control, state, options
+    def __init__(self, control: Control, state: Modal, by: Controller) -> None:
+        self.control, self.state = control, state
         self.h_stays = by.option("length_word_stays", True)
         self.with_tool = by.option("length_with_tool", False)
         self.rs274 = by.option("rs274_checks", False)
@@ -27,8 +26,6 @@ class Tools:
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
         return {
-            "compensation": self.compensation,
-            "compensation off": self.compensation_off,
             "tool length": self.length,
             "tip mode": self.tip_mode,
             "tip mode that stands": self.tip_mode_that_stands,
@@ -68,25 +65,6 @@ class Tools:
         if number is None or number != int(number) or number < 0:
             raise WordError(f"{word} needs the number of the tool as Q: write it like {word} Q5")
         self.control.change_tool(f"{number:g}")
-
-    def compensation(self, numbers: Numbers, word: str) -> None:
-        """G41, G42: where the radius is zero the programmed contour is what is followed."""
-        radius = numbers.pop("D", None)
-        if self.options.compensation == PROGRAM:
-            self.control.findings.assumed("what G41 and G42 follow is the programmed contour, as --compensation says")
-        elif radius != 0.0 or (self.rs274 and self.control.tool not in ("", "0")):
-            centre = "remove it" if self.rs274 else "write D0"
-            self.control.findings.refused(
-                word,
-                self.control.line,
-                f"cutter compensation needs the tool's radius: let the CAM system compensate and {centre}, or give "
-                "--compensation program where the program is the path of the tool's centre",
-            )
-
-    def compensation_off(self, numbers: Numbers, word: str) -> None:
-        """G40."""
-        numbers.pop("D", None)
-        self.control.findings.ignored(word)
 
     def length(self, numbers: Numbers, word: str) -> None:
         """G43: the length of H, or of the tool at hand."""

@@ -10,7 +10,9 @@ from toolpace.reading.gcode.program.statements import O_WORD
 from toolpace.reading.source import Source
 
 _LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")
-_PROGRAM = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[O:][ \t]*+([0-9]{1,9})[ \t]*+(?:\(.*|;.*)?$")
+_PROGRAM = re.compile(
+    r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?[O:][ \t]*+([0-9]{1,9})[ \t]*+(?:\(.*|;.*|([A-Z][ \t]*+[-+.0-9#\[].*))?$"
+)
 _NAMED = re.compile(r"[ \t]*+O[ \t]*+<([^<>]{1,200})>[ \t]*+(?:\(.*|;.*)?$")
 _O_LINE = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?" + O_WORD.pattern)
 _DO = re.compile(r"^[^(;]*?\bDO[ \t]*+([1-3])(?![0-9])")
@@ -26,6 +28,7 @@ class Layout:
         """to_tape_end: nothing stands behind a second line with % alone."""
         self.labels: dict[int, list[int]] = defaultdict(list)
         self.programs: dict[str, int] = {}
+        """Of programs, the line behind which they begin."""
         self.subs: dict[str, int] = {}
         self.partner: dict[int, int] = {}
         """Of the beginning of a loop or subprogram its end, and of the end its beginning."""
@@ -71,7 +74,8 @@ class Layout:
             return
         program = _PROGRAM.match(text)
         if program:
-            self.programs.setdefault(str(int(program[1])), index)
+            # words behind the number are the first block of the program
+            self.programs.setdefault(str(int(program[1])), index - 1 if program[2] else index)
             self._scope = (program[1], -1)
         elif named := _NAMED.match(text):
             self.programs.setdefault("".join(named[1].split()), index)

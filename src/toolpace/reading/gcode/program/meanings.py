@@ -19,7 +19,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "distance": ("absolute", "incremental"),
     "arc centre": ("arc centre absolute", "arc centre incremental"),
     "path": ("exact stop mode", "continuous path"),
-    "compensation": ("compensation", "compensation off"),
+    "compensation": ("compensation", "compensation by diameter", "compensation off"),
     "offset": ("work offset", "numbered offset", "no offset"),
     "length": (
         "tool length", "told offset", "added offset", "tip mode", "tip mode that stands", "tool vector mode",

@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from toolpace.reading.compensation.ends import leave_here
 from toolpace.reading.control.feed import PER_MINUTE
 from toolpace.reading.control.moves import RAPID
 from toolpace.reading.curves.arcs import plane_arc
@@ -58,6 +59,8 @@ class Approach:
     form: str
     sizes: dict[str, float]
     side: int
+    radius: float
+    """To be compensated [m]."""
     start: list[float]
     """Words (3 + rotary) where it begins."""
     rows: int
@@ -88,8 +91,11 @@ class Approaches:
             self.motion.refuse_corner()
             if not len(moves):
                 raise BlockError("APPR needs a place to begin at: position before it")
+            if control.stage is not None and control.stage.compensates:
+                raise BlockError("APPR under RL or RR: end the contour before it with DEP, or with R0")
             sizes = self._sizes(form.name, words)
-            self.motion.compensation(words.side)
+            self.state.side = words.side or self.state.side
+            radius = self.motion.compensation.radius()
             rapid = moves.rows[-1][moves.kind] == RAPID
             target, named = self.polar.polar(words, axes) if form.polar else self.motion.target(axes)
             start, axis = control.words, self.state.tool_axis
@@ -102,7 +108,7 @@ class Approaches:
                 rows = 2
             self.motion.set_feed(words)
             self.waiting = Approach(
-                form.name, sizes, self._side(), start, rows, len(moves), control.line, self._speeds()
+                form.name, sizes, self._side(), radius, start, rows, len(moves), control.line, self._speeds()
             )
             self.state.came_from, self.state.came_by = [], None
 
@@ -119,8 +125,11 @@ class Approaches:
             control.findings.refused("APPR", found.line, CURE)
             return
         tangent /= abs(tangent)
-        end = control.words
-        at, begin = complex(end[first], end[second]), complex(found.start[first], found.start[second])
+        contour, end = control.words, list(control.words)
+        # the way and its sizes are those of the centre
+        beside = complex(end[first], end[second]) + found.radius * _turned(found.side) * tangent
+        end[first], end[second] = beside.real, beside.imag
+        at, begin = beside, complex(found.start[first], found.start[second])
         touch, centre = _approach(found, at, begin, tangent)
         places = []
         for height in (found.start, end)[2 - found.rows :]:
@@ -129,6 +138,22 @@ class Approaches:
             places.append(place)
         control.redirect(places)
         self._finish(end, centre, found)
+        if found.radius:
+            self._follow(contour, tangent, found)
+
+    def _follow(self, contour: list[float], tangent: complex, found: Approach) -> None:
+        """Compensate from here on, where the centre is beside the contour's first point."""
+        control, state = self.control, self.state
+        first, second = OF_AXIS[state.tool_axis]
+        control.words = contour
+        self.motion.compensation.begin(found.radius)
+        follower = self.motion.compensation.follower
+        assert follower is not None
+        follower.begin_across(tangent)
+        back = _turned(found.side) * tangent if found.form == "LN" else -tangent
+        state.came_from, state.came_by = list(contour), None
+        state.came_from[first] += back.real
+        state.came_from[second] += back.imag
 
     def _finish(self, end: list[float], centre: complex | None, found: Approach) -> None:
         """From the help point to the contour."""
@@ -173,6 +198,9 @@ class Approaches:
             sizes, side = self._sizes(form.name, words), self._side()
             u, v = self.circles.direction()
             target, named = self.polar.polar(words, axes) if form.polar else self.motion.target(axes)
+            follower = self.motion.compensation.follower
+            if follower is not None:
+                leave_here(follower)
             first, second = OF_AXIS[state.tool_axis]
             at = complex(control.words[first], control.words[second])
             goal = complex(target[first], target[second])

@@ -165,7 +165,7 @@ class Circles:
 
     def begin(self, words: PathWords) -> bool:
         """Take compensation and feed; returns whether the block is a rapid."""
-        self.motion.compensation(words.side)
+        self.motion.compensation.take(words.side)
         return self.motion.set_feed(words)
 
     def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:

@@ -13,6 +13,7 @@ from toolpace.reading.control.joint_moves import turn_joints
 from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.orientation import near
+from toolpace.reading.heidenhain.contour.compensation import Compensation
 from toolpace.reading.heidenhain.frames import Frames, spatial
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
@@ -25,7 +26,6 @@ Axis = tuple[int, bool, Value, float]
 """Column of the words, whether incremental, value, and its unit [m or rad]."""
 UPRIGHT = 3e-5
 """By how much a unit vector may miss the normal of its plane: posts write angles with three decimals [rad]."""
-PROGRAM_CONTOUR = "give --compensation program where the contour is the tool's centre, or write R0"
 TURNING = {
     "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
     "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
@@ -67,11 +67,11 @@ class ApproachLayer(Protocol):
 
 
 class Motion:
-    """Straight motion, feed and compensation."""
+    """Straight motion and feed."""
 
     def __init__(self, control: Control, state: State, frames: Frames, follow_contour: bool) -> None:
         self.control, self.state, self.frames = control, state, frames
-        self.follow_contour = follow_contour
+        self.compensation = Compensation(control, state, follow_contour, self.approach_waits)
         self.corners: CornerLayer | None = None
         """What lays a corner before the line behind it."""
         self.approaches: ApproachLayer | None = None
@@ -120,7 +120,7 @@ class Motion:
         found = near(angle + added, control.words[slot] + added, float(low), float(high))
         return angle if found is None else found - added
 
-    # Feed and compensation
+    # Feed
 
     def set_feed(self, words: PathWords) -> bool:
         """Take the F of a block; returns whether it is a rapid."""
@@ -149,16 +149,6 @@ class Motion:
             raise BlockError(f"feed F{number:g} must be above zero (and at most 1e9): correct F")
         return number * self.state.feed_unit / MINUTE, number * DEGREE / MINUTE
 
-    def compensation(self, side: str) -> bool:
-        """Take R0, RL, RR; returns whether the block can be read."""
-        self.state.side = side or self.state.side
-        if side in ("", "R0") or self.follow_contour:
-            if side not in ("", "R0"):
-                self.control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
-            return True
-        self.control.findings.refused(side, self.control.line, PROGRAM_CONTOUR)
-        return True
-
     # Blocks
 
     def line(self, words: PathWords) -> Step:
@@ -174,7 +164,7 @@ class Motion:
 
         def run() -> None:
             if side:
-                self.compensation(side)
+                self.compensation.take(side)
             fast = rapid if plain else self.set_feed(words)
             if not axes and not absent:
                 return
@@ -228,6 +218,9 @@ class Motion:
         control.straight(target, named, rapid=rapid)
         state.came_from, state.came_by = before, None
 
+    def approach_waits(self) -> bool:
+        """Whether an approach waits for its contour."""
+        return self.approaches is not None and self.approaches.waiting is not None
     def say_where_not_turned(self, target: list[float]) -> None:
         """Say what is assumed where the tool does not stand upright on the plane at the end of a block."""
         control, at = self.control, tuple(target[3:])
@@ -240,7 +233,7 @@ class Motion:
 
     def contour_begins(self, way: list[float]) -> None:
         """A motion in this direction (3,) comes next."""
-        if self.approaches is not None and self.approaches.waiting is not None:
+        if self.approaches is not None and self.approach_waits():
             self.approaches.lay(way)
 
     def refuse_corner(self) -> None:

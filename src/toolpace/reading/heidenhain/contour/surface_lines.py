@@ -37,7 +37,9 @@ class SurfaceLines:
 
         def run() -> None:
             control = self.control
-            motion.compensation(words.side)
+            motion.compensation.take(words.side)
+            if control.stage is not None and control.stage.compensates:
+                raise BlockError("LN under RL or RR, compensation in space, is not read: let the CAM system compensate")
             rapid = motion.set_feed(words)
             if has_normal and self.state.oversize:
                 control.findings.refused(

@@ -71,6 +71,8 @@ def _check(arguments: Arguments, state: State, *, direct: bool) -> None:
     """Unread where the cycle asks for more than a plane square to Z."""
     if arguments.code(15) % 10 in PLANES_BEYOND_XY or (state.plane and arguments.code(15) % 10 != 1):
         raise Unread("CYCLE800 under G18 or G19", "the tool stands along Y or X there: write G17")
+    if arguments.code(13) not in (-1, 0, 1):
+        raise ValueFault(f"CYCLE800 with _DIR {arguments.code(13)}: it is -1, 0 or 1")
     if arguments.code(2) // 100 % 10:
         raise Unread(f"CYCLE800 with _ST {arguments.code(2)}", "its hundreds align a tool: write 0 there")
     if direct and arguments.code(2) % 10 == 1:
@@ -94,6 +96,8 @@ def _turned(arguments: Arguments, control: Control) -> Matrix:
     kind = mode >> 6 & 3
     angles = [arguments.number(7 + k) * DEGREE for k in range(3)]
     if kind == SOLID:
+        if angles[2]:
+            raise Unread("CYCLE800 with a solid angle and a third one (_C)", "turn within the plane with AROT Z")
         return affine.turns((2, angles[0]), (1, angles[1]))
     named = [(mode >> shift & 3) - 1 for shift in (0, 2, 4)]
     if kind == PROJECTION:

@@ -18,11 +18,11 @@ def mill_thread(values: list[Value | None], control: Control, state: State, tool
     """CYCLE90(RTP,RFP,SDIS,DP,DPR,DIATH,KDIAM,PIT,FFR,CDIR,TYPTH,CPA,CPO): over the centre at rapid, down to the
     safety distance, along a circle to the thread, along the helix, along a circle back to the centre, out.
 
-    tool_radius [m]; None: unknown.
+    tool_radius [m]; None or zero: unknown.
     """
     arguments, unit = Arguments("CYCLE90", values, 20), state.unit
-    if tool_radius is None:
-        raise Unread("CYCLE90", "it needs the radius of the tool: put the tool on the set-up sheet (--setup FILE)")
+    if not tool_radius:
+        raise Unread("CYCLE90", "it needs the radius of the tool: put it on the set-up sheet (--setup FILE)")
     if arguments.code(10):
         raise Unread("CYCLE90 on an outer thread (TYPTH=1)", "its approach is not read: let the CAM write it out")
     clockwise = {2: True, 3: False}.get(arguments.code(9))
@@ -35,7 +35,9 @@ def mill_thread(values: list[Value | None], control: Control, state: State, tool
     bottom = reference - depth if depth else arguments.number(3) * unit
     top = reference + abs(arguments.number(2)) * unit
     back = max(arguments.number(0) * unit, top)
-    if bottom >= top or (top - bottom) / pitch > MOST_TURNS:
+    if arguments.number(0) * unit < reference:
+        control.findings.assumed("where RTP lies below RFP, CYCLE90 goes back to RFP + SDIS (alarm 61101: raise RTP)")
+    if bottom >= reference or (top - bottom) / pitch > MOST_TURNS:
         raise ValueFault(f"CYCLE90 needs a depth below its reference plane, at most {MOST_TURNS} turns: correct DP")
     if not len(control.moves):
         control.begin_here()

@@ -14,7 +14,7 @@ from toolpace.units import DEGREE
 
 FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
 RADII = (12.0, 13.0)
-"""Kinds of G10 that set the radius of a tool and its wear: nothing that is read moves by them."""
+"""Kinds of G10 that set the radius of a tool and its wear: compensation by it is refused then."""
 DATA = (50.0, 52.0)
 """Kinds of G10 that begin a table of the controller's parameters (Fanuc B-63944EN, chapter 16.2, "Programmable
 parameter input")."""
@@ -95,6 +95,7 @@ class Offsets:
         kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
         if kind in RADII:
             numbers.clear()
+            self.state.told_radii.add(number)
             self.control.findings.ignored(f"{word} L{kind:g}")
             return
         if kind in DATA:
