@@ -31,10 +31,10 @@ PROGRAMS = {
     ),
     "travel exceeded": (
         "part.ngc",
-        START + "G1 X10 F500\nG1 X600\nG1 X10\n",
+        START + "G1 X10 F500\nG1 X600\nG1 X10\nM2\n",
         r"part\.ngc:4: joint X would have to go to 600\.000 mm, above its limit of 500 mm.*move the part",
     ),
-    "no motion": ("part.ngc", START, r"part\.ngc: there is no motion"),
+    "no motion": ("part.ngc", START + "M2\n", r"part\.ngc: there is no motion"),
 }
 
 
