@@ -12,17 +12,18 @@ import argparse
 import re
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from testbed.linuxcnc.canon import INCH, Motion
+from testbed.linuxcnc.canon import INCH, Judged, Motion
 from testbed.linuxcnc.contours import random_contour
 from testbed.linuxcnc.job import Cartesian, Job
 from testbed.linuxcnc.programs import random_job
-from testbed.linuxcnc.rs274 import copy_called, judged
+from testbed.linuxcnc.rs274 import NAME, copy_called, judged
 from testbed.linuxcnc.walk import Walk
 from toolpace.errors import ToolpaceError
 from toolpace.reading import read, read_text
@@ -31,6 +32,9 @@ from toolpace.toolpath import ToolPath
 SAME, BOTH, OURS, THEIRS, DIFFERENT, UNTOLD = (
     "same", "refused by both", "refused by us only", "refused by rs274 only", "different", "not told by rs274",
 )  # fmt: skip
+NO_END = "refused by both, the same up to an end that is missing"
+AGREED = (SAME, BOTH, NO_END)
+NO_END_SAID = "File ended with no percent sign"
 
 
 class Verdict(NamedTuple):
@@ -55,11 +59,24 @@ def compared(job: Job) -> Verdict:
     except ToolpaceError as error:
         if not moving and not theirs.error and "there is no motion" in str(error):
             return Verdict(SAME)
-        return Verdict(BOTH, theirs.error) if theirs.error else Verdict(OURS, str(error))
+        if not theirs.error:
+            return Verdict(OURS, str(error))
+        return _without_end(job, theirs, moving) if NO_END_SAID in theirs.error else Verdict(BOTH, theirs.error)
     if theirs.error:
         return Verdict(THEIRS, theirs.error)
     found = Walk(ours, theirs, numbered=job.numbered).difference()
     return Verdict(DIFFERENT, found) if found else Verdict(SAME)
+
+
+def _without_end(job: Job, theirs: Judged, moving: bool) -> Verdict:
+    """A program that has no end, read on to it by both."""
+    try:
+        ours = _read(job, lenient=True)
+    except ToolpaceError as error:
+        kind = NO_END if not moving and "there is no motion" in str(error) else BOTH
+        return Verdict(kind, f"{theirs.error}; {error}")
+    found = Walk(ours, theirs, numbered=job.numbered).difference()
+    return Verdict(DIFFERENT, found) if found else Verdict(NO_END, theirs.error)
 
 
 def difference(job: Job) -> str:
@@ -67,13 +84,14 @@ def difference(job: Job) -> str:
     kind, said = compared(job)
     if kind == UNTOLD:
         raise ValueError(said)
-    return "" if kind in (SAME, BOTH) else said if kind == DIFFERENT else f"{kind}: {said}"
+    return "" if kind in AGREED else said if kind == DIFFERENT else f"{kind}: {said}"
 
 
 KNOWN = {
     r"while G92 or G52 shifts": "a turned offset under G92: axes that are not named go elsewhere there",
     r"G(74|84) outside the plane of G17": "taps outside XY: other axes move there",
     r"is not read: set it before it is read": "a variable that nothing sets is zero there",
+    r"is no number: check the expression": "what is infinite, or no number, goes on there",
     r"a remainder of a division by zero": "MOD 0 is no number there, and the block goes on with it",
     r"G92(?:\.\d)? and \S+ exclude|\S+ and G92\.\d exclude": "G92.1 beside another word of coordinates",
     r"M0 or M1 stands before an inside corner": "its interpreter gouges such a corner",
@@ -84,21 +102,29 @@ KNOWN = {
 """Refusals of ours alone that are meant, by what they say, and why."""
 
 
+def meant(verdict: Verdict) -> str:
+    """What kind of agreement a verdict is, or why a refusal of ours alone is meant; empty where it is a surprise."""
+    if verdict.kind in AGREED:
+        return verdict.kind
+    why = [why for pattern, why in KNOWN.items() if verdict.kind == OURS and re.search(pattern, verdict.said)]
+    return f"{OURS}: {why[0]}" if why else ""
+
+
 def surprise(job: Job) -> str:
     """A difference that is not meant."""
-    kind, said = compared(job)
-    meant = kind in (SAME, BOTH) or (kind == OURS and any(re.search(pattern, said) for pattern in KNOWN))
-    return "" if meant else f"{kind}: {said}"
+    verdict = compared(job)
+    return "" if meant(verdict) else f"{verdict.kind}: {verdict.said}"
 
 
-def _read(job: Job) -> ToolPath:
+def _read(job: Job, *, lenient: bool = False) -> ToolPath:
     if job.beside is None:
-        return read_text(job.text, Cartesian(), controller="linuxcnc", setup=job.setup(), name="part.ngc")
+        name = "part.ngc"
+        return read_text(job.text, Cartesian(), controller="linuxcnc", setup=job.setup(), name=name, lenient=lenient)
     with tempfile.TemporaryDirectory(prefix="suite.") as folder:
         copy_called(job.beside, Path(folder))
-        program = Path(folder) / "part.ngc"
+        program = Path(folder) / NAME
         program.write_text(job.text, encoding="utf-8")
-        return read(program, Cartesian(), controller="linuxcnc", setup=job.setup())
+        return read(program, Cartesian(), controller="linuxcnc", setup=job.setup(), lenient=lenient)
 
 
 def _moves(motion: Motion) -> bool:
@@ -119,16 +145,20 @@ def main(arguments: Iterable[str]) -> int:
     else:
         job_of = random_contour if given.contours else random_job
         jobs = ((f"seed {seed}", job_of(seed)) for seed in range(given.first, given.first + given.programs))
-    different = tried = 0
+    different = 0
+    counts: Counter[str] = Counter()
     for name, job in jobs:
-        tried += 1
-        found = surprise(job)
-        if found:
+        verdict = compared(job)
+        found = meant(verdict)
+        counts[found or verdict.kind] += 1
+        if not found:
             different += 1
-            print(f"{name}: {found}", flush=True)
+            print(f"{name}: {verdict.kind}: {verdict.said}", flush=True)
             if different <= given.show and not given.files:
                 print("    " + job.text.replace("\n", "\n    ").rstrip(), flush=True)
-    print(f"{tried} programs, {different} different")
+    for kind, count in counts.most_common():
+        print(f"{count:6d} {kind}")
+    print(f"{counts.total()} programs, {different} different")
     return min(different, 1)
 
 

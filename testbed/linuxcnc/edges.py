@@ -54,7 +54,8 @@ def _turns(writer: Writer) -> str:
 def letter_without_use(writer: Writer) -> None:
     """A letter beside words that may use it or not."""
     letter = writer.random.choice(LETTERS)
-    value = writer.random.choice(["0", "1", "2", "0.5", "1.00001", "-1"])
+    # to its interpreter Q-1 is no Q at all
+    value = writer.random.choice(["0", "1", "2", "0.5", "1.00001", "3" if letter == "Q" else "-1"])
     block = writer.random.choice([
         "M8", "G64", "G61", "G4 P0", "G40", "G17", "G80", "M3 S500", "", "S300", "T1", "G0 X1", "G1 Y2 F300",
         "G28", "G30", "G49", "G54", "G92.1", "G98", "M66 P0 L0", "M66 E0 L0", "M19 R10", "M62 P1", "M67 E0 Q1", "M68",

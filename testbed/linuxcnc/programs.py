@@ -34,10 +34,13 @@ def program(writer: Writer) -> str:
         modes.unit, modes.distance, modes.planes, modes.feed, modes.dwell, modes.offset, modes.position, modes.origin,
         modes.length, modes.tool, motions.machine, motions.reference, modes.mode_of_path, modes.assign, modes.system,
         motions.deleted, flow.loop, flow.call, motions.turn, flow.deep, flow.by_number, modes.at_once, flow.together,
-        flow.modes_kept, flow.with_blanks, flow.reckoned, flow.labels, *EDGES,
+        flow.modes_kept,
     ]  # fmt: skip
+    edges = [flow.with_blanks, flow.reckoned, flow.labels, *EDGES]
     # few kinds in each program: a difference is told by what it stands among
     kinds = common + [writer.random.choice(rare) for _ in range(10)]
+    if writer.chance(0.6):  # each is refused about every other time
+        kinds += [writer.random.choice(edges)] * 2
     writer.put("G21 G90 G94 G17 G91.1 F600 M3 S1000")
     for _ in range(writer.random.randint(3, 14)):
         writer.random.choice(kinds)(writer)

@@ -12,6 +12,8 @@ from testbed.linuxcnc.canon import Judged, read_calls
 
 SECONDS = 20.0
 """Most time of one program."""
+NAME = "compared-program.ngc"
+"""Of the file, which none that it calls has."""
 
 
 def available() -> str | None:
@@ -44,15 +46,20 @@ def judged(
     """
     with tempfile.TemporaryDirectory(prefix="rs274.") as folder:
         place = Path(folder)
+        of_ini = []
         if beside is not None:
             copy_called(beside, place)
-        (place / "part.ngc").write_text(program, encoding="utf-8")
+            ini = f"[DISPLAY]\nPROGRAM_PREFIX = {place}\n[RS274NGC]\nSUBROUTINE_PATH = {place}\n"
+            (place / "part.ini").write_text(ini, encoding="utf-8")
+            of_ini = ["-i", "part.ini"]
+        (place / NAME).write_text(program, encoding="utf-8")
         lines = [f"{number} {value:.12f}" for number, value in sorted((parameters or {5220: 1.0}).items())]
         (place / "part.var").write_text("\n".join(lines) + "\n", encoding="utf-8")
         wide = {number: f" D{diameter:.12f}" for number, diameter in (diameters or {}).items()}
         table = [f"T{n} P{n} Z{length:.12f}{wide.get(n, '')}" for n, length in sorted((tools or {}).items())]
         (place / "part.tbl").write_text("\n".join(table) + "\n", encoding="utf-8")
-        command = ["rs274", *(["-b"] if block_delete else []), "-g", "-v", "part.var", "-t", "part.tbl", "part.ngc"]
+        command = ["rs274", *(["-b"] if block_delete else []), "-g", *of_ini, "-v", "part.var", "-t", "part.tbl"]
+        command.append(NAME)
         done = subprocess.run(
             command, cwd=place, env={"HOME": folder, "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8"}, timeout=seconds,
             capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, errors="replace",

@@ -17,36 +17,39 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
-from testbed.against_rs274 import DIFFERENT, OURS, THEIRS, UNTOLD, Verdict, compared
+from testbed.against_rs274 import BOTH, DIFFERENT, OURS, THEIRS, UNTOLD, Verdict, compared
 from testbed.linuxcnc.canon import INCH
 from testbed.linuxcnc.job import Job
 
 REASONS = (
-    ("cutter compensation", r"cutter compensation|G4[12]"),
+    ("cutter compensation", r"[Cc]utter|compensat|concave corner|G4[12]"),
     ("time follows the spindle (G33, G76)", r"spindle-synchronised|threading|G33|G76"),
-    ("probing: where it ends is not known", r"probing|G38"),
-    ("an axis that the compared machine has not", r"has no axis|word [UVWB] |letter W"),
-    ("a variable that nothing has set", r"#<?[^ ]*>? (?:\(first|is not read)"),
-    ("a word that is not LinuxCNC's own (remapped)", r"not known here|might move something"),
-    ("lathes (G7, G70 to G72)", r"G7[012]? |diameter"),
+    ("taps outside XY", r"G(?:74|84) outside the plane"),
+    ("probing: where it ends is not known", r"probing|G38|probe"),
+    ("lathes (G7, G70 to G72)", r"G7[012]? |diameter|G7[012]"),
+    ("radii of an arc that differ", r"Radius to end of arc|off its circle"),
+    ("an axis that the compared machine has not", r"has no axis|word [UVWB] |letter W|Bad character '[uvwb]'"),
+    ("a variable that nothing has set, or HAL", r"#<?[^ ]*>? (?:\(first|is not read)|Named parameter .* not defined"),
+    ("a remapped word", r"not known here|might move something|Unknown [gm] code|M-code greater"),
     ("polar words (@, ^)", r"'[@^]'"),
     ("settings of the controller's own variables", r"belongs to the controller"),
     ("stored reference points (G28.1, G30.1)", r"G28\.1|G30\.1"),
-    ("a tool or its table that is not at hand", r"[Tt]ool"),
-    ("a file that is called and is not there", r"neither|not in this file|nor in a file"),
+    ("a file that is called and is not there", r"not in this file|nor in a file|EOF in file|Failed to find sub"),
+    ("a tool or its table that is not at hand", r"[Tt]ool|G10 L1"),
+    ("points of a spline", r"Control Points"),
 )
-"""Why one of both refuses, by what its message says; the first that fits counts."""
-OTHER = "otherwise"
-NO_TOOL = 99
-"""A tool without length, for programs that come without a table."""
+"""Why one refuses, by what its message says; the first that fits counts. Where both do, it is rs274's message."""
+OTHER = "another error"
+NUMBERS = range(1, 100)
+"""Tools without length, for programs that come without a table."""
 _LENGTH = re.compile(r"^\s*T(\d+)\b[^;]*?\bZ([-+]?[0-9.]+)", re.MULTILINE)
 
 
 def tools(folder: Path) -> dict[int, float]:
-    """Lengths [mm] by number, of the one tool table in a folder; its figures are inches."""
+    """Lengths [mm] by number, of the one tool table in a folder, which is in inches; without one zero."""
     tables = sorted(folder.glob("*.tbl"))
     if len(tables) != 1:
-        return {NO_TOOL: 0.0}
+        return dict.fromkeys(NUMBERS, 0.0)
     text = tables[0].read_text(encoding="utf-8", errors="replace")
     return {int(number): float(length) * INCH for number, length in _LENGTH.findall(text) if int(number)}
 
@@ -66,11 +69,11 @@ def reason(said: str) -> str:
 
 
 def table(found: dict[Path, Verdict]) -> str:
-    """How many programs there are of each kind, those that one of both refuses by reason (Markdown)."""
+    """How many programs there are of each kind, those that are refused by reason (Markdown)."""
     rows: Counter[tuple[str, str]] = Counter()
     of: dict[tuple[str, str], list[str]] = defaultdict(list)
     for path, (kind, said) in found.items():
-        row = (kind, reason(said) if kind in (OURS, THEIRS) else "")
+        row = (kind, reason(said) if kind in (BOTH, OURS, THEIRS) else "")
         rows[row] += 1
         of[row].append(path.name)
     lines = ["| | why | programs | such as |", "|---|---|---|---|"]

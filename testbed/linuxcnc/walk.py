@@ -57,9 +57,12 @@ class Walk:
     def _motion(self, motion: Motion) -> str:
         near = PRINTED * motion.unit
         if motion.normal < 0 and np.abs(motion.end - motion.start).max() <= near:
+            while self.at + 2 < len(self.points) and np.abs(self.points[self.at + 1] - motion.end).max() <= near:
+                self._pass_over()
             return ""
         if not math.isclose(self.waited, motion.waited, abs_tol=1e-3):
             return f"we waited {self.waited:g} s before it, rs274 {motion.waited:g} s"
+        self._finish_motion_before(motion, near)
         way = _Way(motion)
         spent, first = 0.0, self.at + 1
         while not way.done(self.points[self.at], near) or self.at < first:
@@ -79,6 +82,22 @@ class Walk:
             self.at += 1
             spent += self._step()
         return "" if motion.rapid else self._of_time(motion, spent, near)
+
+    def _finish_motion_before(self, motion: Motion, near: float) -> None:
+        """Pass over points that are of the motion before, which ended by the printed decimals: all are at its end."""
+        while self.at + 2 < len(self.points):
+            at = self.at + 1
+            other = bool(self.ours.rapid[at]) != motion.rapid or (
+                self.numbered and motion.line and int(self.ours.block[at]) != motion.line
+            )
+            if not other or np.abs(self.points[at] - motion.start).max() > 2 * near:
+                return
+            self._pass_over()
+
+    def _pass_over(self) -> None:
+        """Go on to the next point."""
+        self.at += 1
+        self._step()
 
     def _step(self) -> float:
         """Time of the way to the point at hand [s]; its dwell is counted."""

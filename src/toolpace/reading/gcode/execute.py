@@ -226,6 +226,9 @@ class Executor:
 
     def _idle(self, numbers: Numbers) -> None:
         """Letters of a word that moves nothing, beside a motion that does not need them (G187 P1 E.01)."""
+        if self.rs274 and self.state.motion in ARCS:  # of M67 and M68
+            for letter in "EQ":
+                numbers.pop(letter, None)
         if self.state.cycle is None and self.state.motion not in ARCS:
             for letter in "PQE":
                 numbers.pop(letter, None)

@@ -53,6 +53,7 @@ class Functions:
 
     def _take(self, numbers: Numbers, letters: str, word: str) -> Numbers:
         """Letters, out of the block. Raises WordError where its motion takes the same."""
-        if self.state.arc_here or self.state.cycle is not None:
+        moves = not numbers.keys().isdisjoint("XYZABCUVWIJK")
+        if moves and (self.state.arc_here or self.state.cycle is not None):
             raise WordError(f"{word} and an arc or a cycle may take the same letters: write two blocks")
         return {letter: numbers.pop(letter) for letter in letters if letter in numbers}
