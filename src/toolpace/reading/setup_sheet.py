@@ -28,7 +28,7 @@ angle = "deg"  # or "rad"
 ZERO = "Joint positions (as the machine file counts them) at which the machine's own display shows zero."
 OFFSET = "Origin of the work offset in machine coordinates, as the control's table of offsets has it."
 REFERENCE = "Reference point of {word}, in machine coordinates."
-TOOL = "From the spindle nose to the tip, as the control's tool table has it; with its radius where it is compensated."
+TOOL = "From the spindle nose to the tip, as the control's tool table has it; with `radius` where G41 or RL is used."
 
 
 _OUT_OF_TRAVEL = re.compile(r" its limit of \S+ mm")

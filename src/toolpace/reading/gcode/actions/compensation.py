@@ -150,7 +150,8 @@ class Compensation:
         if self.by == "linuxcnc":
             self._begin_linuxcnc(side, radius, word)
         elif radius and self.by not in TYPES:
-            raise RefusedError(word, "how this control compensates is not known here: let the CAM system compensate")
+            cure = "name the control with --controller, or let the CAM system compensate"
+            raise RefusedError(word, f"how this control compensates is not known here: {cure}")
         elif radius and state.plane and self.in_xy:
             raise WordError(f"{word} compensates in the plane of G17 alone (alarm 344): write G17 before it")
         elif radius:
