@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from toolpace.files import temporary, whole_folder
+from toolpace.files import seal, temporary, whole_folder
 from toolpace.files.temporary import Temporary, held, sweep
 
 ROOT = Path(__file__).parents[2]
@@ -65,3 +65,24 @@ def test_what_is_held_is_neither_swept_nor_held_twice(tmp_path, monkeypatch):
     assert not away.exists()
     with held(tmp_path / "missing"):
         assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_another_run_replaces_meanwhile_is_not_said_to_be_changed(tmp_path, monkeypatch):
+    """The seal of the one, and the files of the other: as between two looks at a folder."""
+    for name in ("old", "new"):
+        with whole_folder(tmp_path / name, seal="plan.json") as folder:
+            (folder / "plan.json").write_text('{"a": 1\n}\n')
+            (folder / "data.bin").write_bytes(name.encode())
+    read, out = seal.read_seal, tmp_path / "old"
+
+    def replaced_behind_it(folder):
+        found = read(folder)
+        if (tmp_path / "new").exists():
+            out.rename(tmp_path / "away")
+            (tmp_path / "new").rename(out)
+        return found
+
+    monkeypatch.setattr(seal, "read_seal", replaced_behind_it)
+    assert seal.foreign(out) == ""
+    (out / "data.bin").write_bytes(b"by hand")
+    assert "data.bin was changed" in seal.foreign(out)

@@ -17,6 +17,8 @@ MAIN = ("plan.json", "study.json", "export.json", "time.json", "inspect.json", "
 KEY = "seal"
 _OPEN = "0" * 64
 """Stands in the file while its checksum is taken."""
+LOOKS = 20
+"""At a folder that others replace, before it is said to be changed."""
 LONGEST = 1 << 26
 """Most bytes of a file that bears a seal; more is none of ours."""
 
@@ -52,12 +54,22 @@ def read_seal(folder: Path) -> tuple[str, dict[str, str]] | None:
 def foreign(folder: Path) -> str:
     """What in a folder is not as toolpace wrote it, in words; empty where all of it is, or nothing is there.
 
-    Raises OSError where the folder cannot be read.
+    Another run may put its folder in the place of this one meanwhile: then it is looked at anew. Raises OSError where
+    the folder cannot be read.
     """
+    for _ in range(LOOKS):
+        seal = read_seal(folder)
+        found = _beside(folder, seal)
+        if not found or read_seal(folder) == seal:
+            break
+    return found
+
+
+def _beside(folder: Path, seal: tuple[str, dict[str, str]] | None) -> str:
+    """What in a folder its seal does not speak of, in words."""
     entries = sorted(os.scandir(folder), key=_name)
     if not entries:
         return ""
-    seal = read_seal(folder)
     if seal is None:
         main = next((entry.name for entry in entries if entry.name in MAIN), "")
         if main:
