@@ -152,6 +152,7 @@ CASES: dict[str, Case] = {
     "ToolPath: tip_tolerance": Case(lambda x: line(tip_tolerance=x), LINES, "tip_tolerance", True, True),
     "ToolPath: axis_tolerance": Case(lambda x: line(axis_tolerance=x), LINES, "axis_tolerance", True, True),
     "ToolPath: normal": Case(lambda x: line(normal=x), AXES, "normal", True, True),
+    "ToolPath: bow": Case(lambda x: line(bow=x), 1e-7 * LINES, "bow"),
     "ToolPath: numbered": Case(lambda x: line(numbered=x), np.stack([LINES, LINES], axis=1), "numbered"),
     "ToolPath: tool_length": Case(lambda x: line(tool_length=x), NAN_FOR_OWN, "tool_length", True, True),
     "AxisPath.from_waypoints: q": Case(tp.AxisPath.from_waypoints, 5.0 * TURNS, "q", any_width=True),

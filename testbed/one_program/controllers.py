@@ -92,6 +92,8 @@ class LinuxCnc(WordAddress):
 
     def header(self) -> None:
         self.opening()
+        # taps stop where the spindle rests
+        self.block("M3 S500")
 
     def footer(self) -> None:
         # a subprogram stands before its first call

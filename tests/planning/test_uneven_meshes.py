@@ -5,6 +5,7 @@ import pytest
 
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
+from toolpace.errors import InfeasibleError
 from toolpace.planning.mesh.nodes import MOST_UNLIKE, graded
 from toolpace.planning.planner import plan
 
@@ -28,7 +29,13 @@ from toolpace.planning.planner import plan
 )
 def test_what_is_narrow_is_seen(seed, why):
     made = random_plan(seed)
-    trajectory = plan(made.path, made.limits, **made.options)
+    try:
+        trajectory = plan(made.path, made.limits, **made.options)
+    except InfeasibleError:
+        # the state is taken from another plan and differs by the processor's rounding; in motion on a fixed mesh a plan
+        # may be refused
+        assert {"start", "mesh"} <= made.options.keys()
+        return
     assert used_by_positions(trajectory).max() < 1.0001, why
     assert trajectory.usage().worst < 1.0001
 
