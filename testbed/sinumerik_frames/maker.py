@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,12 +20,12 @@ MACHINES = (
 Act = Callable[[Truth, "Found"], None]
 
 
-class Found:
+class Found(ABC):
     """What the act of a step may ask of the path that was read: the rotary joints that a direction was reached with."""
 
+    @abstractmethod
     def rotary(self, direction: np.ndarray) -> dict[str, float]:
         """Joints by name [rad], that bring the tool to a direction (3,) on the part."""
-        raise NotImplementedError
 
 
 @dataclass
