@@ -10,6 +10,7 @@ import pytest
 
 import toolpace as tp
 from toolpace import demo
+from tools import pages
 
 DOCS = Path(__file__).parents[1] / "docs"
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -81,3 +82,17 @@ def test_files_that_a_document_names_exist(document):
     places = (top, top / "src" / "toolpace", (top / document).parent)
     missing = [name for pair in named for name in pair if name and not any((at / name).exists() for at in places)]
     assert not missing
+
+
+def test_tables_are_those_of_the_results():
+    stale = [path.name for path in pages.pages() if pages.written(path) != path.read_text(encoding="utf-8")]
+    assert not stale, "python tools/pages.py writes them"
+    assert len(pages.pages()) >= 3
+
+
+def test_peers_by_the_other_file_of_the_same_run():
+    """planner.json through our medians; planner.md has those that the benchmark itself worked out."""
+    lines = (DOCS.parent / "benchmarks" / "results" / "planner.md").read_text(encoding="utf-8").splitlines()
+    told = [line.strip("|").split("|") for line in lines if line.startswith("| IPOPT | 1000 | 27 |")]
+    ours = next(line for line in pages.peers("").splitlines() if line.startswith("| IPOPT")).strip("|").split("|")
+    assert [float(word) for word in told[0][4:8]] == [float(word) for word in ours[1:5]]
