@@ -14,7 +14,9 @@ from tools import pages
 
 DOCS = Path(__file__).parents[1] / "docs"
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NOTES = sorted((DOCS / "design").glob("*.md"))
+NOTES = sorted(page for folder in ("design", "notebook") for page in (DOCS / folder).glob("*.md"))
+LONGEST = 250
+"""Lines of a page of the design or the notebook."""
 PEERS = ("toppra", "ruckig")
 HERE = {name for name in PEERS if importlib.util.find_spec(name)}
 """Peers that are installed; where there is none for a machine, what is theirs on the pages is left out."""
@@ -58,9 +60,15 @@ def test_every_result_of_the_benchmarks_is_a_page():
     assert written == {page.stem for page in (DOCS / "benchmarks").glob("*.md")} - {"index"}
 
 
-def test_every_design_note_is_in_the_contents():
-    contents = (DOCS / "design" / "index.md").read_text(encoding="utf-8").split()
-    assert {page.stem for page in (DOCS / "design").glob("*.md")} - {"index"} <= set(contents)
+@pytest.mark.parametrize("folder", ["design", "notebook"])
+def test_every_note_is_in_the_contents(folder):
+    contents = (DOCS / folder / "index.md").read_text(encoding="utf-8").split()
+    assert {page.stem for page in (DOCS / folder).glob("*.md")} - {"index"} <= set(contents)
+
+
+@pytest.mark.parametrize("page", NOTES, ids=lambda page: f"{page.parent.name}/{page.stem}")
+def test_notes_are_short(page):
+    assert len(page.read_text(encoding="utf-8").splitlines()) <= LONGEST
 
 
 @pytest.mark.parametrize("page", sorted(page.stem for page in (DOCS / "tutorial").glob("*.md")))
@@ -73,7 +81,7 @@ def test_tutorial_runs(page, tmp_path, monkeypatch):
             exec(compile(code, f"{page}.md", "exec"), names)
 
 
-@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", *(f"docs/design/{p.name}" for p in NOTES)])
+@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", *(f"docs/{p.parent.name}/{p.name}" for p in NOTES)])
 def test_files_that_a_document_names_exist(document):
     """Named from the top of the project, from the package, from the results of the benchmarks, or from beside it."""
     text = (DOCS.parent / document).read_text(encoding="utf-8")
