@@ -183,6 +183,12 @@ def efforts(at: str) -> str:
     return table(heads, body) + source("efforts", at)
 
 
+def cluster(at: str) -> str:
+    """The same programs one by one and on two workers."""
+    heads = ["", "programs", "wall time", "jobs, summed up", "processors", "load", "client", "scheduler"]
+    return table(heads, rows("cluster", "| | programs | wall time")) + source("cluster", at)
+
+
 def linuxcnc(at: str) -> str:
     """LinuxCNC's own run of a program beside our plan, and the plan played by LinuxCNC."""
     heads = ["program", "LinuxCNC itself", "of a joint's velocity, acceleration", "plan", "played by LinuxCNC",
@@ -206,7 +212,8 @@ def results(at: str) -> str:
 
 TABLES: dict[str, Callable[[str], str]] = {
     "peers": peers, "times": times, "bound": bound, "long-paths": long_paths, "second-order": second_order,
-    "replans": replans, "efforts": efforts, "linuxcnc": linuxcnc, "index": results,
+    "replans": replans, "efforts": efforts, "linuxcnc": linuxcnc,
+    "cluster": cluster, "index": results,
 }  # fmt: skip
 
 
