@@ -56,11 +56,6 @@ def test_every_public_name_is_in_the_reference():
     assert public <= entries
 
 
-def test_every_result_of_the_benchmarks_is_a_page():
-    written = {page.stem for page in (TOP / "benchmarks" / "results").glob("*.md")}
-    assert written == {page.stem for page in (DOCS / "benchmarks").glob("*.md")} - {"index"}
-
-
 @pytest.mark.parametrize("folder", ["design", "notebook"])
 def test_every_note_is_in_the_contents(folder):
     contents = (DOCS / folder / "index.md").read_text(encoding="utf-8").split()

@@ -170,7 +170,7 @@ def replans(at: str) -> str:
             f"{row['used_by_positions']['worst']:.5f}", f"{over['median']:.2f}", f"{over['worst']:.1f}",
             f"{took['median']:.0f}", f"{took['worst']:.0f}",
         ])  # fmt: skip
-    when, where = found.get("date", f"a day {NOT_NOTED}"), found["machine"].split(", ")[1]
+    when, where = found.get("date") or f"{found['committed']} (committed)", found["machine"].split(", ")[1]
     said = f"Measured on {when}, {where}, seed {found['seed']}: `python -m benchmarks.deflections`, `deflections.json`."
     return table(heads, body) + f"\n{said}\n"
 
@@ -200,27 +200,51 @@ def linuxcnc(at: str) -> str:
     return table(heads, body) + source("linuxcnc_plans", at)
 
 
+def single(at: str) -> str:
+    """Single figures of other pages, each with its page."""
+    rounded = re.search(r"Worst of (\d+) programs: \*\*([\d.]+)\*\*", page("rounding"))
+    assert rounded
+    with_jerk = [float(line[3]) for line in rows("second-order", "| case | second order [s]")]
+    used = max(float(word) for line in rows("followed", "| case | runs") for word in line[6:9])
+    runs = sum(int(line[1]) for line in rows("followed", "| case | runs"))
+    step = next(line for line in rows("following", "| set-points of the path | clock") if line[1] == "thread, one run")
+    off = sorted((abs(float(line[5])) for line in rows("linuxcnc_times", "| program | whose")), reverse=True)
+    nasty = rows("robustness", "| family | cases")
+    usage = max(float(line[5]) for line in nasty)
+    jerk = f"{statistics.median(with_jerk):.4g}, {max(with_jerk):.4g}"
+    body = [
+        ["time with jerk limits over time without, 27 paths, median and worst", jerk, "second-order"],
+        [f"rounded programs over the exact curves, worst of {rounded[1]}", rounded[2], "rounding"],
+        [f"largest utilisation in {nasty[-1][1]} nasty paths", f"{usage:.6f}", "robustness"],
+        [f"largest utilisation in {runs} runs of the follower, random measurements", f"{used:.4f}", "followed"],
+        ["a step of the follower's kernel, median [µs]", step[2], "following"],
+        [f"`toolpace time` off LinuxCNC, {len(off)} programs: worst, next [%]", f"{off[0]:g}, {off[1]:g}", "linuxcnc_times"],
+    ]  # fmt: skip
+    linked = [[what, figure, f"[{measured(name)[1]}]({at}{name}.md)"] for what, figure, name in body]
+    return table(["what", "figure", "measured on"], linked)
+
+
 def results(at: str) -> str:
     """Every page of results: its title, command, day and processor."""
     body = []
     for path in sorted(RESULTS.glob("*.md")):
         title = re.search(r"^#+ (.*)$", page(path.stem), re.MULTILINE)
         command, when, where = measured(path.stem)
-        body.append([f"[{title[1] if title else path.stem}]({path.stem}.md)", f"`{command}`", when, where])
+        body.append([f"[{title[1] if title else path.stem}]({at}{path.stem}.md)", f"`{command}`", when, where])
     return table(["page", "command", "measured on", "processor"], body, words=4)
 
 
 TABLES: dict[str, Callable[[str], str]] = {
     "peers": peers, "times": times, "bound": bound, "long-paths": long_paths, "second-order": second_order,
     "replans": replans, "efforts": efforts, "linuxcnc": linuxcnc,
-    "cluster": cluster, "index": results,
+    "cluster": cluster, "single": single, "index": results,
 }  # fmt: skip
 
 
 def written(path: Path) -> str:
     """The text of a page with its tables as the results have them."""
-    ways = {"benchmarks": "", "docs": "benchmarks/"}
-    at = "benchmarks/results/" if path.parent == TOP else ways.get(path.parent.name, "../benchmarks/")
+    up = "../" * len(path.relative_to(TOP).parents[:-1])
+    at = f"{up}benchmarks/results/"
     text = path.read_text(encoding="utf-8")
     return REGION.sub(lambda found: f"{found[1]}{TABLES[found[2]](at)}{found[3]}", text)
 
