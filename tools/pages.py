@@ -218,7 +218,7 @@ def single(at: str) -> str:
         [f"largest utilisation in {nasty[-1][1]} nasty paths", f"{usage:.6f}", "robustness"],
         [f"largest utilisation in {runs} runs of the follower, random measurements", f"{used:.4f}", "followed"],
         ["a step of the follower's kernel, median [µs]", step[2], "following"],
-        [f"`toolpace time` off LinuxCNC, {len(off)} programs: worst, next [%]", f"{off[0]}, {off[1]}", "linuxcnc_times"],
+        [f"`toolpace time` off LinuxCNC: {len(off)} programs, worst two [%]", f"{off[0]}, {off[1]}", "linuxcnc_times"],
     ]  # fmt: skip
     linked = [[what, figure, f"[{measured(name)[1]}]({at}{name}.md)"] for what, figure, name in body]
     return table(["what", "figure", "measured on"], linked)
