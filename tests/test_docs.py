@@ -18,6 +18,7 @@ BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NOTES = sorted(page for folder in ("design", "notebook") for page in (DOCS / folder).glob("*.md"))
 LONGEST = 250
 """Lines of a page of the design."""
+LONGEST_README = 120
 PEERS = ("toppra", "ruckig")
 HERE = {name for name in PEERS if importlib.util.find_spec(name)}
 """Peers that are installed; where there is none for a machine, what is theirs on the pages is left out."""
@@ -62,9 +63,10 @@ def test_every_note_is_in_the_contents(folder):
     assert {page.stem for page in (DOCS / folder).glob("*.md")} - {"index"} <= set(contents)
 
 
-def test_pages_of_the_design_are_short():
-    lines = {page.stem: len(page.read_text(encoding="utf-8").splitlines()) for page in (DOCS / "design").glob("*.md")}
+def test_pages_are_short():
+    lines = {page.name: len(page.read_text(encoding="utf-8").splitlines()) for page in (DOCS / "design").glob("*.md")}
     assert {page: count for page, count in lines.items() if count > LONGEST} == {}
+    assert len((TOP / "README.md").read_text(encoding="utf-8").splitlines()) <= LONGEST_README
 
 
 @pytest.mark.parametrize("page", sorted(page.stem for page in (DOCS / "tutorial").glob("*.md")))
