@@ -31,7 +31,7 @@ def again(plan, tmp_path):
     return Tamper(folder)
 
 
-def test_the_plan_says_that_and_by_how_much_it_was_aimed_off(plan):
+def test_the_plan_says_that_and_how_much_bending_is_compensated(plan):
     said = json.loads((plan / "plan.json").read_text())
     kept = (plan / "tool.toml").read_bytes()
     assert kept.startswith(b"# mine\n")
@@ -39,7 +39,7 @@ def test_the_plan_says_that_and_by_how_much_it_was_aimed_off(plan):
     assert bending["tool_file"] == "tool.toml" and bending["sha256"] == hashlib.sha256(kept).hexdigest()
     assert 0.05 < bending["largest_mm"] < 0.15 and 0.0 <= bending["change_um"] <= 1.0 and bending["rounds"] >= 1
     assert said["verified"] is True and said["tip_deviation_mm"] <= 0.01
-    assert "Aimed off" in (plan / "report.html").read_text()
+    assert "Bending compensated" in (plan / "report.html").read_text()
 
 
 def test_it_is_verified_from_the_files_alone(again, capsys):
@@ -80,7 +80,7 @@ def test_a_tool_file_taken_away_is_missed(again, capsys):
 def test_set_points_are_exported_and_the_text_of_the_program_is_not(plan, tmp_path, capsys):
     assert main(["export", str(plan), "--to", "table", "--out", str(tmp_path / "table")]) == 0
     assert main(["export", str(plan), "--to", "program", "--out", str(tmp_path / "program")]) == 2
-    assert "aimed off by what the tool bends" in capsys.readouterr().err
+    assert "compensated for the bending of the tool" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

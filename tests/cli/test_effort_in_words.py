@@ -12,9 +12,9 @@ from toolpace.cli.summary import rounds_in_words
 @pytest.mark.parametrize(
     ("durations", "plan", "words"),
     [
-        ([10.0, 9.0, 8.0], 8.5, "high: 2 rounds of pace and fit, 15.0% less than the first path promised"),
-        ([10.0, 9.0], 10.1, "high: 1 round of pace and fit, no less than the first path promised"),
-        ([10.0], 10.0, "high: no rounds of pace and fit, no less than the first path promised"),
+        ([10.0, 9.0, 8.0], 8.5, "high: 2 iterations of path and speed, 15.0 % less time than the first path"),
+        ([10.0, 9.0], 10.1, "high: 1 iteration of path and speed, no less time than the first path"),
+        ([10.0], 10.0, "high: no iterations of path and speed, no less time than the first path"),
     ],
 )
 def test_the_effort_in_words(durations, plan, words):

@@ -22,7 +22,7 @@ from toolpace.reporting import limiting, report
 from toolpace.reporting.limiting import NOTHING, binding
 from toolpace.reporting.policy import checksum
 from toolpace.reporting.series import Channel, deviations, extremes, feed_cap, packed
-from toolpace.reporting.words import colours, duration, limit_words, percent
+from toolpace.reporting.words import at_most, colours, limit_words, percent
 
 TRAJECTORY = motions.Trajectory()
 PROGRAM = motions.program()
@@ -50,15 +50,15 @@ def test_is_one_file_that_asks_for_nothing(html):
 
 def test_says_what_a_machinist_asks(html):
     text = html.read_text(encoding="utf-8")
-    for words in ("test", "xyzac-trunnion", "verified", "2.61 s", "Best on this mesh", "Programmed feed", "Jerk of A"):
+    for words in ("test", "xyzac-trunnion", "verified", "2.61 s", "slower than the best possible on this path and mesh", "Programmed feed", "Jerk of A"):
         assert words in text, words
     assert "70.0 %" in text
 
 
-def test_says_where_the_proof_leaves_room(html):
+def test_says_where_the_gap_lies(html):
     text = html.read_text(encoding="utf-8")
-    assert "where the proof leaves room" in text and "<td>0.50 s to 0.70 s</td><td>3</td><td>100 ms</td>" in text
-    assert "than any motion at all" in text
+    assert "slower than the best possible: where" in text and "<td>500 ms to 700 ms</td><td>3</td><td>100 ms</td>" in text
+    assert "slower than any possible motion on this path" in text
 
 
 def test_curves_are_the_set_points(html):
@@ -127,7 +127,9 @@ def test_binding_is_the_joint_whose_limit_is_lowered():
 
 
 def test_words():
-    assert [duration(x) for x in (1.234, 61.26, 3725.4)] == ["1.23 s", "1 min 01.3 s", "1 h 02 min 05 s"]
+    for share, words in ((0.00132, "0.14 %"), (0.0013, "0.13 %"), (0.127, "13 %"), (2.3141, "232 %"), (3e-8, "3e-06 %")):
+        assert at_most(share) == words
+    assert (at_most(-1e-12), at_most(0.0), at_most(math.inf), at_most(0.9999)) == ("0 %", "0 %", "unbounded", "100 %")
     assert [percent(x) for x in (1.00004, 0.5, 0.0004)] == ["100.00 %", "50.0 %", "0.040 %"]
     assert limit_words("jerk A") == "Jerk of A"
     assert len(set(colours(("X", "Y")).values())) == 7

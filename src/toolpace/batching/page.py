@@ -12,7 +12,8 @@ from toolpace.batching.row import BAD, ERROR, GOOD, WAITING, BatchRow
 from toolpace.batching.work import INSPECTED, TIMED
 from toolpace.description import counted
 from toolpace.reporting.shell import whole_page
-from toolpace.reporting.words import duration, limit_words, percent
+from toolpace.reporting.words import at_most, limit_words, percent
+from toolpace.units import format_time
 
 RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspect": INSPECTED}
 """What a row leads to, in the folder of its job."""
@@ -52,7 +53,7 @@ def _badge(rows: Sequence[BatchRow]) -> str:
         return '<span class="badge good">all is well</span>'
     if waiting == wrong:
         return f'<span class="badge quiet">{waiting} not run yet</span>'
-    return f'<span class="badge bad">{wrong - waiting} of {len(rows)} went wrong</span>'
+    return f'<span class="badge bad">{wrong - waiting} of {len(rows)} failed</span>'
 
 
 def _cards(rows: Sequence[BatchRow]) -> str:
@@ -61,21 +62,21 @@ def _cards(rows: Sequence[BatchRow]) -> str:
     cards += [
         (label, str(count), note, "")
         for label, count, note in (
-            ("Failed", sum(row.verdict in BAD for row in rows), "a verification did"),
-            ("Errors", sum(row.verdict == ERROR for row in rows), "no result, and the reason in the table"),
-            ("Not run", sum(row.verdict == WAITING for row in rows), "the same command goes on with them"),
-            ("Found", sum(row.found for row in rows), "done by a batch before"),
+            ("Failed", sum(row.verdict in BAD for row in rows), "the verification"),
+            ("Errors", sum(row.verdict == ERROR for row in rows), "no result; the table gives the reason"),
+            ("Not run", sum(row.verdict == WAITING for row in rows), "the same command continues with them"),
+            ("Found", sum(row.found for row in rows), "done by an earlier batch"),
         )
         if count
     ]
     if times:
-        cards.append(("Time, all together", duration(sum(times)), f"of {counted(len(times), 'motion')}", ""))
+        cards.append(("Total time", format_time(sum(times)), f"of {counted(len(times), 'motion')}", ""))
     gaps = [row.gap for row in rows if row.gap is not None]
     if gaps:
-        cards.append(("Largest gap", percent(max(gaps)), "above the bound on its mesh", ""))
+        cards.append(("Largest gap", at_most(max(gaps)), "of a time over the lower bound on its mesh", ""))
     took = sum(row.seconds for row in rows)
     if took:
-        cards.append(("Computed in", duration(took), "sum over all workers", ""))
+        cards.append(("Computed in", format_time(took), "sum of all workers", ""))
     return "\n".join(
         f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
         f'<div class="note">{escape(note)}</div></div>'
@@ -95,14 +96,14 @@ def _cells(row: BatchRow) -> list[Cell]:
         (_linked(row), None, ""),
         (escape(row.machine), None, ""),
         (escape(row.verdict), None, verdict),
-        _figure(row.duration_s, duration),
-        _figure(row.optimum_s, duration),
-        _figure(row.gap, percent),
+        _figure(row.duration_s, format_time),
+        _figure(row.optimum_s, format_time),
+        _figure(row.gap, at_most),
         _figure(row.blocks, str),
         _figure(row.tip_tolerance_mm, lambda value: f"{1e3 * value:.4g} µm"),
         _figure(row.axis_tolerance_deg, lambda value: f"{value:.4g}°"),
         (escape(row.feed or ""), None, ""),
-        ("found", 0.0, "n quiet") if row.found else _figure(row.seconds or None, duration),
+        ("found", 0.0, "n quiet") if row.found else _figure(row.seconds or None, format_time),
         (f'<span class="why">{escape(row.error)}</span>' if row.error else escape(limits), None, "limits"),
     ]
 

@@ -23,7 +23,7 @@ Page = Annotated[
     str | None, Parameter(name=["--page", "-p"], help="Write a page (.html) with the tables and their speeds.")
 ]
 SHOWN = 20
-"""Operations, and limits, that are listed; the page has all."""
+"""Most operations, and limits, that are listed; the page has all."""
 LEAST = 0.005
 """Share of the longest plan from which a limit is listed."""
 
@@ -63,6 +63,7 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
 
 def _show_plans(console: Console, found: Compared) -> None:
     from toolpace.comparing.page import said_verdict
+    from toolpace.reporting.words import at_most
 
     table = Table(box=SIMPLE, pad_edge=False)
     for heading in ("plan", "program", "machine", "time", "against the first", "gap", "verdict"):
@@ -75,8 +76,8 @@ def _show_plans(console: Console, found: Compared) -> None:
             record.program,
             record.machine,
             format_time(record.duration_s),
-            f"{record.duration_s / first - 1.0:+.2%}" if number and first > 0.0 else "",
-            f"{record.gap:.3%}" if record.gap is not None else "-",
+            f"{100.0 * (record.duration_s / first - 1.0):+.2f} %" if number and first > 0.0 else "",
+            at_most(record.gap) if record.gap is not None else "-",
             said_verdict(record),
         )
         table.add_row(*(Text(printable(cell), style="red" if cell == "failed" else "") for cell in cells))

@@ -12,6 +12,7 @@ from toolpace.description import counted
 from toolpace.errors import printable
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.planning.guarantee import PROMISED
+from toolpace.reporting.words import mesh_gap, motion_gap
 from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 
 if TYPE_CHECKING:
@@ -26,23 +27,17 @@ if TYPE_CHECKING:
     from toolpace.write.plan_json import BendingRecord, OpenPlaceRecord
 
 LEAST_GAIN = 5e-4
-"""Share of the duration from which it is said that efforts took it away."""
+"""Share of the duration from which the iterations count as a saving."""
 WORTH_A_WORD = 1e-3
-"""Gap from which it is said where it lies."""
+"""Gap from which its largest parts are located."""
 PLACES_SHOWN = 3
 """How many of these places are named."""
 SHOWN = 6
 """How many limits are named."""
 SENTENCES = 12
-"""How many operations, and how many assumptions, are told of."""
+"""How many operations, and how many assumptions, are listed."""
 FULL = 0.999
-"""Usage from which a limit counts as used to the full."""
-
-
-def clock_time(seconds: float) -> str:
-    """h:mm:ss.s"""
-    tenths = round(seconds * 10.0)
-    return f"{tenths // 36000}:{tenths // 600 % 60:02d}:{tenths % 600 / 10.0:04.1f}"
+"""Utilisation from which a limit counts as fully used."""
 
 
 def show_plan(console: Console, record: PlanRecord, verification: Verification) -> None:
@@ -55,14 +50,11 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     grid.add_row("machine", Text(f"{record.machine}, planner {record.planner}"))
     if None in record.usage.jerk.values():
         grid.add_row("", Text("JERK LIMITS ARE NOT HELD by this planner: accelerations jump", style="bold red"))
-    grid.add_row("duration", Text(f"{clock_time(record.duration_s)}  ({format_time(record.duration_s)})", style="bold"))
+    grid.add_row("duration", Text(format_time(record.duration_s), style="bold"))
     if record.lower_bound_s and record.gap is not None:
-        least = clock_time(record.lower_bound_s)
-        grid.add_row("", f"no plan on this mesh takes less than {least}: at most {record.gap:.3%} to gain")
+        grid.add_row("", mesh_gap(record.gap))
         if record.continuous_bound_s:
-            unmeshed = record.duration_s / record.continuous_bound_s - 1.0
-            least = format_time(record.continuous_bound_s)
-            grid.add_row("", f"no motion at all takes less on this path than {least}: {unmeshed:.3%}")
+            grid.add_row("", motion_gap(record.duration_s, record.continuous_bound_s))
         if record.gap > WORTH_A_WORD and record.open_places:
             grid.add_row("", Text(places_in_words(record.open_places)))
     if record.operations:
@@ -90,7 +82,7 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     console.print()
     line = verdict(record, verification)
     if verification.ok and record.usage.worst > PROMISED:
-        more = f"  between the set-points a limit is used to {100.0 * record.usage.worst:.2f} %"
+        more = f"  between the set-points a limit is exceeded: {100.0 * record.usage.worst:.2f} % of it"
         if None in record.usage.jerk.values():
             more = "  between the set-points accelerations jump: jerk limits are not held"
         line = Text.assemble(("FAILED", "bold red"), more)
@@ -112,28 +104,29 @@ def times_in_words(record: PlanRecord) -> list[str]:
 
 
 def near_in_words(share: float | None) -> str:
-    """ "; nine tenths of it are used on 31 % of the way", where that is known."""
-    return "" if share is None else f"; nine tenths of it are used on {100.0 * share:.0f} % of the way"
+    """ "; more than 90 % of it is used on 31 % of the path", where that is known."""
+    return "" if share is None else f"; more than 90 % of it is used on {100.0 * share:.0f} % of the path"
 
 
 def rounds_in_words(record: PlanRecord) -> str:
-    """ "normal: 4 rounds of pace and fit, 14.5% less than the first path promised"."""
-    rounds = counted(len(record.rounds) - 1, "round") if len(record.rounds) > 1 else "no rounds"
+    """ "normal: 4 iterations of path and speed, 14.5 % less time than the first path"."""
+    iterations = counted(len(record.rounds) - 1, "iteration") if len(record.rounds) > 1 else "no iterations"
     gained = 1.0 - record.duration_s / record.rounds[0].duration_s
-    came_to = f"{gained:.1%} less" if gained >= LEAST_GAIN else "no less"
-    return f"{record.effort}: {rounds} of pace and fit, {came_to} than the first path promised"
+    saved = f"{100.0 * gained:.1f} % less time" if gained >= LEAST_GAIN else "no less time"
+    return f"{record.effort}: {iterations} of path and speed, {saved} than the first path"
 
 
 def bending_in_words(bending: BendingRecord) -> str:
-    """ "aimed off by at most 0.088 mm, what the tool bends; 1 round, known to 0.15 µm"."""
+    """ "compensated for the bending of the tool: at most 0.088 mm; 1 iteration, known to 0.15 µm"."""
     largest, change = format_length(bending.largest_mm * MILLIMETRE), format_length(bending.change_um * 1e-6)
-    return f"aimed off by at most {largest}, what the tool bends; {counted(bending.rounds, 'round')}, known to {change}"
+    iterations = counted(bending.rounds, "iteration")
+    return f"compensated for the bending of the tool: at most {largest}; {iterations}, known to {change}"
 
 
 def limit_in_words(name: str) -> str:
     """ "jerk C" is "jerk of C"."""
     kind, _, joint = name.partition(" ")
-    return "no limit quite reached" if name == "nothing" else f"{kind} of {joint}" if joint else kind
+    return "no limit reached" if name == "nothing" else f"{kind} of {joint}" if joint else kind
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
@@ -149,16 +142,16 @@ def limits_in_words(shares: dict[str, float]) -> str:
 
 
 def places_in_words(places: list[OpenPlaceRecord]) -> str:
-    """ "mostly 0.04 s at 0:00:05.3 (block 120), ..., the rest at 2 more places"; the largest first."""
+    """ "of that up to 40 ms at 5.30 s (block 120), ..., the rest at 2 more places"; the largest first."""
     largest = sorted(places, key=lambda place: -place.gain_s)[:PLACES_SHOWN]
     words = [
-        f"{format_time(place.gain_s)} at {clock_time(place.from_s)}"
+        f"{format_time(place.gain_s)} at {format_time(place.from_s)}"
         + (f" (block {place.block})" if place.block else "")
         for place in largest
     ]
     more = len(places) - len(largest)
     words += [f"the rest at {more} more place{'s' * (more != 1)}"] if more else []
-    return "mostly " + ", ".join(words)
+    return "of that up to " + ", ".join(words)
 
 
 def usage_table(record: PlanRecord) -> Table:
@@ -187,7 +180,7 @@ def _percent(ratio: float | None) -> Text:
 
 def _within(value: float, tolerance: float | None, scale: float, show: Callable[[float], str]) -> str:
     allowed = f", allowed {show(tolerance * scale)}" if tolerance else ""
-    return f"off the program by at most {show(value * scale)}{allowed}"
+    return f"at most {show(value * scale)} off the program{allowed}"
 
 
 def verdict(record: PlanRecord, verification: Verification) -> Text:

@@ -11,7 +11,8 @@ from toolpace.comparing.comparison import Compared, Row
 from toolpace.comparing.curves import along, later, thinned
 from toolpace.planning.guarantee import PROMISED
 from toolpace.reporting.shell import whole_page
-from toolpace.reporting.words import duration, joint_colour, limit_words, percent
+from toolpace.reporting.words import joint_colour, limit_words, percent
+from toolpace.units import format_time
 from toolpace.write import PlanRecord
 
 LEAST = 5e-4
@@ -77,7 +78,7 @@ def _plans(plans: Compared) -> str:
     rows = []
     for number, (name, record) in enumerate(zip(plans.names, plans.records)):
         cells = (
-            duration(record.duration_s),
+            format_time(record.duration_s),
             _against(record.duration_s, plans.durations[0]) if number else "",
             percent(record.gap) if record.gap is not None else "",
             _tolerances(record),
@@ -115,7 +116,7 @@ def _table(what: str, plans: Compared, rows: Sequence[Row]) -> str:
     head += '<th class="n">difference</th>' if two else ""
     body = []
     for name, times in rows:
-        cells = ["" if time is None else duration(time) for time in times]
+        cells = ["" if time is None else format_time(time) for time in times]
         if two:
             cells.append("" if None in times else f"{(times[1] or 0.0) - (times[0] or 0.0):+.2f} s")
         body.append(f"<tr><td>{escape(name)}</td>{''.join(f'<td class=n>{escape(cell)}</td>' for cell in cells)}</tr>")

@@ -61,8 +61,8 @@ class Program:
         """Write the program and how_to_use.txt. Raises UsageError where its dialect has no such feeds."""
         if motion.record is not None and motion.record.bending is not None:
             raise UsageError(
-                f"{motion.name}: its path is aimed off by what the tool bends, and the text of the program holds the "
-                "points that are not; export set-points: --to table, linuxcnc-hal or linuxcnc-g93"
+                f"{motion.name}: its path is compensated for the bending of the tool, and the points in the text of the "
+                "program are not; export set-points: --to table, linuxcnc-hal or linuxcnc-g93"
             )
         job = Job.of(motion, self.inverse_time, self.split is not None)
         pieces = {} if self.split is None else cut(job, motion.setpoints, self.split)

@@ -175,7 +175,7 @@ def durations_in_words(rounds: Sequence[Round]) -> str:
     """ "4 rounds, 23.2 s, then 20.1, 19.9, 19.8, 19.9": what each made of it; empty where the path was fitted once."""
     if len(rounds) < 2:
         return ""
-    return f"{counted(len(rounds) - 1, 'round')}: {' > '.join(format_time(each.duration) for each in rounds)}"
+    return f"{counted(len(rounds) - 1, 'iteration')}: {' > '.join(format_time(each.duration) for each in rounds)}"
 
 
 def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPlan:
@@ -208,7 +208,7 @@ def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> AimedOff | Non
     from toolpace.bending.aim_off import aim_off, refuse_coarse
 
     refuse_coarse(toolpath, job.tool, job.dt)
-    with steps.step("aiming off") as step:
+    with steps.step("compensating") as step:
         aimed = aim_off(
             toolpath, job.machine, job.tool, job.tip_tolerance, job.axis_tolerance, planner=job.planner, progress=step
         )
@@ -242,7 +242,7 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
         with steps.step("proving") as step:
             before = trajectory.gap
             trajectory = prove(trajectory, within=job.prove_within, progress=step)
-            step.note = f"gap {before:.3%}, now {trajectory.gap:.3%}"
+            step.note = f"gap {100.0 * before:.3f} %, now {100.0 * trajectory.gap:.3f} %"
     if trajectory.gap > FAR:
         for note in trajectory.notes[:NOTES]:
             steps.say(note)

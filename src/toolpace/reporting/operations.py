@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from toolpace.errors import printable
 from toolpace.operations import OperationTime, operation_times
-from toolpace.reporting.words import duration
+from toolpace.units import format_time
 
 if TYPE_CHECKING:
     from toolpace.toolpath import ToolPath
@@ -45,7 +45,7 @@ def _table(times: list[OperationTime]) -> str:
 
 
 def _row(name: str, tool: str, each: OperationTime, kind: str) -> str:
-    cells = [printable(name), printable(tool), *map(duration, (each.time, each.cutting, each.rapid, each.dwell))]
+    cells = [printable(name), printable(tool), *map(format_time, (each.time, each.cutting, each.rapid, each.dwell))]
     shown = "".join(f"<td>{escape(cell)}</td>" for cell in (*cells, str(each.stops)))
     return f"<tr{kind}>{shown}</tr>"
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toolpace.description import counted
 from toolpace.machine.limits import KINDS
 from toolpace.reporting.figures import PlanFigures
 from toolpace.reporting.limiting import NOTHING, binding, limit_names
@@ -17,8 +18,19 @@ from toolpace.reporting.operations import operations_section
 from toolpace.reporting.scene import scene_data, stations
 from toolpace.reporting.series import blocks_over_time, channels, deviations, encoded, feed_cap, packed
 from toolpace.reporting.shell import whole_page
-from toolpace.reporting.words import NEUTRAL, colours, duration, four_digits, joint_colour, limit_words, percent
+from toolpace.reporting.words import (
+    NEUTRAL,
+    at_most,
+    colours,
+    four_digits,
+    joint_colour,
+    limit_words,
+    mesh_gap,
+    motion_gap,
+    percent,
+)
 from toolpace.setpoints import SetPoints
+from toolpace.units import format_time
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
@@ -124,35 +136,33 @@ def _cards(
     figures: PlanFigures | None,
 ) -> str:
     """The figures one asks for first."""
-    cards = [("Time", duration(trajectory.duration), f"{trajectory.duration:.3f} s", "big")]
-    bound = trajectory.lower_bound
-    if bound > 0.0 and math.isfinite(bound):
-        note = f"this motion is at most {percent(trajectory.gap)} slower than any on its mesh"
+    note = ""
+    if trajectory.lower_bound > 0.0 and math.isfinite(trajectory.lower_bound):
+        note = mesh_gap(trajectory.gap)
         if trajectory.continuous_bound > 0.0:
-            unmeshed = trajectory.duration / trajectory.continuous_bound - 1.0
-            note += f"; than any motion at all on this path, {percent(unmeshed)}"
-        cards.append(("Best on this mesh", duration(bound), note, ""))
+            note += f"; {motion_gap(trajectory.duration, trajectory.continuous_bound)}"
+    cards = [("Time", format_time(trajectory.duration), note, "big")]
     if setpoints.has_tool:
         length = float(setpoints.tip_steps.sum())
         mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
         shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
-        cards.append(("Way of the tip", shown, f"{mean:.0f} mm/min on average", ""))
+        cards.append(("Path length of the tip", shown, f"{mean:.0f} mm/min on average", ""))
     stops = max(len(trajectory.laws) - 1, 0)
     blocks = (figures.blocks if figures is not None else 0) or (
         toolpath.blocks or len(toolpath) if toolpath is not None else 0
     )
     if blocks:
         shown = f"{blocks:,}".replace(",", "\u202f")
-        cards.append(("Blocks", shown, f"{stops} stop{'' if stops == 1 else 's'} on the way", ""))
+        cards.append(("Blocks", shown, counted(stops, "stop"), ""))
     cards += _deviations(verification, figures)
     if figures is not None:
         cards += _rounds(figures)
     if figures is not None and figures.bending is not None:
         bent, rounds = figures.bending.largest_mm * 1e3, figures.bending.rounds
-        note = f"at most, by what the tool bends; {rounds} round{'' if rounds == 1 else 's'}"
-        cards.append(("Aimed off", f"{bent:.2f} µm", note, ""))
+        note = f"at most, the path is shifted against it; {counted(rounds, 'iteration')}"
+        cards.append(("Bending compensated", f"{bent:.2f} µm", note, ""))
     worst = trajectory.usage().worst
-    cards.append(("Peak use of limits", percent(worst), "at any time, worst of all", ""))
+    cards.append(("Highest use of a limit", percent(worst), "at any time, of all limits", ""))
     if figures is not None:
         spent = figures.fit_s + figures.solve_s
         cards.append(("Computed in", f"{spent:.2f} s", f"{trajectory.mesh_points} mesh points", ""))
@@ -198,19 +208,18 @@ def _deviations(verification: Verification | None, figures: PlanFigures | None) 
 
 def _near(share: float | None) -> str:
     """On how much of the way a tolerance is used, where that is known."""
-    return "" if share is None else f"; nine tenths of it used on {percent(share)} of the way"
+    return "" if share is None else f"; more than 90 % of it is used on {percent(share)} of the path"
 
 
 def _rounds(figures: PlanFigures) -> list[tuple[str, str, str, str]]:
-    """What each round of pace and fit came to."""
+    """The time after each iteration of path and speed."""
     if len(figures.rounds) < 2:
         return []
     first = figures.rounds[0].duration_s
     best = min(each.duration_s for each in figures.rounds)
     steps = " → ".join(f"{each.duration_s:.2f}" for each in figures.rounds)
-    return [
-        ("Promised by rounds of pace and fit", percent(1.0 - best / first), f"effort {figures.effort}: {steps} s", "")
-    ]
+    note = f"less time than the first path; effort {figures.effort}: {steps} s"
+    return [("Saved by iterations", percent(1.0 - best / first), note, "")]
 
 
 def _worse(told: float | None, judged: float | None, scale: float) -> float | None:
@@ -224,11 +233,11 @@ def _insight(shares: Mapping[str, float]) -> str:
     """One sentence: what to change to be faster."""
     ranked = [(name, share) for name, share in shares.items() if name not in ("nothing", "dwell")]
     if not ranked:
-        return "No limit binds for any share of the time."
+        return "No limit is reached at any time."
     name, share = max(ranked, key=lambda item: item[1])
-    text = f"<b>{escape(limit_words(name))}</b> holds the motion back for {percent(share)} of the time"
+    text = f"<b>{escape(limit_words(name))}</b> limits the motion for {percent(share)} of the time"
     if name == "feed":
-        return f"{text}: a higher feed in the program would save the most."
+        return f"{text}: a higher feed in the program saves the most."
     return f"{text}: that limit costs the most time."
 
 
@@ -253,14 +262,14 @@ def _open_places(trajectory: Trajectory) -> str:
     if not places or trajectory.gap < WORTH_A_WORD:
         return ""
     rows = "".join(
-        f"<tr><td>{duration(place.start)} to {duration(place.end)}</td><td>{place.block or ''}</td>"
+        f"<tr><td>{format_time(place.start)} to {format_time(place.end)}</td><td>{place.block or ''}</td>"
         f"<td>{four_digits(1e3 * place.seconds)} ms</td></tr>"
         for place in places
     )
     most = four_digits(1e3 * (trajectory.duration - trajectory.lower_bound))
     return (
-        f'<details class="open"><summary>At most {most} ms ({percent(trajectory.gap)}) could still be '
-        "gained: where the proof leaves room</summary>"
+        f'<details class="open"><summary>At most {most} ms ({at_most(trajectory.gap)}) slower than the best '
+        "possible: where</summary>"
         '<div class="scroll"><table class="checks"><thead><tr><th>Time</th><th>Block</th><th>At most</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div></details>"
     )

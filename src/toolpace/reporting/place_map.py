@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.reporting.words import duration
+from toolpace.units import format_time
 
 if TYPE_CHECKING:
     from toolpace.clamping.place_map import PlaceMap
@@ -54,7 +54,7 @@ def map_svg(places: PlaceMap) -> str:
             a, b = at(px - 0.5 * dx, py + 0.5 * dy)
             seconds = float(places.seconds[j, i])
             fill = "url(#beyond)" if np.isnan(seconds) else _colour((seconds - low) / (top - low))
-            told = "not possible: beyond travel, or forbidden" if np.isnan(seconds) else duration(seconds)
+            told = "not possible: beyond travel, or forbidden" if np.isnan(seconds) else format_time(seconds)
             parts.append(
                 f'<rect x="{a:.2f}" y="{b:.2f}" width="{scale * dx + 0.4:.2f}" height="{scale * dy + 0.4:.2f}" '
                 f'fill="{fill}"><title>x {px:.4g}, y {py:.4g} mm: {escape(told)}</title></rect>'
@@ -117,7 +117,7 @@ def _scale(low: float, top: float, left: float, high: float) -> Iterator[str]:
         yield f'<rect {box} fill="{colour}"/>'
     for k in range(STEPS):
         share = k / (STEPS - 1)
-        told = duration(low + share * (top - low))
+        told = format_time(low + share * (top - low))
         yield f'<text x="{left + 23:.1f}" y="{TOP + tall * (1.0 - share) + 4:.1f}">{told}</text>'
     y = TOP + tall + 36.0
     yield f'<circle cx="{left + 8:.1f}" cy="{y:.1f}" r="7" fill="none" stroke="#d6336c" stroke-width="2.5"/>'

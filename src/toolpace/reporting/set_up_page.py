@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from toolpace.reporting.place_map import map_svg
 from toolpace.reporting.shell import framed
-from toolpace.reporting.words import NEUTRAL, colours, duration, limit_words, percent
-from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.reporting.words import NEUTRAL, at_most, colours, limit_words, percent
+from toolpace.units import DEGREE, MILLIMETRE, format_time
 from toolpace.version import __version__
 
 if TYPE_CHECKING:
@@ -39,12 +39,13 @@ def set_up_page(
     best = found.best[0]
     machine = escape(best.machine.name)
     parts = [
-        f"<header><div><h1>{escape(program)}</h1><p>where to clamp it on <b>{machine}</b></p></div></header><main>",
+        f"<header><div><h1>{escape(program)}</h1><p>where to clamp the part on <b>{machine}</b></p></div></header>",
+        "<main>",
         f'<section class="cards">{_cards(found)}</section>',
         _machines(others),
         _panel("The best set-ups", "each planned in full, within all travels", _table(found)),
         '<div class="pair">',
-        _panel("Time over the place", "all else as in the best set-up; cheap plans", _map(found)),
+        _panel("Time over the place", "all else as in the best set-up; from cheap plans", _map(found)),
         _panel("What limits, before and after", "share of the time; pale as given, strong as found", _limits(found)),
         "</div>",
         _panel(
@@ -65,14 +66,14 @@ def _panel(title: str, lead: str, body: str) -> str:
 
 def _cards(found: FoundSetUp) -> str:
     best, given = found.best[0], found.given
-    cards = [("Time", duration(best.duration), best.clamping.words(best.machine), "big")]
+    cards = [("Time", format_time(best.duration), best.clamping.words(best.machine), "big")]
     if given is not None:
         saved = given.duration - best.duration
-        cards.append(("Gain", percent(found.gain), f"{duration(saved)} of {duration(given.duration)}", ""))
+        cards.append(("Gain", percent(found.gain), f"{format_time(saved)} of {format_time(given.duration)}", ""))
     else:
         cards.append(("As given", "cannot be run", found.why, ""))
-    cards.append(("Best on its mesh", duration(best.lower_bound), f"a gap of {percent(best.gap)}", ""))
-    cards.append(("Tried", f"{found.trials}", f"clampings, in {duration(found.seconds)}", ""))
+    cards.append(("Gap", at_most(best.gap), "of the best set-up: its time over the lower bound on its mesh", ""))
+    cards.append(("Tried", f"{found.trials}", f"clampings, in {format_time(found.seconds)}", ""))
     return "".join(
         f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
         f'<div class="note">{escape(note)}</div></div>'
@@ -87,8 +88,8 @@ def _machines(others: Sequence[tuple[str, FoundSetUp | str]]) -> str:
     rows = "".join(
         f"<tr><td>{escape(name)}</td><td colspan=4>{escape(found)}</td></tr>"
         if isinstance(found, str)
-        else f"<tr><td>{escape(name)}</td><td class=n>{duration(found.best[0].duration)}</td>"
-        f"<td class=n>{duration(found.given.duration) if found.given is not None else 'cannot be run'}</td>"
+        else f"<tr><td>{escape(name)}</td><td class=n>{format_time(found.best[0].duration)}</td>"
+        f"<td class=n>{format_time(found.given.duration) if found.given is not None else 'cannot be run'}</td>"
         f"<td class=n>{_gain(found.best[0], found.given)}</td>"
         f"<td>{escape(found.best[0].clamping.words(found.best[0].machine))}</td></tr>"
         for name, found in sorted(others, key=_time)
@@ -114,8 +115,8 @@ def _table(found: FoundSetUp) -> str:
     units = (
         "Turn, tilt and swing are about the middle of the program, in deg from how the part is clamped now; X, Y, Z: "
         "how far that middle is moved, in mm. Tool: from the spindle nose to the tip, in mm, of each tool. Solution: "
-        "which half of its circle the second rotary joint keeps to; free: whichever turns least. Gap: how far the "
-        "time may be from the best."
+        "which half of its circle the second rotary joint keeps to; free: whichever turns least. Gap: by how much the "
+        "time is slower, at most, than the best possible on its path and mesh."
     )
     return (
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
@@ -125,7 +126,7 @@ def _table(found: FoundSetUp) -> str:
 
 def _row(number: int, each: PlannedSetUp, given: PlannedSetUp | None) -> str:
     clamping = each.clamping
-    cells = [duration(each.duration), _gain(each, given), percent(each.gap)]
+    cells = [format_time(each.duration), _gain(each, given), at_most(each.gap)]
     cells += [_figure(angle / DEGREE) for _, angle in clamping.angles()]
     cells += [_figure(shift / MILLIMETRE) for shift in clamping.shift]
     tools = ", ".join(_figure(length / MILLIMETRE) for length in each.tool_lengths)

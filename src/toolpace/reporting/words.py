@@ -41,7 +41,7 @@ def _paler(colour: str, share: float) -> str:
 
 def limit_words(name: str) -> str:
     """The name of a limit as one says it: "jerk A" is "Jerk of A"."""
-    known = {"feed": "Programmed feed", "nothing": "Between limits", "dwell": "Dwell"}
+    known = {"feed": "Programmed feed", "nothing": "No limit reached", "dwell": "Dwell"}
     kind, _, joint = name.partition(" ")
     return known.get(name) or f"{kind.capitalize()} of {joint}"
 
@@ -56,15 +56,24 @@ def percent(share: float) -> str:
     return f"{value:.3f} %" if value < 0.1 else f"{value:.1f} %"
 
 
-def duration(seconds: float) -> str:
-    """A time as a machinist reads it: 12.34 s, 4 min 05.2 s, 1 h 02 min 05 s."""
-    if seconds < 60.0:
-        return f"{seconds:.2f} s"
-    if seconds < 3600.0:
-        minutes, tenths = divmod(round(seconds * 10.0), 600)
-        return f"{minutes} min {tenths / 10.0:04.1f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes // 60} h {minutes % 60:02d} min {rest:02d} s"
+def at_most(share: float) -> str:
+    """An upper bound of a share in percent: two figures, rounded up, so that the text is a bound too: 0.14 %."""
+    value = 100.0 * share
+    if value <= 0.0 or not math.isfinite(value):
+        return "0 %" if value <= 0.0 else "unbounded"
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    figure = math.ceil(value / unit * (1.0 - 1e-9)) * unit
+    return f"{figure:.2g} %" if figure < 99.5 else f"{math.ceil(value * (1.0 - 1e-9))} %"
+
+
+def mesh_gap(gap: float) -> str:
+    """What the lower bound on the mesh says of a plan."""
+    return f"at most {at_most(gap)} slower than the best possible on this path and mesh"
+
+
+def motion_gap(duration: float, bound: float) -> str:
+    """What the lower bound of all motions along a path, on no mesh, says of a plan; both in seconds."""
+    return f"at most {at_most(duration / bound - 1.0)} slower than any possible motion on this path"
 
 
 def four_digits(value: float) -> str:

@@ -141,7 +141,7 @@ def _show(console: Console, done: Batch) -> None:
             row.verdict,
             format_time(row.duration_s) if row.duration_s is not None else "-",
             *([optimum] if timed else []),
-            f"{row.gap:.3%}" if row.gap is not None else "-",
+            at_most(row.gap) if row.gap is not None else "-",
             f"{limit_in_words(row.limit)} {100.0 * row.limited_by[row.limit]:.0f} %" if row.limit else "-",
             "found" if row.found else format_time(row.seconds) if row.seconds else "-",
         )

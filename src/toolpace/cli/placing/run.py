@@ -187,5 +187,5 @@ def gain(each: PlannedSetUp, given: PlannedSetUp | None) -> str:
     return (
         ""
         if given is None or each is given or math.isnan(given.duration)
-        else f"{1.0 - each.duration / given.duration:.2%}"
+        else f"{100.0 * (1.0 - each.duration / given.duration):.2f} %"
     )

@@ -117,15 +117,15 @@ def _show_table(console: Console, found: Sequence[Timed]) -> None:
 
 
 def _optimum(total: float, optimum: float | None) -> tuple[str, str]:
-    return ("-", "-") if optimum is None else (format_time(optimum), f"{1.0 - optimum / total:.1%}")
+    return ("-", "-") if optimum is None else (format_time(optimum), f"{100.0 * (1.0 - optimum / total):.1f} %")
 
 
 def _saving(total: float, optimum: float) -> str:
     """How much less the optimum takes."""
     share = 1.0 - optimum / total
     if share >= 0.0:
-        return f"{share:.1%} less"
-    return f"{-share:.1%} more: {FASTER}"
+        return f"{100.0 * share:.1f} % less"
+    return f"{-100.0 * share:.1f} % more: {FASTER}"
 
 
 def print_json(found: Sequence[Timed], machine: str) -> None:

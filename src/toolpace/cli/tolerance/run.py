@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from rich.box import SIMPLE
 from rich.table import Table
 
-from toolpace.cli.summary import clock_time
 from toolpace.jobs import job
 from toolpace.units import format_length, format_time
 from toolpace.workers import Progress
@@ -75,9 +74,8 @@ def show_costs(console: Console, usual: float, found: Sequence[Cost]) -> None:
     for name in (
         "tip within",
         "duration",
-        "",
-        f"beside {format_length(usual)}",
-        "a micrometre more gains",
+        f"against {format_length(usual)}",
+        "saved by 1 µm more",
     ):
         table.add_column(name, justify="right")
     beside = next(each.duration for each in found if each.tip_tolerance == usual)
@@ -87,8 +85,8 @@ def show_costs(console: Console, usual: float, found: Sequence[Cost]) -> None:
             wider = found[k + 1]
             gain = format_time((each.duration - wider.duration) / (wider.tip_tolerance - each.tip_tolerance) * 1e-6)
         table.add_row(
-            format_length(each.tip_tolerance), clock_time(each.duration), format_time(each.duration),
-            f"{each.duration / beside - 1.0:+.2%}", gain,
+            format_length(each.tip_tolerance), format_time(each.duration),
+            f"{100.0 * (each.duration / beside - 1.0):+.2f} %", gain,
         )  # fmt: skip
     console.print()
     console.print(table)

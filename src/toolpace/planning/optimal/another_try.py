@@ -92,10 +92,10 @@ def another_try(
     if gap <= FAR:
         return first, ()
     if len(first.law.nodes) > KEPT:
-        return first, (f"run at {run.place(run.s0)}: gap of {gap:.1%}; too long for another try",)
+        return first, (f"run at {run.place(run.s0)}: gap of {100.0 * gap:.1f} %; too long for another try",)
     opening = opening_of(run, limits, first.law, start, end)
     where = f"{run.place(opening.low)} and {run.place(opening.high)}"
-    said = [f"run at {run.place(run.s0)}: gap of {gap:.1%}, mostly between {where}"]
+    said = [f"run at {run.place(run.s0)}: gap of {100.0 * gap:.1f} %, mostly between {where}"]
     if fixed:
         return first, (f"{said[0]}; the mesh is kept as it was given",)
     best, proved = first, None
@@ -117,7 +117,7 @@ def another_try(
         if best.bound.gap <= FAR:
             break
     if best.bound.gap > FAR:
-        said.append(f"what is left is the bound's, as far as tried: {best.bound.gap:.2%}")
+        said.append(f"a gap of {100.0 * best.bound.gap:.2f} % is left: the lower bound is loose, as far as was tried")
     return best, ("; ".join(said),)
 
 
@@ -138,7 +138,7 @@ def on_fewer_cells(
     gain = 1.0 - law.duration / plan.law.duration
     if gain <= WORTH_SAYING:
         return plan, ""
-    return Plan(law, bound_run(run, limits, law, start, end)), f"a mesh of {cells} cells is faster by {gain:.2%}"
+    return Plan(law, bound_run(run, limits, law, start, end)), f"with {cells} cells the motion is {100.0 * gain:.2f} % faster"
 
 
 def with_proof(
@@ -149,10 +149,10 @@ def with_proof(
     bound = prove_run(run, limits, plan.law, FAR, allowance, start, end, workers)
     proved = Plan(plan.law, bound if bound.gap < plan.bound.gap else plan.bound)
     if bound.gap < CLOSED * plan.bound.gap:
-        return proved, f"the bound was loose: a proof by ranges of speed leaves {bound.gap:.2%}"
+        return proved, f"the lower bound was loose: branch and bound leaves {100.0 * bound.gap:.2f} %"
     if allowance.is_spent:
-        return proved, "a proof by ranges of speed is too long to be tried, or to be ended"
-    return proved, "a proof by ranges of speed closes next to nothing"
+        return proved, "branch and bound takes too long to be tried, or finished"
+    return proved, "branch and bound closes next to nothing of it"
 
 
 def on_a_finer_mesh(
@@ -168,14 +168,14 @@ def on_a_finer_mesh(
     """The plan, or that on a mesh with the open cells cut, whichever is better, and what that says of the mesh."""
     law = refined(run, limits, plan.law, opening.cells, start, end, guard, workers)
     if law is None:
-        return plan, "no way was found on a finer mesh"
+        return plan, "no motion was found on a finer mesh"
     gain = 1.0 - law.duration / plan.law.duration
     bound = bound_run(run, limits, law, start, end)
     if gain > WORTH_SAYING:
-        return Plan(law, bound), f"the mesh was coarse there: cut in {PARTS}, the motion is faster by {gain:.2%}"
+        return Plan(law, bound), f"the mesh was too coarse there: {PARTS} times finer, the motion is {100.0 * gain:.2f} % faster"
     if gain < -AS_FAST or bound.gap >= plan.bound.gap:
-        return plan, f"a mesh {PARTS} times as fine there is no faster"
-    return Plan(law, bound), f"the bound knew too few nodes there: with cells cut in {PARTS} it leaves {bound.gap:.2%}"
+        return plan, f"with a mesh {PARTS} times finer there the motion is no faster"
+    return Plan(law, bound), f"the lower bound had too few nodes there: {PARTS} times finer, it leaves {100.0 * bound.gap:.2f} %"
 
 
 def refined(
