@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 BINDING = 0.995
-"""Share of a limit from which it counts as what holds the motion back."""
+"""Share of a limit from which it counts as binding."""
 CHUNK = 100_000
 """Times that are worked out at once, to keep memory low."""
 INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
@@ -238,7 +238,7 @@ class Trajectory:
         return Usage(float(peak[0]), *by_kind)
 
     def limited_by(self) -> dict[str, float]:
-        """What holds the motion back: share of the duration in which each limit binds, largest first."""
+        """Limits that bind: the share of the duration in which each does, largest first."""
         times = dict(self._judgement[1])
         dwell = self.axis_path.first_dwell + sum(run.dwell for run in self.axis_path.runs)
         if dwell > 0.0:

@@ -128,7 +128,7 @@ def test_inspect_time_and_export(parts, tmp_path, capsys):
         options = {"inspected": ["--what", "inspect"], "exported": ["--what", "export", "--to", "table", "-m", MACHINE],
                    "timed": ["--what", "time", "-m", MACHINE]}[what]  # fmt: skip
         main(["batch", str(parts / "one.ngc"), "-o", str(tmp_path / what), *options, *words])
-        assert "1 of 1 job, 1 of them found from before" in capsys.readouterr().out
+        assert "1 of 1 job, 1 of them by an earlier batch" in capsys.readouterr().out
 
 
 def test_a_failed_verification_is_1(parts, tmp_path):

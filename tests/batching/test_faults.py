@@ -128,7 +128,7 @@ def test_a_scheduler_that_is_stopped_and_the_batch_started_again(parts, tmp_path
         until(lambda: list(out.glob("part-*/plan.json")))
         cluster.scheduler.kill()
         code, _, errors = ended(batch)
-    assert code == 2 and "the scheduler is gone" in errors and "the same command goes on from there" in errors
+    assert code == 2 and "the scheduler is gone" in errors and "the same command continues from there" in errors
     assert errors.count("\n") == 1
     before = rows(out)
     assert {row["verdict"] for row in before.values()} >= {"not run"}
@@ -136,7 +136,7 @@ def test_a_scheduler_that_is_stopped_and_the_batch_started_again(parts, tmp_path
     assert 1 <= len(done) < len(BLOCKS)
     with by_hand(2) as cluster:
         code, output, errors = ended(start(parts, out, "--cluster", cluster.address))
-    assert code == 2 and f"{len(done)} of them found from before" in output, (output, errors)
+    assert code == 2 and f"{len(done)} of them by an earlier batch" in output, (output, errors)
     assert_all_planned(out)
     after = {path.parent.name: path.stat().st_mtime_ns for path in out.glob("part-*/plan.json")}
     assert {name: after[name] for name in done} == done
@@ -150,7 +150,7 @@ def test_a_batch_that_is_killed_goes_on_where_it_was(parts, tmp_path):
     batch.communicate(timeout=60)
     done = [path.parent.name for path in out.glob("part-*/plan.json")]
     code, output, errors = ended(start(parts, out, "--workers", "2"))
-    assert code == 2 and "found from before" in output, errors
+    assert code == 2 and "by an earlier batch" in output, errors
     assert_all_planned(out)
     found = [row["folder"] for row in rows(out).values() if row["found"]]
     assert set(done) <= set(found)
@@ -163,7 +163,7 @@ def test_interrupted_it_says_what_there_is_and_how_to_go_on(parts, tmp_path):
     batch.send_signal(signal.SIGINT)
     code, output, errors = ended(batch)
     assert code == 130 and "interrupted; " in errors and "batch.html had been written" in errors, errors
-    assert errors.count("\n") == 1 and "have ended; the same command goes on" in output, (output, errors)
+    assert errors.count("\n") == 1 and "have ended; the same command continues" in output, (output, errors)
     # A job whose folder is there may not have been told of yet: the next batch finds it.
     assert "not run" in {row["verdict"] for row in rows(out).values()}
 

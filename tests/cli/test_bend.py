@@ -1,4 +1,4 @@
-"""`toolpace plan --bend`: aimed off, archived, judged again from the files alone; what was changed is found."""
+"""`toolpace plan --bend`: compensated, archived, verified again from the files alone; what was changed is found."""
 
 from __future__ import annotations
 

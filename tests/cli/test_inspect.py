@@ -181,7 +181,7 @@ def test_a_page_of_one_program_and_a_table_of_many(five, tmp_path, capsys):
         "dialect",
         "10, of them 2 turn the tool",
         "refused",
-        "nothing: it is read whole",
+        "nothing: every word is read",
         "runs on",
         "not on",
     ):

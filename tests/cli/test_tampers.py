@@ -156,7 +156,7 @@ def test_what_was_planned_is_verified(again, capsys):
     code, said = again.verdict(capsys)
     assert code == 0 and "VERIFIED  within tip 0.01 mm, axis 0.05 deg, feeds of the program" in said
     assert "WIDER" not in said
-    assert f"held against the other figures only: {', '.join(AS_SAID)}" in said
+    assert f"checked against the other figures only: {', '.join(AS_SAID)}" in said
 
 
 @pytest.mark.parametrize("name", FIGURES)

@@ -109,7 +109,7 @@ PLANS = {
     "no machine": (lambda folder: (folder / "machine.toml").unlink(), r"holds no file machine\.toml"),
     "no plan": (lambda folder: (folder / "plan.json").unlink(), r"holds no file plan\.json"),
     "nothing": (shutil.rmtree, "no such folder; give the one that `toolpace plan` wrote"),
-    "a plan that failed": (failed, "its verification failed, and what breaks a limit is not exported"),
+    "a plan that failed": (failed, "its verification failed, and a motion that exceeds a limit is not exported"),
 }
 
 

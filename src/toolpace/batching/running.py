@@ -90,7 +90,7 @@ def run_batch(jobs: Sequence[BatchJob], place: Place, pool: Pool, progress: Tell
         running.stop(str(error))
         done = sum(row.verdict != WAITING for row in running.rows)
         raise ClusterError(
-            f"{error}; {done} of {len(jobs)} jobs have ended, and the same command goes on from there"
+            f"{error}; {done} of {len(jobs)} jobs have ended, and the same command continues from there"
         ) from None
     finally:
         files = write_tables(folder, running.rows)

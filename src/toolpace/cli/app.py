@@ -18,26 +18,26 @@ from toolpace.version import __version__
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 
 Give it a program and a machine: it finds the least-time motion within velocity,
-acceleration and jerk limits, judges it independently, and shows it in a report.
+acceleration and jerk limits, verifies it independently, and shows it in a report.
 """
 
 EXAMPLES = """
 Examples:
 
-    toolpace inspect part.ngc         what a program is, asks for and needs
+    toolpace inspect part.ngc         what a program contains and needs
     toolpace demo                     see it work, on a part of its own
     toolpace machines                 the built-in machines and their limits
     toolpace plan part.ngc -m xyzac-trunnion        plan, and write a report
-    toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and needs to
-    toolpace setup part.ngc -m xyzac-trunnion       where to clamp the part, to be fastest
+    toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and the optimum
+    toolpace setup part.ngc -m xyzac-trunnion       where to clamp the part for the least time
     toolpace tolerance part.ngc -m xyzac-trunnion   what a micrometre costs
-    toolpace verify part-plan         judge a plan again, from its files alone
+    toolpace verify part-plan         verify a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
-Exit codes: 0 all is well; 1 a verification failed; 2 something in the input is
-wrong, and one line says what, where and how to cure it.
+Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
+says what, where, and how to cure it.
 """
 
 app = App(
@@ -72,9 +72,9 @@ def plan_command(
 ) -> int:
     """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
 
-    The program is smoothed within the tolerances, planned to the limits of the
-    machine and its own feeds, judged independently, and written with a report
-    that opens in any browser.
+    The program is smoothed within the tolerances and planned up to the limits of
+    the machine and its own feeds. The motion is verified independently, and written
+    with a report that opens in any browser.
 
     For example:
 
@@ -123,13 +123,13 @@ app.command(many.batch_command, name="batch", help_epilogue="")
 
 @app.command(name="verify", help_epilogue="")
 def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading = options.AS_WRITTEN) -> int:
-    """Judge a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel, figures.
+    """Verify a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel, figures.
 
-    Nothing of the planner is used: set-points are differentiated, put through the
-    machine's forward kinematics and compared with the program; each column and
-    each figure of plan.json is recomputed, or named where only the planner can
-    know it. Exit code 1 if anything fails. The program is read as it was for the
-    plan; options given here take the place of those.
+    Nothing of the planner is used. Set-points are differentiated, put through the
+    machine's forward kinematics and compared with the program. Each column and each
+    figure of plan.json is recomputed; those that only the planner knows are listed.
+    Exit code 1 if a check fails. The program is read as it was for the plan; options
+    given here replace those of the plan.
 
     For example:
 
@@ -157,9 +157,9 @@ def export_command(
 ) -> int:
     """Write a plan as files that a control loads: a table, streams for LinuxCNC, rows of a FIFO, or the program itself.
 
-    The files are read back and compared with the plan before the folder takes its
-    place; each says at its head how to use it. What a target cannot hold is
-    refused. docs: from plan to machine.
+    The files are read back and compared with the plan before the folder is put in
+    place. Each says at its head how to use it. What a target cannot hold is refused.
+    docs: from plan to machine.
 
     For example:
 
@@ -182,10 +182,11 @@ def follow_command(
 ) -> int:
     """Follow a plan live as a component of LinuxCNC's HAL: at any pace, corrected by the pins deflection-x, -y and -z.
 
-    LAW is what Follower.save wrote. The component is not realtime: it keeps the
-    queue of HAL's streamer full, which hands a row to the joints each servo
-    period, so that what is measured shows in the joints a backlog later. It ends
-    at SIGTERM (unloadusr) or Ctrl-C, after a stop on the path within the limits.
+    LAW is the file that Follower.save wrote. The component is not realtime: it
+    keeps the queue of HAL's streamer full, and the streamer gives one row to the
+    joints in each servo period. A measurement therefore reaches the joints one
+    backlog later. SIGTERM (unloadusr) or Ctrl-C ends the component, after a stop on
+    the path within the limits.
     docs: from plan to machine.
 
     For example:
@@ -208,11 +209,11 @@ def inspect_command(
     write_setup: options.WriteSetup = None,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
-    """Tell what programs are, ask for and need: dialect, blocks, extents, words that are not read, fitting machines.
+    """Show what programs contain and need: dialect, blocks, extents, words that are not read, fitting machines.
 
-    Nothing is planned. Several programs are listed in one table. Exit code 0
-    where all of them are read whole, 2 where a word is refused; each refused
-    word is named with its first line, its count and its cure.
+    Nothing is planned. Several programs are listed in one table. Exit code 0 if
+    every word is read, 2 if one is refused. Each refused word is listed with its
+    first line, its count and its cure.
 
     For example:
 
@@ -242,11 +243,11 @@ def time_command(
     json: options.Json = False,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
-    """Tell how long programs take on a control, by operation, and how long the fastest motion would.
+    """Estimate how long programs take on a control, by operation, and how long the fastest motion takes.
 
-    The control is found from the program, or named by --controller; its file
-    describes how it goes through blocks by a few figures (table [time]). Tool
-    changes take what the set-up sheet says ([times] tool_change, in seconds).
+    The control is recognised from the program, or named by --controller. A few
+    figures in its file (table [time]) describe how it executes blocks. The set-up
+    sheet gives the time of a tool change ([times] tool_change, in seconds).
 
     For example:
 
@@ -303,9 +304,9 @@ def machines_command(
 ) -> int:
     """List the built-in machines with their class, travel and limits.
 
-    A machine file of one's own starts from one that is built in. Before the first
-    program runs, drive the real machine to a few of the poses and compare: a wrong
-    sign or order shows in the tool axis, a wrong point in the tip.
+    Start your own machine file from a built-in one. Before the first program runs,
+    drive the real machine to a few of the poses and compare: a wrong sign or order
+    shows in the tool axis, a wrong point in the tip.
 
     For example:
 

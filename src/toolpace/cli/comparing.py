@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Plans = Annotated[list[str], Parameter(help="Two to eight folders that `toolpace plan` wrote.")]
 Page = Annotated[
-    str | None, Parameter(name=["--page", "-p"], help="Write a page (.html) with the tables and their speeds.")
+    str | None, Parameter(name=["--page", "-p"], help="Write a page (.html) with the tables and the speeds.")
 ]
 SHOWN = 20
 """Most operations, and limits, that are listed; the page has all."""
@@ -29,9 +29,9 @@ LEAST = 0.005
 
 
 def compare_command(plans: Plans, /, *, page: Page = None) -> int:
-    """Show plans side by side: times by operation and by what limits, and on a page their speed over the path.
+    """Show plans side by side: times by operation and by limit, and on a page their speed over the path.
 
-    From the folders alone; nothing is judged again.
+    The figures are those in the folders; nothing is verified again.
 
     For example:
 

@@ -23,7 +23,7 @@ TargetName = Annotated[
 ]
 ExportOut = Annotated[
     str | None,
-    Parameter(name=["--out", "-o"], help="Folder for the files; by default named after plan and target, here."),
+    Parameter(name=["--out", "-o"], help="Folder for the files; by default PLAN-TARGET in the current folder."),
 ]
 _TIMES = ("period", "pad", "split", "nc_cycle", "plc_cycle")
 """Options that are times."""
@@ -37,7 +37,9 @@ class TargetOptions:
     period: Annotated[
         str | None, Parameter(help="Time between rows, or the servo period; by default the plan's time step.")
     ] = None
-    resample: Annotated[bool, Switch, Parameter(help="Let rows lie between the set-points of the plan.")] = False
+    resample: Annotated[
+        bool, Switch, Parameter(help="Interpolate: rows may lie between the set-points of the plan.")
+    ] = False
     columns: Annotated[
         str | None,
         Parameter(help="table: which of t,q,qd,qdd,qddd,tip,axis,block; by default t,q,qd,qdd,block."),
@@ -48,8 +50,8 @@ class TargetOptions:
         Parameter(help="table: increments of the encoders in place of units: X=10000/mm,A=1000/deg,..."),
     ] = None
     format: Annotated[str | None, Parameter(help="table: csv, the default, or parquet.")] = None
-    tip: Annotated[bool, Switch, Parameter(help="linuxcnc-g93: the tip, under M428, in place of joints.")] = False
-    digits: Annotated[int | None, Parameter(help="linuxcnc-g93: decimals; 9 by default.")] = None
+    tip: Annotated[bool, Switch, Parameter(help="linuxcnc-g93: write the tip, under M428, in place of joints.")] = False
+    digits: Annotated[int | None, Parameter(help="linuxcnc-g93: number of decimals; 9 by default.")] = None
     pad: Annotated[str | None, Parameter(help="linuxcnc-g93: time for the queue to fill; 1s by default.")] = None
     coordinates: Annotated[
         str | None,
@@ -59,10 +61,10 @@ class TargetOptions:
         int | None, Parameter(help="linuxcnc-g93: digital output that switches its guard on; 3 by default.")
     ] = None
     fifo_rows: Annotated[
-        int | None, Parameter(help="beckhoff-fifo: rows of the channel's FIFO, as FiFoGetDimension tells.")
+        int | None, Parameter(help="beckhoff-fifo: number of rows of the channel's FIFO, as FiFoGetDimension gives.")
     ] = None
     fifo_axes: Annotated[
-        int | None, Parameter(help="beckhoff-fifo: axes of the channel's FIFO, as FiFoGetDimension tells.")
+        int | None, Parameter(help="beckhoff-fifo: number of axes of the channel's FIFO, as FiFoGetDimension gives.")
     ] = None
     nc_cycle: Annotated[
         str | None, Parameter(help="beckhoff-fifo: cycle time of the NC's SAF task; by default that of the rows.")
@@ -72,7 +74,7 @@ class TargetOptions:
     ] = None
     inverse_time: Annotated[bool, Switch, Parameter(help="program: feeds as inverse times (G93).")] = False
     split: Annotated[
-        str | None, Parameter(help="program: cut straight blocks that take longer into pieces of about this time.")
+        str | None, Parameter(help="program: divide straight blocks that take longer into pieces of about this time.")
     ] = None
 
     def given(self) -> dict[str, Any]:

@@ -43,7 +43,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     refuse_pipes(folder)
     record = write.read_plan(folder)
     program = program_in(folder, record)
-    write.refuse_without_set_points(folder, "judged again (plan.json says what was found when it was written)")
+    write.refuse_without_set_points(folder, "verified again (plan.json has the result of the first verification)")
     with steps.step("reading") as step:
         machine = Machine.load(folder / write.MACHINE)
         setpoints = SetPoints.load(folder / write.SET_POINTS)

@@ -34,7 +34,7 @@ SHOWN = 40
 """Most names of ignored words, tools and assumptions on a page; JSON has all."""
 LONGEST_NAME = 40
 """Most characters of a program's name that a table does not break."""
-NO_MACHINE = "no machine of those that were tried can run it: inspect it alone to see why, and what helps"
+NO_MACHINE = "none of the machines that were tried can run it; inspect it alone to see why"
 
 
 def run_inspect(
@@ -130,7 +130,7 @@ def _machines_in_words(found: Inspection) -> str:
     """The machines that can run it: few by name, many by their number."""
     most = len(found.machines) + len(found.not_on)
     if found.tip is None and found.refused:
-        return "not read whole: see below"
+        return "words are refused: see below"
     if len(found.machines) <= NAMED:
         return ", ".join(found.machines) or "none"
     return f"{len(found.machines)} of {most} machines"
@@ -158,7 +158,7 @@ def page(found: Inspection) -> Table:
         rows.append(("tilt", [", ".join([f"{_deg(found.tilt)} from Z", *turned])]))
     ignored = [f"{word} {count}" for word, count in sorted(found.ignored.items(), key=lambda item: -item[1])]
     rows.append(("ignored", [_some(ignored) or "nothing"]))
-    rows.append(("refused", [str(each) for each in found.refused] or ["nothing: it is read whole"]))
+    rows.append(("refused", [str(each) for each in found.refused] or ["nothing: every word is read"]))
     rows.append(("assumed", list(found.assumed[:SHOWN]) or ["nothing"]))
     rows.append(("runs on", [", ".join(found.machines) or "none of the machines that were tried"]))
     reasons, cures = _why_not(found.not_on)

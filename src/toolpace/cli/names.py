@@ -1,4 +1,4 @@
-"""Names of many programs in a table."""
+"""Names of many programs in a table, and of those with an error."""
 
 from __future__ import annotations
 
@@ -13,3 +13,8 @@ def short_names(programs: Sequence[str]) -> list[str]:
         return list(programs)
     folder = os.path.commonpath([Path(program).parent for program in programs])
     return [os.path.relpath(program, folder) if folder else program for program in programs]
+
+
+def named_error(program: str, error: str) -> str:
+    """What is wrong with a program, with its name before it where the error does not begin with it."""
+    return error if error.startswith(program) else f"{program}: {error}"

@@ -29,20 +29,23 @@ TIP_TOLERANCE, AXIS_TOLERANCE = "0.01mm", "0.05deg"
 TipTolerance = Annotated[
     str,
     Parameter(
-        help="How far the tool tip may stray from the program, to be smooth: 0.01mm, 5um, 0.0004in. By operation, tool"
-        " or blocks: 20um,finish:5um,T2:8um,N100-N250:5um. As the program asks: program,10um."
+        help="Tolerance of the tip: how far a smooth path may be from the program: 0.01mm, 5um, 0.0004in. By operation,"
+        " tool or blocks: 20um,finish:5um,T2:8um,N100-N250:5um. As the program asks: program,10um."
     ),
 ]
 AxisTolerance = Annotated[
     str,
-    Parameter(help="How far the tool axis may turn from the program's: 0.05deg, 1e-3rad, 0.2deg,finish:0.05deg."),
+    Parameter(
+        help="Tolerance of the tool axis: how far it may turn from the program's: 0.05deg, 1e-3rad,"
+        " 0.2deg,finish:0.05deg."
+    ),
 ]
 
 Side = Annotated[
     str,
     Parameter(
-        help="Where the tip may leave the program: both sides; outside: only out of the part, by the normals that the"
-        " program tells (NX NY NZ of LN); above: only towards the spindle, along the tool axis."
+        help="Side on which the tip may be off the program. both: on both. outside: only out of the part, by the"
+        " normals in the program (NX NY NZ of LN). above: only towards the spindle, along the tool axis."
     ),
 ]
 
@@ -50,7 +53,7 @@ Side = Annotated[
 @Parameter(name="*")
 @dataclass(frozen=True)
 class Tolerances:
-    """How far the tool may stray."""
+    """How far the tool may be from the program."""
 
     tip_tolerance: TipTolerance = TIP_TOLERANCE
     axis_tolerance: AxisTolerance = AXIS_TOLERANCE
@@ -61,54 +64,57 @@ USUAL_TOLERANCES = Tolerances()
 Effort = Annotated[
     str,
     Parameter(
-        help="How much is done for a fast path. low: the smoothest one, fitted once. normal: a few rounds of pace and\n"
-        "fit, and of a short program one quick change of both; the default. high: a thorough change of both."
+        help="How much the path is optimised. low: the smoothest path, fitted once. normal: a few iterations of path"
+        " and speed; for a short program also a quick optimisation of both together. high: a thorough one."
     ),
 ]
 PlannerName = Annotated[
     str,
     Parameter(
-        help="optimal: least time, the default. genetic: the method of Wu, Li, Liu and Perez (ACC 2009).\n"
-        "second-order: least time without jerk limits, to compare with; it fails the verification of jerk."
+        help="optimal: least time. genetic: the method of Wu, Li, Liu and Perez (ACC 2009). second-order: least time"
+        " without jerk limits, for comparison; it fails the verification of jerk."
     ),
 ]
 Prove = Annotated[
     bool,
     Switch,
     Parameter(
-        help="After planning, prove how close the plan is to the fastest possible one: raises the lower bound until"
-        " the gap is 0.01 % or the time for it is up."
+        help="After planning, raise the lower bound of the time until the gap is 0.01 %, or --prove-within is over:"
+        " this proves how close the plan is to the fastest possible one."
     ),
 ]
-ProveWithin = Annotated[str, Parameter(help="That time.")]
+ProveWithin = Annotated[str, Parameter(help="Most time that --prove takes.")]
 Feed = Annotated[
     str | None,
     Parameter(
-        help="In place of the program's feeds: a factor (120%), a value (3000mm/min), or none: as fast as the machine"
+        help="Feed in place of the program's: a factor (120%), a value (3000mm/min), or none: as fast as the machine"
         " can."
     ),
 ]
 TimeStep = Annotated[str, Parameter(help="Time between set-points.")]
 Out = Annotated[
-    str | None, Parameter(name=["--out", "-o"], help="Folder for the results; by default PROGRAM-plan, here.")
+    str | None,
+    Parameter(name=["--out", "-o"], help="Folder for the results; by default PROGRAM-plan in the current folder."),
 ]
-Csv = Annotated[bool, Switch, Parameter(help="Write the set-points as a table (setpoints.csv) too.")]
+Csv = Annotated[bool, Switch, Parameter(help="Also write the set-points as a table (setpoints.csv).")]
 ToolLength = Annotated[
-    str | None, Parameter(help="From the spindle nose to the tip, in place of the machine file's: 120mm.")
+    str | None, Parameter(help="Length from the spindle nose to the tip, in place of the machine file's: 120mm.")
 ]
-Dialect = Annotated[str | None, Parameter(help="gcode, apt or csv, where the name of the program does not tell.")]
+Dialect = Annotated[
+    str | None, Parameter(help="Format of the program, where its name does not show it: gcode, apt or csv.")
+]
 Npz = Annotated[
     str,
     Parameter(
-        help="all: write every set-point to setpoints.npz. none: leave it out, of a long job for its time alone; it can"
-        " then be neither judged again nor exported."
+        help="all: write every set-point to setpoints.npz. none: leave it out, where only the time of a long program is"
+        " wanted; the plan can then be neither verified again nor exported."
     ),
 ]
 Bend = Annotated[
     str | None,
     Parameter(
-        help="A tool file (.toml: stiffness, cutting coefficients, engagement; docs: bending). The path is aimed off by"
-        " what the tool bends under the forces of its own cut, so that the bent tip is where the program says."
+        help="Tool file (.toml: stiffness, cutting coefficients, engagement; docs: bending). The path is compensated"
+        " for the bending of the tool under its cutting forces, so that the bent tip is where the program says."
     ),
 ]
 NoReport = Annotated[bool, Switch, Parameter(help="Leave report.html out.")]
@@ -133,8 +139,8 @@ class Reading:
     controller: Annotated[
         str | None,
         Parameter(
-            help="Controller that the program is for: a name (see `toolpace controllers`) or a file (.toml). Found from"
-            " its content where it is not named."
+            help="Controller that the program is for: a name (see `toolpace controllers`) or a file (.toml). By default"
+            " it is recognised from the program."
         ),
     ] = None
     setup: Annotated[
@@ -145,14 +151,14 @@ class Reading:
         ),
     ] = None
     skip_unknown: Annotated[
-        bool, Switch, Parameter(help="Pass over words that are not read, and say so, in place of refusing them.")
+        bool, Switch, Parameter(help="Skip words that are not read, with a note, instead of refusing them.")
     ] = False
     lenient: Annotated[
         bool,
         Switch,
         Parameter(
-            help="Read on where the control itself would stop and the meaning is certain (no M2 at the end, a word"
-            " twice), and say so."
+            help="Read on, with a note, where the control would stop and the meaning is certain (no M2 at the end,"
+            " a word twice)."
         ),
     ] = False
     compensation: Annotated[
@@ -162,8 +168,8 @@ class Reading:
     max_blocks: Annotated[
         int | None,
         Parameter(
-            help="Most blocks that may be executed; more is taken for a loop without end. By default as many as its"
-            " length explains."
+            help="Most blocks that may be executed; a program with more is refused as an endless loop. By default this"
+            " follows from its length."
         ),
     ] = None
 
@@ -193,16 +199,16 @@ AS_WRITTEN = Reading()
 """Nothing but the program tells."""
 PlanFolder = Annotated[str, Parameter(help="The folder that `toolpace plan` wrote.")]
 OneMachine = Annotated[
-    str | None, Parameter(help="One machine, or a machine file to look at; all built-in ones without.")
+    str | None, Parameter(help="Machine, or machine file, to show; by default all built-in machines.")
 ]
 Toml = Annotated[
-    bool, Switch, Parameter(help="Print the machine file, as a person would write it, each line explained.")
+    bool, Switch, Parameter(help="Print the machine file, with a comment on each line.")
 ]
 Poses = Annotated[
     bool,
     Switch,
     Parameter(
-        help="Print poses to compare with the real machine: joints, and tip and tool axis as the part sees them."
+        help="Print poses to compare with the real machine: joints, and tip and tool axis in the frame of the part."
     ),
 ]
 Results = Annotated[str, Parameter(name=["--out", "-o"], help="Folder for the results.")]
@@ -212,33 +218,33 @@ Programs = Annotated[
 ]
 MachineToInspect = Annotated[
     str | None,
-    Parameter(name=["--machine", "-m"], help="The machine to read for; each built-in one without."),
+    Parameter(name=["--machine", "-m"], help="Machine to read the program for; by default each built-in machine."),
 ]
 Json = Annotated[
-    bool, Switch, Parameter(name="--json", help="Print the findings as JSON, a list with an entry a file.")
+    bool, Switch, Parameter(name="--json", help="Print the findings as JSON: a list with one entry for each file.")
 ]
 WriteSetup = Annotated[
     str | None,
     Parameter(help="Write a set-up sheet to fill in to this file: the offsets, references and tools that are used."),
 ]
-OneController = Annotated[str | None, Parameter(help="One controller; all built-in ones without.")]
+OneController = Annotated[str | None, Parameter(help="Controller to show; by default all built-in ones.")]
 ControllerToml = Annotated[bool, Switch, Parameter(name="--toml", help="Print the controller's file.")]
 ControlModel = Annotated[
     str | None,
     Parameter(
-        help="How the control is thought to work, in place of what its file says: linuxcnc, lookahead, fir, or ideal,"
-        " the optimum itself."
+        help="Model of the control, in place of the one in its file: linuxcnc, lookahead, fir, or ideal (the optimum"
+        " itself)."
     ),
 ]
-NoOptimum = Annotated[bool, Switch, Parameter(help="Leave the optimum out: programs are not planned.")]
+NoOptimum = Annotated[bool, Switch, Parameter(help="Leave the optimum out; then programs are not planned.")]
 FitLog = Annotated[
     str | None,
     Parameter(
         name="--fit",
-        help="Find the figures of the control from a log (CSV) of where the axes were while it ran the program:"
+        help="Identify the figures of the control from a log (CSV) of the axis positions while it ran the program:"
         " columns t [s] and joints [mm, deg].",
     ),
 ]
 WriteController = Annotated[
-    str | None, Parameter(help="With --fit: write the controller's file with these figures; printed without.")
+    str | None, Parameter(help="With --fit: write the controller's file with these figures; by default it is printed.")
 ]

@@ -61,6 +61,7 @@ class Steps(TimedSteps):
             task = bar.add_task(name, total=None)
             step.share = lambda share: bar.update(task, total=1.0, completed=min(max(share, 0.0), 1.0))
             yield step
-        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - began
+        took = time.perf_counter() - began
+        self.seconds[name] = self.seconds.get(name, 0.0) + took
         said = f"  {step.note}" if step.note else ""
-        self.console.print(f"{name:<{WIDTH}} {format_time(self.seconds[name]):>10}{said}", soft_wrap=True)
+        self.console.print(f"{name:<{WIDTH}} {format_time(took):>10}{said}", soft_wrap=True)

@@ -215,8 +215,8 @@ def asked_for(record: PlanRecord) -> str:
     words += [f"for {record.controller}"] if record.controller else []
     how = record.reading
     words += ["by its set-up sheet"] if how.setup_file else []
-    words += ["words that are not read skipped"] if how.skip_unknown else []
-    words += ["blocks that stop the control read on"] if how.lenient else []
+    words += ["unknown words skipped"] if how.skip_unknown else []
+    words += ["read on where the control stops"] if how.lenient else []
     words += [f"G41 and G42 as the {how.compensation}med contour"] if how.compensation else []
     words += [f"at most {how.max_blocks} blocks"] if how.max_blocks is not None else []
     return ", ".join(words)
@@ -243,8 +243,9 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
         style = "" if verdict_ == "ok" else "bold red"
         table.add_row(*(Text(printable(cell), style=style) for cell in (check, worst, limit, where, verdict_)))
     console.print(table)
-    console.print(f"as the planner said, held against the other figures only: {', '.join(AS_SAID)}", soft_wrap=True)
-    console.print("not judged: report.html, which is for looking at", soft_wrap=True)
+    known = ", ".join(AS_SAID)
+    console.print(f"taken from the planner, checked against the other figures only: {known}", soft_wrap=True)
+    console.print("not checked: report.html", soft_wrap=True)
     console.print(verdict(record, verification), soft_wrap=True)
 
 

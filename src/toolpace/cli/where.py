@@ -18,13 +18,13 @@ class Where:
     cluster: Annotated[
         str | None,
         Parameter(
-            help="Address of a scheduler of dask, like tcp://10.0.0.5:8786; without, workers are started on this"
+            help="Address of a dask scheduler, like tcp://10.0.0.5:8786; by default workers are started on this"
             " computer."
         ),
     ] = None
     workers: Annotated[
         int | None,
-        Parameter(help="Workers to start on this computer: one a core by default; 0: this process does it all."),
+        Parameter(help="Workers to start on this computer; by default one for each core; 0: this process alone."),
     ] = None
 
     def client(self) -> str | int | None:

@@ -11,7 +11,7 @@ from toolpace.comparing.comparison import Compared, Row
 from toolpace.comparing.curves import along, later, thinned
 from toolpace.planning.guarantee import PROMISED
 from toolpace.reporting.shell import whole_page
-from toolpace.reporting.words import joint_colour, limit_words, percent
+from toolpace.reporting.words import at_most, joint_colour, limit_words
 from toolpace.units import format_time
 from toolpace.write import PlanRecord
 
@@ -80,7 +80,7 @@ def _plans(plans: Compared) -> str:
         cells = (
             format_time(record.duration_s),
             _against(record.duration_s, plans.durations[0]) if number else "",
-            percent(record.gap) if record.gap is not None else "",
+            at_most(record.gap) if record.gap is not None else "",
             _tolerances(record),
             str(record.stops),
             said_verdict(record),
@@ -93,9 +93,9 @@ def _plans(plans: Compared) -> str:
 
 
 def said_verdict(record: PlanRecord) -> str:
-    """As plan.json has it; `toolpace verify` judges again."""
+    """As plan.json has it; `toolpace verify` verifies again."""
     if record.verified is None:
-        return "not judged"
+        return "not verified"
     return "verified" if record.verified and record.usage.worst <= PROMISED else "failed"
 
 

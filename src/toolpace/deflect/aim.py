@@ -125,8 +125,8 @@ def most_moved(offset: Floats, machine: Machine) -> float:
 
 
 def check_aimed_travel(aim: Aim, rest: Sequence[CommandedMotion], begin: float) -> None:
-    """Raise ReachError where a motion aimed off leaves the travel: on the `rest` of what was planned, from a parameter
-    of the first run on."""
+    """Raise ReachError where a compensated motion leaves the travel: on the `rest` of what was planned, from a
+    parameter of the first run on."""
     machine = aim.machine
     if machine is None:
         return

@@ -82,7 +82,7 @@ def feed_changes(course: Course, t: Floats) -> Floats:
 
 
 def on_program(run: AxisRun) -> FollowRun | None:
-    """The run that follows a program, aimed off or not; None where there is none."""
+    """The run that follows a program, compensated or not; None where there is none."""
     while isinstance(run, AimedOffRun):
         run = run.base
     return run if isinstance(run, FollowRun) else None

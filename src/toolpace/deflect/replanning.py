@@ -3,7 +3,7 @@
 replan: a trajectory, a time, a deflection, its cause
   the state in which the joints are, and the motion that they shall come to:
       displaced   the joints as they were found, with the rates they were commanded; the motion as planned
-      bending     the joints as commanded; the motion as planned, aimed off by the bending
+      bending     the joints as commanded; the motion as planned, compensated for the bending
   where to rejoin it: the projection of the deflection on the path, a given place, or as soon as it can be
   the detour
   the law of the detour and of the way on; then, and on the runs behind it, all as it was
@@ -162,7 +162,7 @@ def behind(trajectory: Trajectory, standing: Standing) -> list[CommandedMotion]:
 def _joined(
     trajectory: Trajectory, standing: Standing, run: AxisRun, law: TimeLaw, aim: Aim | None, planner: str, began: float
 ) -> Trajectory:
-    """The first run with what follows it, aimed off as it is."""
+    """The first run with what follows it, compensated as it is."""
     runs, laws = trajectory.axis_path.runs[standing.behind :], trajectory.laws[standing.behind :]
     if aim is not standing.aim and runs:
         aimed = [aim.motion(each) if aim else each for each in behind(trajectory, standing)]

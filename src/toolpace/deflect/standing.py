@@ -1,4 +1,4 @@
-"""Where a motion is at an instant: on a path, on a detour, on a path aimed off; and the motion that was first planned.
+"""State of a motion at an instant: on a path, a detour or a compensated path; and the motion that was first planned.
 
 However often a motion was replanned, what it goes back to is the one that was planned first: a detour from a detour
 asks no detour before it.
@@ -77,7 +77,7 @@ class Standing:
 
 
 def on_path(followed: CommandedMotion) -> CommandedMotion:
-    """The motion on the path itself, of one that may be aimed off."""
+    """The motion on the path itself, of one that may be compensated."""
     run, law = followed.run, followed.law
     if isinstance(run, AimedOffRun):
         run = run.base

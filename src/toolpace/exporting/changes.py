@@ -52,7 +52,7 @@ def refuse_tool_changes(motion: PlannedMotion, name: str) -> None:
         raise UsageError(
             f"--to {name}: the plan changes its tool ({told}), and its rows are played without a stop for that; plan "
             "what each tool does as a program of its own, or take --to linuxcnc-g93, which stops, --to program, or "
-            "--to table, which tells the times"
+            "--to table, which gives the times"
         )
 
 

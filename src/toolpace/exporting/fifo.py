@@ -167,6 +167,7 @@ class Fifo:
         if round(rows.period / (self.nc_cycle or rows.period)) > 1:
             sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
             notes.append(
-                f"the NC goes straight between rows: it leaves the motion by at most {sag}, and speeds change in steps"
+                f"the NC moves straight between rows: it deviates from the motion by at most {sag}, and speeds change "
+                "in steps"
             )
         return notes

@@ -109,7 +109,7 @@ class PlannedMotion:
             raise UsageError(f"{folder}: {words}; plan again, so that what is exported is what was planned")
         if record.verified is False:
             raise UsageError(
-                f"{folder}: its verification failed, and what breaks a limit is not exported; "
+                f"{folder}: its verification failed, and a motion that exceeds a limit is not exported; "
                 f"`toolpace verify {folder}` says where"
             )
         refuse_without_set_points(folder, "exported")

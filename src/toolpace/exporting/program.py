@@ -61,8 +61,8 @@ class Program:
         """Write the program and how_to_use.txt. Raises UsageError where its dialect has no such feeds."""
         if motion.record is not None and motion.record.bending is not None:
             raise UsageError(
-                f"{motion.name}: its path is compensated for the bending of the tool, and the points in the text of the "
-                "program are not; export set-points: --to table, linuxcnc-hal or linuxcnc-g93"
+                f"{motion.name}: its path is compensated for the bending of the tool, and the points in the text of "
+                "the program are not; export set-points: --to table, linuxcnc-hal or linuxcnc-g93"
             )
         job = Job.of(motion, self.inverse_time, self.split is not None)
         pieces = {} if self.split is None else cut(job, motion.setpoints, self.split)
@@ -113,21 +113,19 @@ class Program:
         if kept:
             named = ", ".join(map(str, kept[:NAMED])) + (", ..." if len(kept) > NAMED else "")
             notes.append(
-                f"{counted(len(kept), 'line')} with the old feed, since what cycles, loops, subprograms and "
-                "threads make "
-                f"has no single one: {named}"
+                f"{counted(len(kept), 'line')} with the old feed, since motions of cycles, loops, subprograms and "
+                f"threads have no single one: {named}"
             )
         if self.split is not None:
             left = int((rewriting.chosen & (np.rint(job.planned / self.split) >= 2)).sum()) - cuts
             notes.append(
-                f"{counted(cuts, 'block')} cut, {counted(more, 'line')} added"
+                f"{counted(cuts, 'block')} divided, {counted(more, 'line')} added"
                 + (f"; {counted(left, 'longer block')} left whole, which hold more than coordinates" if left else "")
             )
         total = float(job.planned[rewriting.chosen].sum())
         notes.append(
-            f"by these F the blocks take {format_time(total)} of the plan's {format_time(motion.duration)}; a "
-            "control that "
-            "slows down at the ends of blocks takes longer"
+            f"with these feeds the blocks take {format_time(total)} of the plan's {format_time(motion.duration)}; a "
+            "control that slows down at the ends of blocks takes longer"
         )
         return notes
 

@@ -167,7 +167,7 @@ class Table:
             worst = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.error))
             notes.append(f"rows lie between set-points of the plan: interpolated, off by at most {worst}")
         sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
-        notes.append(f"a control that goes straight from row to row leaves the motion by at most {sag}")
+        notes.append(f"a control that moves straight from row to row deviates from the motion by at most {sag}")
         if changes := tool_changes(motion):
             told = ", ".join(map(str, changes))
             notes.append(f"the plan changes its tool {told}: stop there, where it rests, put the tool in, and go on")

@@ -25,7 +25,7 @@ class Figures:
     reserve: float = 0.1
     """Share of every limit, and of the feed, that is kept for correction and changes of pace."""
     cause: str = "bending"
-    """"bending": tool or part bends, the joints are where they were commanded, and the command must aim off;
+    """"bending": tool or part bends, the joints are where they were commanded, and the command must compensate;
     "displaced": the joints are not where they were commanded, and go back."""
     period: float = 1e-3
     """Time between two set-points [s]."""

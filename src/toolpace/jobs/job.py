@@ -3,7 +3,7 @@
 carry out a job:
   read the program                       ToolPath
   fit a path within tolerances           Path; with effort, again and again, as it may be passed the fastest
-  plan the motion along it               Trajectory; where the tool bends, both again and again until it is aimed off
+  plan the motion along it               Trajectory; where the tool bends, both again until the bending is compensated
   prove how close to the best it is      the same, with a higher lower bound; only where asked for
   sample it at equal times               SetPoints
   verify these by the program alone      Verification
@@ -72,7 +72,7 @@ class Job:
     report: bool = True
     npz: bool = True
     tool: CuttingTool | None = None
-    """The tool that bends, and is aimed off by it; None: it is stiff."""
+    """The tool whose bending is compensated; None: it is stiff."""
     source: Source | None = None
     """The program, where it has been read already; else it is read from its file, once."""
 
@@ -194,14 +194,14 @@ def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPl
 
 
 def program_plan_of(aimed: AimedOff) -> ProgramPlan:
-    """A program that is aimed off, with its path fitted once in each of the rounds that takes."""
+    """A program compensated for the bending, with its path fitted once in each iteration."""
     from toolpace.planning.program_plan import ProgramPlan
 
     return ProgramPlan(aimed.path, aimed.trajectory, "low", ())
 
 
 def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> AimedOff | None:
-    """The program aimed off by what its tool bends, and planned; None where it is stiff."""
+    """The program compensated for the bending of its tool, and planned; None where it is stiff."""
     if job.tool is None:
         return None
     from toolpace.axispath.travel import check_travel
@@ -214,7 +214,7 @@ def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> AimedOff | Non
         )
         check_travel(aimed.trajectory.axis_path, program_name(job))
         aimed = replace(aimed, trajectory=with_cheap_bound(job, aimed.trajectory))
-        step.note = f"the tool bends by at most {format_length(aimed.largest)}, {counted(aimed.rounds, 'round')}"
+        step.note = f"the tool bends by at most {format_length(aimed.largest)}, {counted(aimed.rounds, 'iteration')}"
     return aimed
 
 

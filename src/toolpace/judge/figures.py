@@ -175,7 +175,7 @@ class Figures:
         return checks + OperationFigures(self.said, self.toolpath, self.passages, self.verification.dt).checks()
 
     def of_bending(self) -> list[Check]:
-        """How far the tool bends, where the path is aimed off by it; how near that is known, after how many rounds."""
+        """How far the tool bends, where that is compensated; how near it is known, after how many iterations."""
         said = self.said["bending"]
         if said is None:
             return []

@@ -132,7 +132,7 @@ def rest_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: flo
         time, block = float(points.t[first]), int(points.block[first])
         unit = unit_of(units[j], 1)
         value, limit = float(off[j]) / dt, float(most[j]) / dt
-        note = "speed in the outermost step, at rest no more than the jerk limit allows"
+        note = "speed in the first or last step; from rest the jerk limit allows no more"
         checks.append(Check(f"rest at the {name}", value, limit, unit, ok, time, block, points.joints[j], note))
     return checks
 

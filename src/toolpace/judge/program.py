@@ -172,7 +172,7 @@ class _Judge:
         time = float(self.motion.early[lost.pose])
         least = self.tolerances.least
         tip, axis = (float(each) for each in lost.distance * least)
-        note = "at least; the motion is not that of this program, and is not judged by it beyond this place"
+        note = "at least; the motion is not that of this program, and is not compared with it beyond this place"
         check = Check(
             "tip or axis, set-points to program", tip, float(least[0]), "m", False, time,
             int(self.points.block[self.motion.first[lost.pose]]), note=note,

@@ -1,4 +1,4 @@
-"""What plan.json says of the use of the limits: peaks over limits, and what holds the motion back for how long."""
+"""What plan.json says of the use of the limits: peaks over limits, and which limit binds for how long."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from toolpace.toolpath import ToolPath
 SHARE = 0.04
 """By how much the share of time in which a limit binds may differ between set-points and all times."""
 BINDING = 0.995
-"""Share of a limit from which it counts as what holds the motion back."""
+"""Share of a limit from which it counts as binding."""
 LOOK = 1e-3
 """Share by which a peak may be higher than what is said of it: far below a limit, peaks are looked for at places."""
 DWELLS = 1e-9
@@ -97,7 +97,7 @@ class UsageFigures:
         return [Check("plan.json usage feed", said, most, "", False, note=note)]
 
     def of_shares(self) -> list[Check]:
-        """What holds the motion back, and for which share of the time."""
+        """The limits that bind, and the share of the time in which each does."""
         said = {name: float(share) for name, share in self.said["limited_by"].items()}
         known = ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in self.machine.joints)]
         strange = [name for name in said if name not in (*known, "dwell", "nothing")]

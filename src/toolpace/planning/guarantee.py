@@ -7,7 +7,7 @@ between them (another grid of probes, another order of sums) never breaks what w
 from __future__ import annotations
 
 PROMISED = 1.0 + 1e-4
-"""What users are promised: no limit is passed by more than 1e-4 of itself, at any time."""
+"""What users are promised: no limit is exceeded by more than 1e-4 of itself, at any time."""
 GUARANTEE = 1.0 + 7e-5
 """Usage between nodes that no plan passes: where all else fails, the motion is slowed down to it."""
 DETOUR = 1.0 + 6e-5

@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 MEASURES: dict[str, tuple[Measure, ...]] = {"low": (), "normal": (BROAD, SHARP), "high": (BROAD, SHARP)}
 """By effort, one after the other."""
 EFFORTS = tuple(MEASURES)
-"""low: the path is fitted once; normal: a few rounds of pace and fit, or one and a quick change of both; high: after
-the rounds both are changed together."""
+"""low: the path is fitted once; normal: a few iterations of path and speed, or one and a quick optimisation of both;
+high: after the iterations both are optimised together."""
 SHORT = 10_000
 """Points of a program up to which path and pace are changed together by "normal" too: for a longer one that takes more
 time than all else."""
@@ -107,7 +107,7 @@ def plan_program(
     """The fastest motion of a tool path within the tolerances [m], [rad] and the limits of a machine.
 
     `effort` "low" fits the smoothest path and plans it; "normal" spends the tolerance where the motion is fast, in a
-    few rounds of pace and fit, and in a quick change of both; "high" changes path and pace together. Paths are ranked
+    few iterations of path and speed, and in a quick change of both; "high" optimises both together. Paths are ranked
     by motions with their limits held at the nodes, and the path of "low" is planned too where it may be the best.
     Another planner than the optimal one takes the path as "low" does. `progress` is told the share done. Raises
     UsageError for what makes no sense, PathError where no curve fits, InfeasibleError where no motion exists.

@@ -1,4 +1,4 @@
-"""One page that shows a motion: what it takes, what holds it back, where; opens without a network."""
+"""One page that shows a motion: its time, its limits, and where they bind; opens without a network."""
 
 from __future__ import annotations
 

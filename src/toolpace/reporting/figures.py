@@ -7,7 +7,7 @@ from typing import Protocol
 
 
 class BendingFigures(Protocol):
-    """What a path is aimed off by."""
+    """The bending that a path compensates."""
 
     @property
     def largest_mm(self) -> float: ...

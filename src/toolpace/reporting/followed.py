@@ -17,6 +17,7 @@ from toolpace.machine.limits import KINDS
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.reporting.series import extremes
 from toolpace.reporting.shell import whole_page
+from toolpace.units import format_time
 
 if TYPE_CHECKING:
     from toolpace.follow import SetPoint
@@ -78,16 +79,16 @@ def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Ma
     t = np.array([each.t for each in setpoints])
     pace = np.array([each.pace for each in setpoints])
     worst = max(used, key=lambda kind: float(used[kind][2].max()))
-    cards = [("Time", f"{t[-1]:.2f} s", f"path to {setpoints[-1].path_time:.2f} s of the plan")]
+    cards = [("Time", format_time(t[-1]), f"up to {format_time(setpoints[-1].path_time)} of the plan")]
     for name, error in errors.items():
         size = 1e6 * np.linalg.norm(error, axis=1)
         begun = np.flatnonzero(size > 0.05 * size.max())
         settled = size[t >= t[begun[0] if len(begun) else 0] + SETTLED]
         rms = float(np.sqrt((settled**2).mean())) if len(settled) else 0.0
-        note = f"rms of all, from {SETTLED * 1e3:.0f} ms after it begins; most {size.max():.0f} µm"
+        note = f"root mean square, from {SETTLED * 1e3:.0f} ms after its beginning; at most {size.max():.0f} µm"
         cards.append((f"Error {name}", f"{rms:.1f} µm", note))
-    cards.append(("Most used of a limit", f"{100.0 * used[worst][2].max():.1f} %", f"{worst}, path and correction"))
-    cards.append(("Pace", f"{pace.min():.2f} to {pace.max():.2f}", "of the plan's own"))
+    cards.append(("Highest use of a limit", f"{100.0 * used[worst][2].max():.1f} %", f"{worst}, path and correction"))
+    cards.append(("Pace", f"{pace.min():.2f} to {pace.max():.2f}", "share of the plan's speed"))
     return "\n".join(
         f'<div class="card{" big" if k == 0 else ""}"><div class="label">{escape(label)}</div>'
         f'<div class="value">{escape(value)}</div><div class="note">{escape(note)}</div></div>'

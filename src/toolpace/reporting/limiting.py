@@ -1,4 +1,4 @@
-"""What holds the motion back at each time: the feed, or one limit of one joint."""
+"""The binding limit at each time: the feed, or one limit of one joint."""
 
 from __future__ import annotations
 

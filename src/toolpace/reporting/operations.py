@@ -45,9 +45,13 @@ def _table(times: list[OperationTime]) -> str:
 
 
 def _row(name: str, tool: str, each: OperationTime, kind: str) -> str:
-    cells = [printable(name), printable(tool), *map(format_time, (each.time, each.cutting, each.rapid, each.dwell))]
+    cells = [printable(name), printable(tool), *map(_time, (each.time, each.cutting, each.rapid, each.dwell))]
     shown = "".join(f"<td>{escape(cell)}</td>" for cell in (*cells, str(each.stops)))
     return f"<tr{kind}>{shown}</tr>"
+
+
+def _time(seconds: float) -> str:
+    return format_time(seconds) if seconds else "-"
 
 
 def _assumed(toolpath: ToolPath) -> str:
@@ -55,5 +59,5 @@ def _assumed(toolpath: ToolPath) -> str:
     if not toolpath.assumed:
         return ""
     items = "".join(f"<li>{escape(printable(sentence))}</li>" for sentence in toolpath.assumed)
-    heading = f"Taken for granted of the program ({len(toolpath.assumed)})"
+    heading = f"Assumed of the program ({len(toolpath.assumed)})"
     return f"<details><summary>{heading}</summary><ul>{items}</ul></details>"

@@ -82,7 +82,7 @@
   const steps = data.limits.length + 1;
   const discrete = [];
   [neutral, ...data.colours].forEach((colour, k) => discrete.push([k / steps, colour], [(k + 1) / steps, colour]));
-  const limitName = (k) => (k < 0 ? "between limits" : data.limits[k]);
+  const limitName = (k) => (k < 0 ? "no limit reached" : data.limits[k]);
   const columns = Array.from(strip, (_, k) => ((k + 0.5) * data.duration) / strip.length);
   traces.push({
     type: "heatmap", xaxis: "x", yaxis: "y2", x: columns, y: [0], z: [Array.from(strip)], zmin: -1.5, zmax: steps - 1.5,

@@ -136,12 +136,12 @@ def _cards(
     figures: PlanFigures | None,
 ) -> str:
     """The figures one asks for first."""
-    note = ""
+    cards = [("Time", format_time(trajectory.duration), "from rest to rest", "big")]
     if trajectory.lower_bound > 0.0 and math.isfinite(trajectory.lower_bound):
         note = mesh_gap(trajectory.gap)
         if trajectory.continuous_bound > 0.0:
             note += f"; {motion_gap(trajectory.duration, trajectory.continuous_bound)}"
-    cards = [("Time", format_time(trajectory.duration), note, "big")]
+        cards.append(("Gap", at_most(trajectory.gap), note, ""))
     if setpoints.has_tool:
         length = float(setpoints.tip_steps.sum())
         mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
@@ -156,7 +156,7 @@ def _cards(
         cards.append(("Blocks", shown, counted(stops, "stop"), ""))
     cards += _deviations(verification, figures)
     if figures is not None:
-        cards += _rounds(figures)
+        cards += _iterations(figures, trajectory.duration)
     if figures is not None and figures.bending is not None:
         bent, rounds = figures.bending.largest_mm * 1e3, figures.bending.rounds
         note = f"at most, the path is shifted against it; {counted(rounds, 'iteration')}"
@@ -211,15 +211,14 @@ def _near(share: float | None) -> str:
     return "" if share is None else f"; more than 90 % of it is used on {percent(share)} of the path"
 
 
-def _rounds(figures: PlanFigures) -> list[tuple[str, str, str, str]]:
-    """The time after each iteration of path and speed."""
+def _iterations(figures: PlanFigures, planned: float) -> list[tuple[str, str, str, str]]:
+    """The time after each iteration of path and speed, and what they save; `planned`: duration of the plan [s]."""
     if len(figures.rounds) < 2:
         return []
     first = figures.rounds[0].duration_s
-    best = min(each.duration_s for each in figures.rounds)
     steps = " → ".join(f"{each.duration_s:.2f}" for each in figures.rounds)
     note = f"less time than the first path; effort {figures.effort}: {steps} s"
-    return [("Saved by iterations", percent(1.0 - best / first), note, "")]
+    return [("Saved by iterations", percent(max(1.0 - planned / first, 0.0)), note, "")]
 
 
 def _worse(told: float | None, judged: float | None, scale: float) -> float | None:

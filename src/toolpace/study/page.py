@@ -79,7 +79,7 @@ CAUSES = Table(
         ("Where the joints are", "at the pose that has the measured tip", "on the path"),
         ("The answer", "a motion of the joints back to the path, from the state that they are in",
          "a command that aims off by as much as it bends, for as long as it bends"),
-        ("The other answer instead", "aiming off leaves the joints as far off as they are",
+        ("The other answer instead", "compensation leaves the joints as far off as they are",
          "a motion back begins from a pose that the joints are not in: the tip is then off by twice the bending at"
          " first, and by the bending ever after"),
         ("Here", "Fig. 8 to 10, with the paper's deflection", "not in the paper, and in no figure here"),

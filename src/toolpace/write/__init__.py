@@ -42,7 +42,7 @@ def write_folder(
     progress: Callable[[float], None] | None = None,
 ) -> PlanRecord:
     """Write machine.toml, a copy of the program (program.<ext>), controller.toml and setup.toml where it was read with
-    them, tool.toml where it was aimed off for one, as asked setpoints.npz, setpoints.csv and report.html, and last
+    them, tool.toml where its bending is compensated, as asked setpoints.npz, setpoints.csv and report.html, and last
     plan.json; return what plan.json says.
 
     `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which

@@ -1,4 +1,4 @@
-"""The tool that a plan is aimed off for: its file beside plan.json, and what plan.json says of it."""
+"""The tool whose bending a plan compensates: its file beside plan.json, and what plan.json says of it."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def open_place_records(trajectory: Trajectory) -> list[OpenPlaceRecord]:
 
 
 def round_records(rounds: Sequence[Round]) -> list[RoundRecord]:
-    """What the rounds of pace and fit came to."""
+    """The duration after each iteration of path and speed."""
     return [RoundRecord(each.duration, each.power, each.kept, math.degrees(each.axis_tolerance)) for each in rounds]
 
 

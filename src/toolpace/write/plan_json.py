@@ -24,7 +24,7 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     velocity: dict[str, float]
     acceleration: dict[str, float]
     jerk: dict[str, float | None]
-    """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk, so its limit is passed.
+    """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk, so its limit is exceeded.
     0 where the machine has no limit of it."""
 
     @property
@@ -84,7 +84,7 @@ class RoundRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class BendingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What the path was aimed off by, so that the bent tool is on the program."""
+    """The bending for which the path is compensated, so that the bent tool is on the program."""
 
     tool_file: str
     """The figures of the tool, beside this file."""
@@ -93,7 +93,7 @@ class BendingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     largest_mm: float
     """Most that the tool bends."""
     change_um: float
-    """Most by which the bending of this motion differs from what the path is aimed off by."""
+    """Largest difference between the bending of this motion and the bending that is compensated."""
     rounds: int
     """How often it was planned with a shift."""
 
@@ -165,13 +165,13 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     dwell_s: float | None = None
     """Their sums."""
     bending: BendingRecord | None = None
-    """What the path is aimed off by; null where the tool is taken for stiff."""
+    """The bending that is compensated; null where the tool is taken for stiff."""
     effort: str = "low"
     """How much was done for a path that may be passed fast: low, normal or high."""
     rounds: list[RoundRecord] = []
     """The first path and each fitted for the pace of those before it; empty where it was fitted once."""
     tip_at_tolerance: float | None = None
-    """Share of the path's length where the tip is off by more than nine tenths of its tolerance."""
+    """Share of the path's length where the tip is off by more than 90 % of its tolerance."""
     axis_at_tolerance: float | None = None
     """The same of the tool axis."""
     step_s: dict[str, float] = {}

@@ -80,7 +80,7 @@ class PlanResult:
     axis_tolerance: float | Tolerances | None = None
     """[rad]"""
     aimed: AimedOff | None = None
-    """Where the path is aimed off by what the tool bends: by what, and for which tool."""
+    """Where the bending of the tool is compensated: by what, and for which tool."""
     step_s: Mapping[str, float] = field(default_factory=dict)
     """Times of the steps so far [s]."""
 

@@ -82,7 +82,7 @@ def sheet_words(program: str, found: FoundSetUp) -> str:
         joint = best.machine.geometry.rotary_joints[1]
         low, high = (f"{each / DEGREE:g}" for each in best.machine.travel[best.machine.joints.index(joint)])
         lines.append(
-            f"{joint} keeps to {low} to {high} deg, which no sheet can tell: take machine.toml, which has it all."
+            f"{joint} keeps to {low} to {high} deg, which a sheet cannot hold: use machine.toml, which has it all."
         )
     return "".join(f"# {line}\n" for line in lines) + "\n"
 

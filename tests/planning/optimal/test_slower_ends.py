@@ -81,7 +81,7 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
     monkeypatch.setattr(slower_ends, "solve", stalled(None))
     assert (solve_whole(problem, c, 1.0) == 2.0 * c).all()
     monkeypatch.setattr(slower_ends, "from_slower_ends", lambda *_: None)
-    with pytest.raises(Stalled, match=r"a jerk limit is passed near s = 0\.25"):
+    with pytest.raises(Stalled, match=r"a jerk limit is exceeded near s = 0\.25"):
         solve_whole(problem, c, 1.0)
 
 

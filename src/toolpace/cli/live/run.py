@@ -9,14 +9,15 @@ from cyclopts import Parameter
 
 from toolpace.cli.steps import new_console
 from toolpace.errors import UsageError
+from toolpace.units import format_time
 
-LawFile = Annotated[str, Parameter(help="What Follower.save wrote.")]
+LawFile = Annotated[str, Parameter(help="Law that Follower.save wrote.")]
 Backlog = Annotated[
     str,
-    Parameter(help="How far the rows are ahead of the servo thread; the law's delay is this, drives and sensor."),
+    Parameter(help="Lead of the rows over the servo thread; the delay in the law is this, drives and sensor."),
 ]
-RecordFile = Annotated[str | None, Parameter(name="--record", help="Table of what is given, row by row (CSV).")]
-ComponentName = Annotated[str, Parameter(name="--name", help="Name of the component, before each of its pins.")]
+RecordFile = Annotated[str | None, Parameter(name="--record", help="Table (CSV) of the rows that are sent.")]
+ComponentName = Annotated[str, Parameter(name="--name", help="Name of the component; its pins begin with it.")]
 StreamerNumber = Annotated[int, Parameter(name="--streamer", help="Number of the streamer that takes the rows.")]
 STREAMERS = 8
 """Most of them (streamer(9))."""
@@ -35,7 +36,7 @@ def run_follow(law: str, backlog: str, record: str | None, name: str, streamer: 
     settings = Settings(name, streamer, ahead, None if record is None else Path(record))
     component = Component(follower, hal_module(), settings)
     console = new_console()
-    console.print(f"{law}: {follower.duration:.6g} s, component {name} is ready", highlight=False)
+    console.print(f"{law}: {format_time(follower.duration)}, component {name} is ready", highlight=False)
     component.run()
-    console.print(f"{component.rows.given} rows were given, none too late", highlight=False)
+    console.print(f"{component.rows.given} rows were sent, none too late", highlight=False)
     return 0

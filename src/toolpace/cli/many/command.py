@@ -23,12 +23,12 @@ def batch_command(
 ) -> int:
     """Plan, time, inspect or export many programs on one or many machines, on all cores or on a cluster.
 
-    Each job has a folder of its own in --out, written whole; batch.html and
-    batch.parquet have a row a job. A batch that was stopped goes on where it was:
-    the same command finds what is done by the hash of program, machine, options
-    and version. A program that is refused stops no other. Exit code 0 where all
-    is planned and verified, 1 where a verification failed, 2 where a job has no
-    result. docs: many programs.
+    Each job has its own folder in --out; batch.html and batch.parquet have one row
+    for each job. The same command continues a batch that was stopped: it recognises
+    finished jobs by the hash of program, machine, options and version. A program
+    that is refused does not stop the others. Exit code 0 if all is planned and
+    verified, 1 if a verification failed, 2 if a job has no result.
+    docs: many programs.
 
     For example:
 

@@ -16,7 +16,7 @@ ProgramsOrJobs = Annotated[
 What = Annotated[
     str,
     Parameter(
-        help="plan; time, on its control, and the optimum; inspect; export: plan, and write files for a control."
+        help="plan. time: on its control, and the optimum. inspect. export: plan, and write files for a control."
     ),
 ]
 Machines = Annotated[
@@ -24,13 +24,15 @@ Machines = Annotated[
     Parameter(
         name=["--machine", "-m"],
         negative="",
-        help="Built-in machine or machine file; named several times, each program is planned on each of them.",
+        help="Built-in machine or machine file; may be given several times: each program is planned on each.",
     ),
 ]
-Target = Annotated[str | None, Parameter(name="--to", help="Of export: the target, as of `toolpace export`.")]
-Out = Annotated[str, Parameter(name=["--out", "-o"], help="Folder for all; one that a batch has left is gone on with.")]
+Target = Annotated[str | None, Parameter(name="--to", help="With --what export: the target, as for `toolpace export`.")]
+Out = Annotated[
+    str, Parameter(name=["--out", "-o"], help="Folder for all jobs; a batch that was stopped there continues.")
+]
 Memory = Annotated[
-    str | None, Parameter(help="What each worker that is started may take, like 4GB; by default an equal share of all.")
+    str | None, Parameter(help="Memory of each worker that is started, like 4GB; by default an equal share.")
 ]
 
 
@@ -39,12 +41,18 @@ Memory = Annotated[
 class Each:
     """What each job is planned with; each of these may be given several times, for a job with each."""
 
-    tip_tolerance: Annotated[list[str] | None, Parameter(negative="", help="0.01mm by default.")] = None
-    axis_tolerance: Annotated[list[str] | None, Parameter(negative="", help="0.05deg by default.")] = None
-    planner: Annotated[list[str] | None, Parameter(negative="", help="optimal by default.")] = None
+    tip_tolerance: Annotated[
+        list[str] | None, Parameter(negative="", help="Tolerance of the tip; 0.01mm by default.")
+    ] = None
+    axis_tolerance: Annotated[
+        list[str] | None, Parameter(negative="", help="Tolerance of the tool axis; 0.05deg by default.")
+    ] = None
+    planner: Annotated[
+        list[str] | None, Parameter(negative="", help="optimal (default), genetic or second-order.")
+    ] = None
     effort: Annotated[list[str] | None, Parameter(negative="", help="low, normal (default) or high.")] = None
     feed: Annotated[
-        list[str] | None, Parameter(negative="", help="In place of the program's: 120%, 3000mm/min, none.")
+        list[str] | None, Parameter(negative="", help="Feed in place of the program's: 120%, 3000mm/min, none.")
     ] = None
     prove: options.Prove = False
     prove_within: options.ProveWithin = "60s"

@@ -14,11 +14,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.names import short_names
+from toolpace.cli.names import named_error, short_names
 from toolpace.cli.steps import new_console
 from toolpace.cli.summary import limit_in_words
 from toolpace.description import counted
 from toolpace.errors import printable
+from toolpace.reporting.words import at_most
 from toolpace.units import format_time
 
 if TYPE_CHECKING:
@@ -49,9 +50,8 @@ def run_jobs(jobs: Sequence[BatchJob], out: str, where: str | int | None, memory
             with shown.live():
                 done = run_batch(jobs, place, pool, shown.tell)
         except KeyboardInterrupt:
-            _say(
-                console, "stopped", f"{shown.ended} of {counted(len(jobs), 'job')} have ended; the same command goes on"
-            )
+            ended = f"{shown.ended} of {counted(len(jobs), 'job')}"
+            _say(console, "stopped", f"{ended} have ended; the same command continues")
             raise
     _show(console, done)
     return done.exit_code
@@ -94,20 +94,15 @@ class _Shown:
         """Of a job that has ended."""
         self.wrong += not row.ok
         self.ended = done
-        self.bar.update(self.task, completed=done, description=f"{self.wrong} went wrong" if self.wrong else "")
+        self.bar.update(self.task, completed=done, description=f"{self.wrong} failed" if self.wrong else "")
         if self.console.is_terminal and row.ok:
             return
         took = "found" if row.found else format_time(row.seconds)
         told = format_time(row.duration_s) if row.duration_s is not None else ""
         on = f" on {row.machine}" if row.machine else ""
-        named = named_error(row) if row.error else f"{row.program}{on}  {told}"
+        named = named_error(row.program, row.error) if row.error else f"{row.program}{on}  {told}"
         line = f"{done}/{len(self.jobs)}  {row.verdict:<9} {took:>8}  {named}"
         self.console.print(Text(printable(line), style="" if row.ok else "red"), soft_wrap=True)
-
-
-def named_error(row: BatchRow) -> str:
-    """What is wrong with a job, with the program's name before it where it does not say that itself."""
-    return row.error if row.error.startswith(row.program) else f"{row.program}: {row.error}"
 
 
 def errors(rows: Iterable[BatchRow]) -> dict[str, list[str]]:
@@ -115,7 +110,7 @@ def errors(rows: Iterable[BatchRow]) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for row in rows:
         if row.error:
-            machines = found.setdefault(named_error(row), [])
+            machines = found.setdefault(named_error(row.program, row.error), [])
             machines += [row.machine] if row.machine not in machines else []
     return found
 
@@ -156,6 +151,6 @@ def _show(console: Console, done: Batch) -> None:
     _say(
         console,
         "done",
-        f"{well} of {counted(len(done), 'job')}" + (f", {found} of them found from before" if found else ""),
+        f"{well} of {counted(len(done), 'job')}" + (f", {found} of them by an earlier batch" if found else ""),
     )
     _say(console, "written", f"{done.folder}: {', '.join(done.files)}")

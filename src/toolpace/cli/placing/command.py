@@ -27,19 +27,19 @@ class SearchOptions:
     machines: Annotated[
         str | None,
         Parameter(
-            help="Several machines, between commas, in place of one: each is searched, and the fastest is taken."
+            help="Several machines, separated by commas: each is searched, and the fastest is taken."
         ),
     ] = None
     choices: Annotated[
         str | None,
         Parameter(
-            help="A file (.toml) of what there is to choose from: fixture tilts, turns, places, tool lengths, and where"
-            " the machine must not be."
+            help="File of choices (.toml): fixture tilts, turns, places, tool lengths, and zones where the machine must"
+            " not be."
         ),
     ] = None
     trials: Annotated[int, Parameter(help="How many clampings are tried on each machine, each by a cheap plan.")] = 200
     shown: Annotated[int, Parameter(help="How many of the best are planned in full, and shown.")] = 10
-    seed: Annotated[int, Parameter(help="Another one searches in another order.")] = 0
+    seed: Annotated[int, Parameter(help="Seed of the search; another one searches in another order.")] = 0
     no_map: Annotated[bool, options.Switch, Parameter(help="Leave the map of the time over x and y out.")] = False
 
     def machines_named(self, machine: str | None, tool_length: str | None) -> list[tuple[str, Machine]]:
@@ -50,7 +50,7 @@ class SearchOptions:
             raise UsageError("--machine and --machines: give one of both; the first of several is the program's own")
         names = [name.strip() for name in self.machines.split(",")] if self.machines is not None else [machine]
         if len(set(names)) < len(names):
-            raise UsageError(f"--machines {self.machines}: a machine stands twice; name each once")
+            raise UsageError(f"--machines {self.machines}: one machine is named twice; name each once")
         return [(str(name), arguments.machine_named(name, tool_length)) for name in names]
 
     def choices_in(self) -> Choices:
@@ -62,6 +62,10 @@ class SearchOptions:
 
 
 USUAL = SearchOptions()
+Out = Annotated[
+    str | None,
+    Parameter(name=["--out", "-o"], help="Folder for the results; by default PROGRAM-setup in the current folder."),
+]
 
 
 def setup_command(
@@ -74,7 +78,7 @@ def setup_command(
     feed: options.Feed = None,
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
-    out: options.Out = None,
+    out: Out = None,
     where: Where = HERE,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
@@ -82,9 +86,9 @@ def setup_command(
 
     Clampings are tried by cheap plans; the best ten are planned in full. The
     program is read for the machine as it is (of several, the first), and written
-    out as tips and tool axes, which hold for any clamping. What collides is not
-    known: --choices says what there is to choose from, and where the machine
-    must not be. docs: where to clamp the part.
+    out as tips and tool axes, which hold for any clamping. Collisions are not
+    checked: the file of --choices lists the choices, and the zones where the
+    machine must not be. docs: where to clamp the part.
 
     For example:
 

@@ -77,7 +77,7 @@ def run_setup(asked: AskedSearch) -> int:
     show_found(console, fastest, found)
     console.print(f"written      {printable(str(asked.out))}: {', '.join(files)}", soft_wrap=True)
     console.print(f"to plan it   {advice(asked)}", soft_wrap=True)
-    console.print("             with --effort low in this time; without it, in less where the path can be faster")
+    console.print("             --effort low gives the time above; without it the plan may be faster")
     return 0
 
 
@@ -147,15 +147,15 @@ def show_found(console: Console, found: FoundSetUp, machines: Sequence[tuple[str
     if found.given is not None and found.given not in found.best:
         table.add_row(*row(len(found.best) + 1, found.given, found.given), style="dim")
     console.print(table)
-    console.print("turn, tilt, swing in deg from how the part is clamped now, about the program's middle;")
-    console.print("x, y, z (how far that is moved) and tool in mm; solution: half of the second rotary joint's circle")
+    console.print("turn, tilt, swing in deg from the clamping as given, about the middle of the program;")
+    console.print("x, y, z (its shift) and tool (length) in mm; solution: half circle of the second rotary joint")
     console.print()
     if found.given is None:
         console.print(f"as given     {printable(found.why)}", soft_wrap=True)
     else:
         console.print(f"before       {time_and_limits(found.given)}", soft_wrap=True)
     if found.best[0] is found.given:
-        console.print("after        nothing that was tried is faster: leave the part as it is")
+        console.print("after        no clamping that was tried is faster: leave the part as it is")
     else:
         console.print(f"after        {time_and_limits(found.best[0])}", soft_wrap=True)
 
@@ -166,7 +166,7 @@ def time_on(machine: tuple[str, FoundSetUp | str]) -> float:
 
 
 def time_and_limits(each: PlannedSetUp) -> str:
-    """How long it takes, and what holds it back."""
+    """The time of a set-up, and what limits it."""
     return f"{format_time(each.duration)}, limited by {limits_in_words(dict(each.limited_by))}"
 
 

@@ -58,9 +58,9 @@ def run_fit(programs: list[str], log: str, asked: Asked, write: str | None) -> i
 
 def _say(steps: Steps, found: Identified) -> None:
     steps.say(f"the log takes {format_time(found.logged)}, the model {format_time(found.modelled)}")
-    steps.say(f"on the way they differ by {format_time(found.misfit)} (root mean square)")
+    steps.say(f"along the program they differ by {format_time(found.misfit)} (root mean square)")
     if found.misfit > POOR * found.logged:
-        steps.say("that is much: is it the log of this program? Does another --model come closer?")
+        steps.say("that is a lot: is it the log of this program? Does another --model fit better?")
 
 
 def controller_text(controller: Controller | None, figures: ControlFigures, name: str) -> str:

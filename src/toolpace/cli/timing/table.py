@@ -9,7 +9,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.names import short_names
+from toolpace.cli.names import named_error, short_names
 from toolpace.errors import printable
 from toolpace.jobs.timed import KINDS, time_record
 from toolpace.units import format_time
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from toolpace.jobs.timed import Timed
 
 MODELS = {
-    "linuxcnc": "as its planner goes, cycle by cycle",
+    "linuxcnc": "its own planner, cycle by cycle",
     "lookahead": "corners rounded within a tolerance, limits of the axes, blocks looked ahead",
     "fir": "pulses of velocity through moving averages, corners blended by overlap",
     "ideal": "the fastest motion within the limits of the axes",
 }
 """What each model of a control does, in words."""
-FASTER = "the control passes limits of joints, or of jerk, that the optimum keeps"
+FASTER = "the control exceeds limits of joints, or of jerk, that the optimum keeps"
 LONGEST_NAME = 40
 """Most characters of a program's name that a table does not break."""
 MOST_PARTS = 60
@@ -42,7 +42,7 @@ def show(console: Console, found: Sequence[Timed], machine: str) -> None:
     for each in found:
         if each.error:
             console.print(
-                Text(printable(f"{each.program}: {each.error}" if len(found) > 1 else each.error)), soft_wrap=True
+                Text(printable(named_error(each.program, each.error) if len(found) > 1 else each.error)), soft_wrap=True
             )
 
 
@@ -74,7 +74,7 @@ def _show_parts(console: Console, found: Timed) -> None:
     assert found.time is not None
     table = Table(box=SIMPLE, pad_edge=False)
     best = {(each.name, each.tool): each.time for each in found.best}
-    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "rests"]
+    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "stops"]
     for heading in [*headings, *(["optimum"] if best else [])]:
         table.add_column(heading, justify="left" if heading in ("operation", "tool") else "right", overflow="fold")
     for part in found.time.parts[:MOST_PARTS]:

@@ -11,7 +11,7 @@ from toolpace.cli import options
 from toolpace.cli.steps import Steps, new_console
 
 TIPS = "1um,2um,5um,10um,20um,50um"
-Tips = Annotated[str, Parameter(help="Tolerances of the tip, with commas between them.")]
+Tips = Annotated[str, Parameter(help="Tolerances of the tip, separated by commas.")]
 Picture = Annotated[
     str | None, Parameter(name=["--out", "-o"], help="Draw duration over tolerance into this file (.svg).")
 ]
@@ -31,10 +31,10 @@ def tolerance_command(
     dialect: options.Dialect = None,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
-    """Tell what a micrometre costs: the duration of a program over the tolerance of its tip.
+    """Show what a micrometre costs: the duration of a program over the tolerance of its tip.
 
-    The program is planned within each of the tolerances, that of --tip-tolerance
-    among them, with which the others are compared.
+    The program is planned within each tolerance. The times are compared with that
+    of --tip-tolerance.
 
     For example:
 

@@ -12,7 +12,7 @@ from toolpace.units import format_time
 
 
 def expected(job: Job, new: Rewritten) -> str:
-    """ "by the model linuxcnc the control takes 25.10 s for it, 24.90 s for the program as it was"; empty where the
+    """ "by the model linuxcnc the control takes 25.10 s with these feeds, 24.90 s with the old ones"; empty where the
     controller has no model."""
     try:
         figures = figures_for(job.options, None)
@@ -26,4 +26,4 @@ def expected(job: Job, new: Rewritten) -> str:
         # What was planned with --feed may have no feeds of its own to be timed by.
         return ""
     now, before = map(format_time, times)
-    return f"by the model {figures.model} the control takes {now} for it, {before} for the program as it was"
+    return f"by the model {figures.model} the control takes {now} with these feeds, {before} with the old ones"

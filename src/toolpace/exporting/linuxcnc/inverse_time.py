@@ -115,9 +115,9 @@ class InverseTime:
             [
                 f"{len(joints) - len(sections)} blocks of two cycles of {format_time(rows.period / 2)}: {what}, "
                 f"{self.digits} decimals, after {format_time(lead * rows.period)} for the queue to fill{stops}",
-                f"straight from block to block it leaves the motion by at most {off}",
-                f"a limit is used to {100.0 * use:.2f} % at most, by differences of the written positions",
-                f"{GUARD} and {LIMITS} stop LinuxCNC where a joint passes its highest planned velocity by "
+                f"straight from block to block it deviates from the motion by at most {off}",
+                f"highest use of a limit {100.0 * use:.2f} %, by differences of the written positions",
+                f"{GUARD} and {LIMITS} stop LinuxCNC where a joint exceeds its highest planned velocity by "
                 f"{100.0 * (ABOVE[0] - 1.0):.0f} % or its acceleration by {100.0 * (ABOVE[1] - 1.0):.0f} %; LinuxCNC's "
                 "own limits are lifted only while they watch",
             ],
@@ -213,7 +213,7 @@ class InverseTime:
             "MAX_LINEAR_ACCELERATION in [TRAJ], MAX_VELOCITY and MAX_ACCELERATION of each axis.",
             f"Streams switch it on by motion.digital-out-{self.guard_output:02d}. It does not watch following errors.",
             "motion.enable must not be connected by another file: join that signal to toolpace-allow.nor with and2.",
-            "toolpace-passed-N.out tells which joint it was.",
+            "toolpace-passed-N.out shows which joint it was.",
         ]
 
     def _limits_head(self, motion: PlannedMotion) -> list[str]:
@@ -245,7 +245,7 @@ class InverseTime:
         if self.tip and not motion.setpoints.has_tool:
             raise UsageError(f"--to {self.name} --tip: the plan has no tip; leave --tip out")
         if self.tip and not set("XYZ") <= set(motion.joints):
-            raise UsageError(f"--to {self.name} --tip: the tip is told by X, Y, Z, and the machine has not all of them")
+            raise UsageError(f"--to {self.name} --tip: the tip takes X, Y and Z, and the machine has not all of them")
 
     def _refuse_tools(self, motion: PlannedMotion, sections: list[Section]) -> None:
         """Raise UsageError where the tip is told, of a tool that the kinematics of a head do not show to know."""

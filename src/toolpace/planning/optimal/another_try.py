@@ -138,7 +138,8 @@ def on_fewer_cells(
     gain = 1.0 - law.duration / plan.law.duration
     if gain <= WORTH_SAYING:
         return plan, ""
-    return Plan(law, bound_run(run, limits, law, start, end)), f"with {cells} cells the motion is {100.0 * gain:.2f} % faster"
+    said = f"with {cells} cells the motion is {100.0 * gain:.2f} % faster"
+    return Plan(law, bound_run(run, limits, law, start, end)), said
 
 
 def with_proof(
@@ -172,10 +173,12 @@ def on_a_finer_mesh(
     gain = 1.0 - law.duration / plan.law.duration
     bound = bound_run(run, limits, law, start, end)
     if gain > WORTH_SAYING:
-        return Plan(law, bound), f"the mesh was too coarse there: {PARTS} times finer, the motion is {100.0 * gain:.2f} % faster"
+        said = f"the mesh was too coarse there: {PARTS} times finer, the motion is {100.0 * gain:.2f} % faster"
+        return Plan(law, bound), said
     if gain < -AS_FAST or bound.gap >= plan.bound.gap:
         return plan, f"with a mesh {PARTS} times finer there the motion is no faster"
-    return Plan(law, bound), f"the lower bound had too few nodes there: {PARTS} times finer, it leaves {100.0 * bound.gap:.2f} %"
+    left = f"{100.0 * bound.gap:.2f} %"
+    return Plan(law, bound), f"the lower bound had too few nodes there: {PARTS} times finer, it leaves {left}"
 
 
 def refined(

@@ -169,7 +169,7 @@ def no_motion(run: AxisRun, stall: Stalled, cells: int | None) -> InfeasibleErro
     """The error of a run on which the solver found no point within the limits."""
     block = int(run.block_at(np.array([stall.place]))[0])
     return InfeasibleError(
-        f"no motion from and to the given states found: {stall.limit} is passed near s = {stall.place:.9g}"
+        f"no motion from and to the given states found: {stall.limit} is exceeded near s = {stall.place:.9g}"
         + (f" (block {block})" if block else "")
         + "; start or end more slowly"
         + (f", or leave the mesh of {cells} cells to the planner" if cells is not None else "")

@@ -40,7 +40,7 @@ class Stalled(Exception):
     """
 
     def __init__(self, place: float, limit: str, within: Floats | None = None) -> None:
-        super().__init__(f"{limit} is passed near s = {place:.9g}")
+        super().__init__(f"{limit} is exceeded near s = {place:.9g}")
         self.place, self.limit, self.within = place, limit, within
 
 

@@ -153,7 +153,7 @@ def held_everywhere(
         return law
     if ends != (0.0, 0.0):
         raise InfeasibleError(
-            f"between two nodes a limit is passed by {max(speed, acceleration) - 1.0:.2g} of itself; "
+            f"between two nodes a limit is exceeded by {max(speed, acceleration) - 1.0:.2g} of itself; "
             "give more mesh cells, or start and end more slowly"
         )
     return law.slowed(max(speed**2, acceleration))
