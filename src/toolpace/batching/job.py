@@ -1,4 +1,4 @@
-"""One job of a batch: a program, a machine, and what is to be done with them."""
+"""One job of a batch: a program, a machine, the work and its options."""
 
 from __future__ import annotations
 

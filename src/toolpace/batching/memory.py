@@ -1,4 +1,4 @@
-"""How much memory a job takes, before it is read: an estimate by the lines of its program."""
+"""Estimate of the memory that a job needs, from the number of lines of its program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a batch: what came of it in a few figures, and a table with a row a job that can be sorted."""
+"""HTML page of a batch: figures, and a table of jobs that can be sorted."""
 
 from __future__ import annotations
 

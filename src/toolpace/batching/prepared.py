@@ -1,4 +1,4 @@
-"""A job with all that it depends on read, and the key by which it is known: what is handed to a worker."""
+"""A job with all its inputs loaded, and the hash by which it is recognised."""
 
 from __future__ import annotations
 

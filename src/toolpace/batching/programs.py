@@ -1,4 +1,4 @@
-"""Which programs are meant: a file, a folder of them, or a pattern."""
+"""Program files from names, folders and patterns."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came of one job, as one row of a table."""
+"""Result of one job, as a row of the table."""
 
 from __future__ import annotations
 

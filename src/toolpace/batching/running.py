@@ -1,4 +1,4 @@
-"""The batch itself: every job ends planned, or with its reason; none twice, none lost."""
+"""Execution of a batch: each job ends once, with a result or with its error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a worker does with a job: its folder of results, whole or not at all, and its row."""
+"""One job carried out by a worker: its folder of results, whole or not at all, and its row."""
 
 from __future__ import annotations
 

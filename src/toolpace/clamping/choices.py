@@ -1,4 +1,4 @@
-"""What there is to choose from: fixtures, turns, places, tools; and the clampings that come of it."""
+"""Choices of a set-up search (fixtures, turns, places, tools), and clampings from them."""
 
 from __future__ import annotations
 

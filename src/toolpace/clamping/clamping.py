@@ -1,4 +1,4 @@
-"""One way to clamp the part, told from the way it is clamped now."""
+"""One clamping of the part, relative to the clamping as given."""
 
 from __future__ import annotations
 

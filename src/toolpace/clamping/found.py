@@ -1,4 +1,4 @@
-"""What a search found: the best set-ups, the given one, and what is gained."""
+"""Result of a set-up search: the best set-ups, the given one, and the gain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of both solutions of the inverse kinematics a machine may take: half of the circle of its second rotary joint.
+"""Choice between both solutions of the inverse kinematics: half circle of the second rotary joint.
 
 Both solutions for a tool axis lie on either side of the plane of the first rotary axis u1 and the second u2, by the
 sign of (R2 a0) . (u1 x u2), which is a sine of the second joint's position. So one of them alone is left where that

@@ -1,4 +1,4 @@
-"""One trial of the search: a clamping, moved to where it fits, and about how long the program takes then.
+"""One trial of the search: a clamping within travel, and an estimate of the duration from a cheap plan.
 
 The plan is a cheap one: the smooth path has wider tolerances, limits hold at the nodes of its mesh alone, and no bound
 is worked out. Where the pace falls to next to nothing between two nodes, which a whole plan mends, the cell counts as

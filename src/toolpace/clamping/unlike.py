@@ -1,4 +1,4 @@
-"""The best trials that are unlike each other: of a hundred in one place one is enough."""
+"""Diverse selection: the best trials that differ from each other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arguments as people type them: checked before any work begins, and explained when they are wrong."""
+"""Command-line arguments to checked values, with an error that names option, value and cure."""
 
 from __future__ import annotations
 

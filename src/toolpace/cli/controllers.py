@@ -1,4 +1,4 @@
-"""The command `controllers`: what is built in, or the file of one."""
+"""The command `controllers`: the built-in controllers, or the file of one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Standard output that may go away: the work goes on without it, and what went wrong is told once, at the end."""
+"""Standard output that may be closed: the work continues, and the failure is reported once, at the end."""
 
 from __future__ import annotations
 

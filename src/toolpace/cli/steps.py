@@ -1,4 +1,4 @@
-"""The steps of a job: each shown while it runs, and printed with its time when it is done."""
+"""Steps of a job on the terminal: a bar while one runs, and a line with its time when it is done."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plan came to, as a machinist reads it."""
+"""Summary of a plan on the terminal: duration, gap, binding limits, deviations, verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where many items are worked on: options that `batch` and `setup` share."""
+"""Options for workers and clusters, shared by `batch` and `setup`."""
 
 from __future__ import annotations
 

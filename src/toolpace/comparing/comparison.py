@@ -1,4 +1,4 @@
-"""What two or more plans have in common and where they differ, from their folders alone."""
+"""Comparison of plans from their folders: durations by operation and by limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How fast the tip goes along its way, and when it is where: what the curves of plans are drawn from."""
+"""Curves of a comparison from set-points: speed of the tip and time over path length."""
 
 from __future__ import annotations
 

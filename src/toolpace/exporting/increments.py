@@ -1,4 +1,4 @@
-"""What whole increments of the encoders leave of a plan: rounding may not take what its tolerance is for."""
+"""Error by rounding to whole encoder increments, held against the tolerance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is followed with: the joints of a machine, or joints of which only the limits are known."""
+"""Joints that a follower drives: of a machine, or from limits alone."""
 
 from __future__ import annotations
 

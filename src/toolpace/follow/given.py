@@ -1,4 +1,4 @@
-"""What people give in place of numbers."""
+"""Checks of arguments that should be numbers."""
 
 from __future__ import annotations
 

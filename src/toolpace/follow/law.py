@@ -1,4 +1,4 @@
-"""All that a follower knows of path, machine and its own figures, as one flat piece: see kernels/follow/layout.py."""
+"""Law of a follower: path, machine and parameters in one flat array (kernels/follow/layout.py)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was measured of the tool, and when."""
+"""Measurement of the tool at a time: position, deflection, direction or force."""
 
 from __future__ import annotations
 

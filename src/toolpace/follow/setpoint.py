@@ -1,4 +1,4 @@
-"""What a follower gives at each step."""
+"""Output of a follower at one step."""
 
 from __future__ import annotations
 

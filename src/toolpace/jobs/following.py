@@ -1,4 +1,4 @@
-"""Whether a machine can follow a program as `plan` would have it: the points, and near the ends of travel the fit.
+"""Check that a machine can follow a program: its points, and near the ends of travel the fit.
 
 A smooth path swings about the points of the program: by a hundredth of a millimetre where the tool only moves, and by
 millimetres where it stands near the pole far out, since a table that turns a little there moves all of it. So what

@@ -1,4 +1,4 @@
-"""What was found of a program, as JSON tells it."""
+"""Findings of a program, as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long a program takes on a control, and how long it needs to."""
+"""Time of a program on a control, and its optimum."""
 
 from __future__ import annotations
 

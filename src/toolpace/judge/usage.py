@@ -1,4 +1,4 @@
-"""What plan.json says of the use of the limits: peaks over limits, and which limit binds for how long."""
+"""Check of the utilisation in plan.json: peaks over limits, and which limit binds for how long."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the tool axis goes when a rotary joint turns: what tells a direction of the wrong sign."""
+"""Tilt direction of the tool axis as a rotary joint turns, which shows a wrong sign."""
 
 from __future__ import annotations
 

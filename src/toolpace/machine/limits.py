@@ -1,4 +1,4 @@
-"""How fast each joint may go: velocity, acceleration and jerk."""
+"""Limits of each joint: velocity, acceleration and jerk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chains that cannot be a five-axis machine, and the slip that most likely made them so."""
+"""Chain diagnosis: why a chain is no five-axis machine, and the most likely mistake."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Poses to compare with a real machine: where each joint, alone and with others, takes the tool as the part sees it."""
+"""Poses to compare with a real machine: tip and tool axis in the frame of the part."""
 
 from __future__ import annotations
 

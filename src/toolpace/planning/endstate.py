@@ -1,4 +1,4 @@
-"""How a run starts or ends: at rest or in motion."""
+"""State at the start or the end of a run: at rest or in motion."""
 
 from __future__ import annotations
 

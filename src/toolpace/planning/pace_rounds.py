@@ -1,4 +1,4 @@
-"""Rounds of pace and fit: paths that follow each other, each fitted for the pace of those before it.
+"""Alternating optimisation of path and speed law: each path is fitted for the speed of those before it.
 
 within the tolerances at hand
     the path that knows no pace, and the motion along it, with its limits held at the nodes: cheap, and it ranks paths

@@ -1,4 +1,4 @@
-"""What a motion really uses of its limits, between the nodes too."""
+"""Peaks of a motion over its limits, between the nodes too."""
 
 from __future__ import annotations
 

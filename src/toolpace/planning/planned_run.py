@@ -1,4 +1,4 @@
-"""What a planner makes of one run, and what the runs come to together."""
+"""Result of a planner for one run, and the trajectory of all runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a program to its motion: path and pace, each from the other.
+"""Path and trajectory of a program, by alternating and joint optimisation.
 
 for some tolerances of the tool axis, up to the one asked for: a path within a narrow one is within a wider
     a path within the tolerances, as smooth as its length allows                  (low: this one is planned)

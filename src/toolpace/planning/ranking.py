@@ -1,5 +1,4 @@
-"""Motions by which paths are ranked: limits held at the nodes, a tenth of a plan's time; between them too where a run
-would hardly move otherwise.
+"""Cheap evaluation of paths: motions with limits at the nodes, and between them where needed.
 
 Held at the nodes only, the pace may fall to next to nothing between two of them (a drill that turns back on its own
 way). Such a motion tells nothing of its path, and one run of that kind is enough to hide all others. Holding limits

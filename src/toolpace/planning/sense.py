@@ -1,4 +1,4 @@
-"""What a path and limits must be for a plan to mean something, and positions that are in another unit than rad."""
+"""Checks of path and limits before a plan: joints, shapes, and positions that may be degrees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a report tells of a plan beyond the motion itself."""
+"""Figures of plan.json that a report shows beside the motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page itself: tables made here, charts by the script that goes with it."""
+"""HTML of the report: tables from the plan, and data for the script that draws the charts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The way of the tip in space, with the tool axis as whiskers, light enough to turn with a finger."""
+"""Data of the three-dimensional view: path of the tip, with the tool axis at some points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every page has around its body: head, styles, data and the charts' library where it draws, script and policy."""
+"""HTML around the body of each page: head, styles, data, chart library, script and policy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words, figures and colours of the report."""
+"""Names, numbers and colours of limits, as reports and summaries show them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the axes whose limits a control keeps go along each move of a program."""
+"""Motion of each axis along each move of a program."""
 
 from __future__ import annotations
 

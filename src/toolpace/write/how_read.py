@@ -1,4 +1,4 @@
-"""How the program of a plan was read: the files of its controller and its set-up sheet beside the plan, and options."""
+"""Reading options of a plan, with the files of its controller and its set-up sheet."""
 
 from __future__ import annotations
 

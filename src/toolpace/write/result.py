@@ -1,4 +1,4 @@
-"""What a job came to and what it was made with: all that the folder of a plan is written from."""
+"""Result of a job and its inputs, from which the folder of a plan is written."""
 
 from __future__ import annotations
 

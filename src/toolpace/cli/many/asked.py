@@ -1,4 +1,4 @@
-"""What is asked of the command `batch`, and the jobs that it comes to."""
+"""Jobs of the command `batch` from its arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A batch on the terminal: what is done and what runs now, and what came of it."""
+"""A batch on the terminal: progress, errors and the table of results."""
 
 from __future__ import annotations
 

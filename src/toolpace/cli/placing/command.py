@@ -1,4 +1,4 @@
-"""What is asked of the command `setup`, checked before any work begins."""
+"""The command `setup`: its options, checked before any work begins."""
 
 from __future__ import annotations
 

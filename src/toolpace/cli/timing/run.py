@@ -1,4 +1,4 @@
-"""The command `time`: how long programs take on a control, and how long they need to."""
+"""The command `time`: time of programs on a control, and the optimum."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the command `time` shows: a page of one program, a table of many, or JSON."""
+"""Output of the command `time`: a page of one program, a table of several, or JSON."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How fast any motion could be at best: lower bounds of the duration, and how they are raised."""
+"""Lower bounds of the duration, and how they are raised."""

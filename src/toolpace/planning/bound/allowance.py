@@ -1,4 +1,4 @@
-"""What may be spent on a proof."""
+"""Limit on the time or the work of a proof."""
 
 from __future__ import annotations
 

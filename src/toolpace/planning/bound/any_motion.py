@@ -1,4 +1,4 @@
-"""The bound of the continuous problem for a whole plan: what no motion at all can beat, on no mesh."""
+"""Lower bound of the continuous problem for a whole plan: of every motion, on no mesh."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ranges of speed, proved knot by knot, that leave the relaxation less and less room to stand still.
+"""Branch and bound over ranges of speed at the knots, which tightens the relaxation.
 
 piece: all z in a part of a run;   cut: what is to be proved
 repeat

@@ -1,4 +1,4 @@
-"""Where a plan may be slower than it must: places at which the relaxation stands still, and what is open there."""
+"""Gap localisation: the places where the relaxation waits, and how much of the gap lies there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the gap between a plan and its bound lies."""
+"""Gap localisation: the cells in which most of the gap between a plan and its bound lies."""
 
 from __future__ import annotations
 

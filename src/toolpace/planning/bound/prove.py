@@ -1,4 +1,4 @@
-"""Closing the gap: how near a plan is to the best possible motion, proved as far as time allows."""
+"""Proof of a plan: the lower bound is raised until the gap is closed or the time is over."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a plan may be from the best: a lower bound of the planner's problem on its mesh, by weak duality."""
+"""Lower bound of the planner's problem on its mesh, by weak duality."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens between two points of a grid unseen: found by what the path's increments tell, and chased down.
+"""Search for narrow features between two points of a grid, from the increments of the path.
 
 A bend, a kink or a jump between two places changes position, slope or curvature by more than the derivatives at both
 tell, however short it is (kernels/motion/hidden.py). The gap is halved, the half kept from which that is still missing,

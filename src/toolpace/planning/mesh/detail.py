@@ -1,4 +1,4 @@
-"""Where a path must be looked at more closely than on an even grid: cusps, poles, and other short-lived detail."""
+"""Places where a path needs a finer grid: cusps, poles and other short features."""
 
 from __future__ import annotations
 

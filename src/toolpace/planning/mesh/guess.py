@@ -1,4 +1,4 @@
-"""A first idea of the motion: what the limits allow point by point, joined by ramps."""
+"""First estimate of the motion: the limits point by point, joined by ramps."""
 
 from __future__ import annotations
 

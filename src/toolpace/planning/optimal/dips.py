@@ -1,4 +1,4 @@
-"""Cells in which z falls far below its values at both nodes: cut, and raised where z falls to nothing."""
+"""Undershoot of z inside a cell, far below both nodes: the cell is cut, or z raised."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the rounds between the nodes leave above the guarantee is taken away by slowing down."""
+"""Slow-down that removes what the constraint handling between the nodes leaves above the guarantee."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Holding a solution's limits between the nodes too."""
+"""Inter-sample constraint handling: limits of a solution held between the nodes too."""
 
 from __future__ import annotations
 

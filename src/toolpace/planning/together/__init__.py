@@ -1,1 +1,1 @@
-"""Path and pace together: the change of a fitted path, and of its pace, by which its motion is the fastest."""
+"""Path-and-pace optimisation: the change of a fitted path and of its speed law that saves most time."""

@@ -1,4 +1,4 @@
-"""How closely path and pace are changed together: what an effort spends on it."""
+"""Effort settings of the path-and-pace optimisation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The plan of a path that was changed together with its pace: on a fine mesh, finer or coarser where that leaves much.
+"""Final plan of a path-and-pace optimisation, on a fine mesh.
 
 Such a path has many joints at their limits at once, and little else than its own pace will do: what its mesh cannot
 hold between the nodes has to be slowed down, and the bound on the path tells by how much.

@@ -1,4 +1,4 @@
-"""A planned path changed together with its pace, run by run: what the next plan is made on.
+"""Path-and-pace optimisation of a planned path, run by run.
 
 of a run, its path and the motion along it:
   knots: those of the path, and more where the motion takes long from one to the next

@@ -1,4 +1,4 @@
-"""Path and pace changed together, again and again while that gains, and the plan of what came out.
+"""Iterations of the path-and-pace optimisation while they save time, and the plan of the result.
 
 from a path and its motion, with limits held at the nodes
     repeat:  the path changed together with its pace, window by window;  its motion;  much faster?  once more

@@ -1,4 +1,4 @@
-"""Rotary joints that a change leaves alone: those that the program only positions.
+"""Rotary joints that the optimisation does not move: those that the program only positions.
 
 A cutter that goes along X, Y and Z is not to be swung for the little time that is gained by it: brakes hold the joint,
 and at a pole what the tool axis does not feel is half a turn. Where the program turns a joint while it cuts, the joint
