@@ -41,7 +41,7 @@ def test_the_terminal_and_the_page(plans, tmp_path, capsys):
     page = tmp_path / "page.html"
     assert main(["compare", *(str(plans / name) for name in ("wide", "tight", "bare")), "--page", str(page)]) == 0
     output = capsys.readouterr().out
-    assert re.search(r"tight .*\+\d+\.\d+%.* verified", output) and "tool 1" in output and "jerk of C" in output
+    assert re.search(r"tight .*\+\d+\.\d+ %.* verified", output) and "tool 1" in output and "jerk of C" in output
     text = page.read_text()
     data = json.loads(re.search(r'<script id="data" type="application/json">(.*?)</script>', text).group(1))
     assert [plan["name"] for plan in data] == ["wide", "tight", "bare"]

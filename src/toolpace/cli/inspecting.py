@@ -130,7 +130,7 @@ def _machines_in_words(found: Inspection) -> str:
     """The machines that can run it: few by name, many by their number."""
     most = len(found.machines) + len(found.not_on)
     if found.tip is None and found.refused:
-        return "words are refused: see below"
+        return "not read whole: see below"
     if len(found.machines) <= NAMED:
         return ", ".join(found.machines) or "none"
     return f"{len(found.machines)} of {most} machines"

@@ -74,7 +74,7 @@ def _show_parts(console: Console, found: Timed) -> None:
     assert found.time is not None
     table = Table(box=SIMPLE, pad_edge=False)
     best = {(each.name, each.tool): each.time for each in found.best}
-    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "stops"]
+    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "rests"]
     for heading in [*headings, *(["optimum"] if best else [])]:
         table.add_column(heading, justify="left" if heading in ("operation", "tool") else "right", overflow="fold")
     for part in found.time.parts[:MOST_PARTS]:

@@ -117,7 +117,8 @@ def another_try(
         if best.bound.gap <= FAR:
             break
     if best.bound.gap > FAR:
-        said.append(f"a gap of {100.0 * best.bound.gap:.2f} % is left: the lower bound is loose, as far as was tried")
+        left = f"{100.0 * best.bound.gap:.2f} %"
+        said.append(f"the remaining gap of {left} is that of a loose lower bound, as far as was tried")
     return best, ("; ".join(said),)
 
 
