@@ -26,17 +26,13 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
+from toolpace.reading.gcode.program.increments import LENGTHS, OF_ARCS, ROUNDED, increment, rounded
 from toolpace.reading.gcode.program.meanings import GROUP_OF
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
 from toolpace.reading.options import ReadOptions
-from toolpace.units import INCH, MILLIMETRE
 
 SMOOTHNESS = "G187"
 """Of Haas: E tells how far corners may be rounded, none that it is as the control's settings say."""
-LENGTHS = frozenset("XYZABCUVWIJRQ")
-"""Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
-LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
-"""Least increment of an angle, and of a length by its unit."""
 WHOLE = frozenset("HLT")
 """Letters of which LinuxCNC takes what is next to a whole number for it."""
 WAYS = ("rapid", "feed", *ARCS)
@@ -57,6 +53,10 @@ class Executor:
         self.modes = Modes(control, state, self.holes, by)
         self.calls = Calls(flow, by)
         self.least_increment = by.option("whole_numbers", "as written") == "least increment"
+        self.rounds = by.option("values_are_rounded", False)
+        """Whether values of expressions are rounded to the least increment of their word."""
+        self.variables.increment = lambda letter: increment(letter, state.unit)
+        self.variables.say = control.findings.assumed
         self.rs274 = by.option("rs274_checks", False)
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
@@ -175,11 +175,16 @@ class Executor:
 
     def _numbers(self, block: Block) -> Numbers:
         """The words of a block with their values."""
-        numbers = dict(block.fixed)
+        numbers, state = dict(block.fixed), self.state
         for letter, node in block.computed:
             value = value_of(node, self.variables)
             if value is not None:
                 numbers[letter] = bounded(value)
+        if self.rounds and block.computed:
+            arc = state.motion in ARCS or any(action.meaning in ARCS for action in block.actions)
+            for letter, _ in block.computed:
+                if letter in numbers and (letter in ROUNDED or (arc and letter in OF_ARCS)):
+                    numbers[letter] = rounded(numbers[letter], increment(letter, state.unit))
         self.state.whole = block.whole
         if block.whole and (self.least_increment or self.whole_varies):
             self._whole_numbers(numbers, block.whole & LENGTHS)
@@ -189,7 +194,7 @@ class Executor:
     def _whole_numbers(self, numbers: Numbers, letters: frozenset[str]) -> None:
         if self.least_increment:
             for letter in letters:
-                numbers[letter] *= LEAST_ANGLE if letter in "ABC" else LEAST[self.state.unit]
+                numbers[letter] *= increment(letter, self.state.unit)
         elif letters:
             self.control.findings.assumed(
                 "numbers without a decimal point are whole millimetres, inches or degrees "

@@ -32,6 +32,10 @@ _OPERATION = re.compile(r"\([ \t]*+(?:OPERATION(?:[ \t]NAME)?|PATH)[ \t]*+[:=][ 
 _SPLIT_NUMBER = re.compile(r"[A-FH-LN-Z][ \t]*+[-+]?[ \t]*+[0-9.]++(?:[ \t]++[0-9.]++)++")
 _ABORT = re.compile(r"\([ \t]*+ABORT[ \t]*+,([^()]*+)\)", re.IGNORECASE)
 LATE_SLASH = Alarm("/ behind the beginning of a block", "it stands first: write what it skips as a line of its own")
+ROUND_HANDED_OVER = (
+    "ROUND in an argument of a macro",
+    "it may round to whole numbers or to least increments: set a variable to it in a block before",
+)
 CORNER = "let the CAM system write the corner out as blocks"
 
 
@@ -81,6 +85,8 @@ class Compiler:
         self.blanks = controller.option("blanks_mean_nothing", False)
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
+        self.whole_remainder = controller.option("remainder_of_whole_numbers", False)
+        self.to_360 = controller.option("angles_to_360", False)
         self.indexed = controller.option("indexed_words", False)
         self.last_rules = controller.option("last_of_group_rules", False)
         self.corners = controller.option("corner_words", False)
@@ -157,7 +163,15 @@ class Compiler:
 
     def parser(self, text: str, at: int = 0) -> Parser:
         """A parser of values in the controller's manner."""
-        return Parser(text, at, bits=self.bits, letter=self.letter, strict=self.rs274)
+        return Parser(
+            text,
+            at,
+            bits=self.bits,
+            letter=self.letter,
+            strict=self.rs274,
+            whole_remainder=self.whole_remainder,
+            to_360=self.to_360,
+        )
 
     def assignments(self, text: str) -> list[tuple[Reference, Node]]:
         """What a text of assignments alone sets."""
@@ -236,8 +250,12 @@ class Compiler:
                 parser.at = at + 1 if indexed is None else indexed.end()
                 if indexed is None and _no_value(parser, self.letter):
                     raise WordError(fault(text[at:]))
+                macro = _calls_macro(block)
+                parser.address = "" if macro else key
                 node = parser.value() if indexed is None else parser.expression()
-                written = text[at + 1 : parser.at]
+                parser.address, written = "", text[at + 1 : parser.at]
+                if macro and self.bits and "ROUND" in written:
+                    block.refused.append(ROUND_HANDED_OVER)
                 if isinstance(node, float) and node and written.strip().lstrip("+-").isdigit():
                     whole.append(key)
                 self._word(block, key, node)
