@@ -47,10 +47,11 @@ def test_the_centre_of_an_arc_is_rounded_as_its_end_is():
 
 
 @pytest.mark.parametrize(
-    ("text", "fanuc", "haas"), [("ATAN[-1]/[-1]", 225.0, -135.0), ("ASIN[-0.5]", 330.0, -30.0), ("ATAN[1]/[-1]", 135.0, 135.0)]
+    ("text", "fanuc", "haas"),
+    [("ATAN[-1]/[-1]", 225.0, -135.0), ("ASIN[-0.5]", 330.0, -30.0), ("ATAN[1]/[-1]", 135.0, 135.0)]
 )  # fmt: skip
 def test_the_range_of_angles_is_that_of_the_parameter_and_said(text, fanuc, haas):
-    """B-64304EN: with parameter 6004#0 = 0, ATAN[-1]/[-1] is 225 and ASIN gives 270 to 90; with 1, -135 and -90 to 90."""
+    """B-64304EN: parameter 6004#0 = 0: ATAN[-1]/[-1] is 225, ASIN gives 270 to 90; with 1, -135 and -90 to 90."""
     body = f"#1={text}\nG0 X#1"
     for controller, wanted in (("fanuc", fanuc), ("haas", haas), (with_options("fanuc", angles_to_360=False), haas)):
         path = read_for(controller, START + body + "\nM30")
@@ -59,7 +60,7 @@ def test_the_range_of_angles_is_that_of_the_parameter_and_said(text, fanuc, haas
 
 
 def test_the_remainder_is_of_whole_numbers_with_the_sign_of_the_first():
-    """B-64304EN: #j and #k are rounded before, and where #j is below zero so is what comes of it. Haas: 27 MOD 20 is 7."""
+    """B-64304EN: #j and #k are rounded, and what comes of it has the sign of #j. Haas 96-8000: 27 MOD 20 is 7."""
     assert [last("fanuc", f"#1={text}\nG0 X#1") for text in ("27 MOD 20", "-10 MOD 3", "10.6 MOD 3")] == [7, -1, 2]
     assert last("haas", "#1=27 MOD 20\nG0 X#1") == 7
     with pytest.raises(ProgramError, match="controls differ in the remainder"):
