@@ -45,6 +45,7 @@ WORD_ADDRESS: dict[str, Kind] = {
     "compensation_corners": ("lines", "arcs"),
     "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),
+    "boring_shift": ("first", "first negative", "second", "second negative"),
     "extended_offsets": ("", "G54.1", "G154"),
     "first_offset": TEXT,
     "lengths_move": ("", "with the block", "refused"),

@@ -60,6 +60,8 @@ class Modal:
     """Whether machine coordinates (G28, G30, G53) have told Z last."""
     turned_plane: int | None = None
     """The plane that G68 turns."""
+    turned_in_plane: bool = False
+    """Whether the program has turned rotary axes since the tilted plane was laid."""
     scaled: bool = False
     """Whether G51 scales the coordinates."""
     next_tool: str = ""

@@ -16,6 +16,7 @@ from toolpace.reading.coordinates import affine
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
+from toolpace.reading.gcode.actions.turned_in_plane import need_on_plane, refuse, turned_alone, turns
 from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.units import DEGREE
 
@@ -62,9 +63,11 @@ class MotionReader:
         corner = self._corner(numbers)
         before = control.words
         start = self._stated() if state.stands else before
-        target, named = self.target(numbers)
+        target, named = self.target(numbers, alone=True)
         if vector is not None:
             target[3:] = self._rotary_of(vector)
+        if turned_alone(control, state, target):
+            return
         if motion in ARCS:
             if self.fanuc and state.turned_plane not in (None, state.plane):
                 raise WordError("an arc in another plane than that of G68 stops with an alarm: write G69 before it")
@@ -102,8 +105,11 @@ class MotionReader:
             motion = self.state.motion = "rapid"
         return motion
 
-    def target(self, numbers: dict[str, float]) -> tuple[list[float], int]:
-        """Words (3 + rotary) [m, rad] that a block moves to, and bits of the X, Y, Z that it names."""
+    def target(self, numbers: dict[str, float], *, alone: bool = False) -> tuple[list[float], int]:
+        """Words (3 + rotary) [m, rad] that a block moves to, and bits of the X, Y, Z that it names.
+
+        alone: whether rotary words may turn their axes alone, in a tilted plane.
+        """
         state, control = self.state, self.control
         slots, unit, absolute = control.slots, state.unit, state.absolute
         target = list(control.words)
@@ -138,6 +144,10 @@ class MotionReader:
         if state.stands or along or state.along:
             self.stated, state.along = target[:3], along
             target[:3] = self._moved(target)
+        if control.coordinates.tilted:
+            if not alone and turns(control, target):
+                refuse()
+            need_on_plane(control, state, target)
         return target, named
 
     def _need_both(self, named: int) -> None:

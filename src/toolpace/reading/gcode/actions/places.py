@@ -71,6 +71,7 @@ class Places:
             self._reference_in_turned(number, list(given))
         else:
             reference(control, number, list(given))
+        self.state.turned_in_plane |= not given or not given.keys().isdisjoint("ABC")
         self.state.at_home = True
 
     def _reference_in_turned(self, number: int, letters: list[str]) -> None:
@@ -110,6 +111,7 @@ class Places:
         if places:
             self.state.along = 0.0
             self.state.level_by_machine |= "Z" in places
+            self.state.turned_in_plane |= not places.keys().isdisjoint("ABC")
             straight_in_machine(control, places, rapid=rapid)
 
     def machine_rapid(self, numbers: Numbers, word: str) -> None:
