@@ -72,3 +72,19 @@ def test_the_remainder_is_of_whole_numbers_with_the_sign_of_the_first():
 def test_round_that_is_handed_to_a_macro_is_refused():
     with pytest.raises(ProgramError, match="ROUND in an argument of a macro"):
         read_for("fanuc", START + "G65 P1 A[ROUND[1.4]]\nM30\nO1\nG1 X#1\nM99")
+
+
+@pytest.mark.parametrize(
+    ("controller", "body", "seconds", "said"),
+    [
+        ("fanuc", "#1=500\nG4 P#1", 0.5, False),
+        ("fanuc", "G4 P1.5", 1.5, True),
+        ("haas", "#1=.5\nG4 P#1", 0.5, True),
+        ("haas", "G4 P.5", 0.5, False),
+    ],
+)
+def test_dwells_whose_time_is_reckoned(controller, body, seconds, said):
+    """P takes no point on Fanuc, and is milliseconds also from a variable; Haas tells its unit by the point."""
+    path = read_for(controller, START + body + "\nG1 X1.\nM30")
+    assert path.dwell.sum() == pytest.approx(seconds)
+    assert any("P of a dwell" in sentence for sentence in path.assumed) is said

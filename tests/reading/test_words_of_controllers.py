@@ -364,6 +364,20 @@ def test_rotary_words_are_as_written_or_the_shorter_way():
     assert np.degrees(np.ptp(path.rotary[:, 1])) == pytest.approx(20)
 
 
+@pytest.mark.parametrize("controller", ["fanuc", "haas", "mazak"])
+def test_p_of_an_arc_is_refused_where_it_counts_no_turns(controller):
+    """It does to LinuxCNC ("P", G2 and G3); to these it is no word of an arc."""
+    with pytest.raises(ProgramError, match="P2 of an arc is not read"):
+        read_for(controller, START + "G2 X10. I5. P2\nM30")
+
+
+@pytest.mark.parametrize("words", ["X10.", "Y30."])
+def test_polar_words_begin_with_radius_and_angle(words):
+    """B-63944EN gives no example without either: zero, or that of where the tool is."""
+    with pytest.raises(ProgramError, match="G16 without a radius or an angle"):
+        read_for("fanuc", START + f"G0 X5. Y5.\nG16 {words}\nM30")
+
+
 # --- tools ------------------------------------------------------------------------------------------------------
 
 

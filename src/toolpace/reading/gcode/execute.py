@@ -185,7 +185,7 @@ class Executor:
             for letter, _ in block.computed:
                 if letter in numbers and (letter in ROUNDED or (arc and letter in OF_ARCS)):
                     numbers[letter] = rounded(numbers[letter], increment(letter, state.unit))
-        self.state.whole = block.whole
+        state.whole, state.reckoned = block.whole, block.letters_computed
         if block.whole and (self.least_increment or self.whole_varies):
             self._whole_numbers(numbers, block.whole & LENGTHS)
         numbers.pop("N", None)

@@ -8,7 +8,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.curves.arcs import Arc, ArcError, Tolerance, centre_of_radius, plane_arc
 from toolpace.reading.gcode.actions.modal import Modal
-from toolpace.reading.gcode.program.words import WordError, near_whole
+from toolpace.reading.gcode.program.words import RefusedError, WordError, near_whole
 from toolpace.units import INCH, MILLIMETRE
 
 FARTHEST = 1e6
@@ -35,6 +35,8 @@ class ArcReader:
         """By mode (distances from the start, or positions), or "fitting": what makes both radii equal."""
         self.full = by.option("rs274_checks", False)
         """Whether ends on one ray from the centre make a full circle."""
+        self.counts_turns = by.option("arc_turns", False)
+        """Whether P of an arc counts its turns."""
         self.radii = {unit: _radii(by, unit) for unit in (MILLIMETRE, INCH)}
         reach = by.option("arc_reach_mm", 0.0) * MILLIMETRE
         self.reach = Tolerance(reach, 0.0) if reach else Tolerance()
@@ -45,6 +47,8 @@ class ArcReader:
         plane = self._plane(arc_words)
         clockwise = state.motion == "arc clockwise"
         tolerance = self.radii[state.unit]
+        if arc_words.get("P", 1.0) != 1.0 and not self.counts_turns:
+            raise RefusedError(f"P{arc_words.pop('P'):g} of an arc", "write each turn as an arc of its own")
         turns = near_whole(arc_words.pop("P", 1.0), 1e-3)
         if turns != int(turns) or not 1 <= turns <= MOST_TURNS:
             raise WordError(f"P{turns:g} of an arc counts its turns: write a whole number from 1 to {MOST_TURNS}")

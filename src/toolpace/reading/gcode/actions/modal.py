@@ -37,6 +37,8 @@ class Modal:
     """Whether this block moves along an arc."""
     whole: frozenset[str] = frozenset()
     """Letters of this block whose numbers have no point."""
+    reckoned: frozenset[str] = frozenset()
+    """Letters of this block whose values are expressions."""
     in_machine: bool = False
     """Machine coordinates in this block."""
     to_initial: bool = True

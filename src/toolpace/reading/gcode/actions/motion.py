@@ -227,6 +227,10 @@ class MotionReader:
             raise WordError("a polar radius under G91 is not read: write it under G90")
         before = {} if state.absolute else state.pole
         state.pole |= {x: numbers[x] + before.get(x, 0.0) for x in (first, second) if x in numbers}
+        if first not in state.pole or second not in state.pole:
+            raise RefusedError(
+                "G16 without a radius or an angle", f"what is left out is not sure: write {first} and {second}"
+            )
         radius, angle = state.pole.get(first, 0.0), state.pole.get(second, 0.0) * DEGREE
         for letter, value in ((first, radius * math.cos(angle)), (second, radius * math.sin(angle))):
             slot = self.control.slots[letter]

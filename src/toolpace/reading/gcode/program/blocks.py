@@ -52,6 +52,8 @@ class Block:
     """Why the program ends itself here, from a comment (ABORT, ...)."""
     fixed: dict[str, float] = field(default_factory=dict)
     computed: list[tuple[str, Node]] = field(default_factory=list)
+    letters_computed: frozenset[str] = frozenset()
+    """Of `computed`."""
     codes: list[tuple[str, Node]] = field(default_factory=list)
     """G and M words with variables."""
     words: list[str] = field(default_factory=list)
@@ -260,6 +262,7 @@ class Compiler:
                     whole.append(key)
                 self._word(block, key, node)
         block.whole = frozenset(whole)
+        block.letters_computed = frozenset(letter for letter, _ in block.computed)
 
     def _corner(self, block: Block, word: str, size: Node) -> None:
         """,R and ,C: a corner at the end of the block."""
