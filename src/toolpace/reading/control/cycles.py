@@ -172,7 +172,7 @@ def bore_backwards(control: Control, cycle: Drilling, hole: list[float], aside: 
 def fine_bore(control: Control, cycle: Drilling, hole: list[float], beside: list[float]) -> None:
     """Bore a hole, and go out beside its axis so that the tool does not mark it.
 
-    B-63944EN-2, "Fine boring cycle (G76)": at the bottom the spindle stops where it is oriented, and the tool goes aside
+    B-63944EN-2, "Fine boring cycle (G76)": at the bottom the spindle stops oriented, and the tool goes aside
     at rapid. beside: the place (3 + rotary) of the way out.
     """
     down = Stroke(cycle.bottom, rapid=False, stop=True, dwell=cycle.dwell)

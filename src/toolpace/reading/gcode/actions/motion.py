@@ -15,8 +15,8 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
+from toolpace.reading.gcode.actions.frames.turned_in_plane import need_on_plane, refuse, turned_alone, turns
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.actions.turned_in_plane import need_on_plane, refuse, turned_alone, turns
 from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.units import DEGREE
 
