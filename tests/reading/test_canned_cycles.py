@@ -190,7 +190,7 @@ def test_the_other_letter_of_repeats_is_said_or_refused():
 @pytest.mark.parametrize("controller", ["fanuc", "haas", "mazak", "iso"])
 def test_a_unit_within_a_cycle_is_refused(controller):
     """Its words would count in another unit than they were written in."""
-    with pytest.raises(ProgramError, match="G20 within a cycle"):
+    with pytest.raises(ProgramError, match="a change of the unit within a cycle"):
         tips(controller, START + "G81 X4. Z-5. R2.\nG20 X1.\nG80\nM30")
 
 

@@ -29,8 +29,13 @@ from toolpace.reading.gcode.program.flow import Flow
 from toolpace.reading.gcode.program.increments import LENGTHS, OF_ARCS, ROUNDED, increment, rounded
 from toolpace.reading.gcode.program.meanings import GROUP_OF
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
+from toolpace.reading.gcode.whole_numbers import count_increments, unit_of
 from toolpace.reading.options import ReadOptions
 
+AS_WRITTEN = (
+    "numbers without a decimal point are whole millimetres, inches or degrees "
+    '(whole_numbers = "least increment" in the controller\'s file counts them otherwise)'
+)
 SMOOTHNESS = "G187"
 """Of Haas: E tells how far corners may be rounded, none that it is as the control's settings say."""
 WHOLE = frozenset("HLT")
@@ -182,24 +187,17 @@ class Executor:
                 numbers[letter] = bounded(value)
         if self.rounds and block.computed:
             arc = state.motion in ARCS or any(action.meaning in ARCS for action in block.actions)
+            unit = unit_of(block, state)
             for letter, _ in block.computed:
                 if letter in numbers and (letter in ROUNDED or (arc and letter in OF_ARCS)):
-                    numbers[letter] = rounded(numbers[letter], increment(letter, state.unit))
-        state.whole, state.reckoned = block.whole, block.letters_computed
-        if block.whole and (self.least_increment or self.whole_varies):
-            self._whole_numbers(numbers, block.whole & LENGTHS)
+                    numbers[letter] = rounded(numbers[letter], increment(letter, unit))
+        state.whole, state.reckoned = block.whole, frozenset(letter for letter, _ in block.computed)
+        if block.whole and self.least_increment:
+            count_increments(numbers, block, state, self.holes.repeats)
+        elif self.whole_varies and block.whole & LENGTHS:
+            self.control.findings.assumed(AS_WRITTEN)
         numbers.pop("N", None)
         return numbers
-
-    def _whole_numbers(self, numbers: Numbers, letters: frozenset[str]) -> None:
-        if self.least_increment:
-            for letter in letters:
-                numbers[letter] *= increment(letter, self.state.unit)
-        elif letters:
-            self.control.findings.assumed(
-                "numbers without a decimal point are whole millimetres, inches or degrees "
-                '(whole_numbers = "least increment" in the controller\'s file counts them otherwise)'
-            )
 
     def _rest(self, numbers: Numbers, number: float | None, free: bool) -> None:
         """What no word of the block has taken: the motion, and letters that mean nothing for it."""

@@ -85,10 +85,12 @@ class Holes:
         """Whether G90 was in force where a word was written: G91 behind a cycle places holes, and leaves depths."""
         self.level: float | None = None
         """Along the drill axis, where the cycle began [m]."""
+        self.unit = state.unit
+        """In which its words are written [m]."""
 
     def begin(self) -> None:
         """Forget the words of the cycle before."""
-        self.words, self.absolute, self.level = {}, {}, None
+        self.words, self.absolute, self.level, self.unit = {}, {}, None, self.state.unit
 
     def change(self) -> None:
         """Another cycle follows without an end of the one before: Q stays, of a peck and of a shift (B-63944EN-2)."""
@@ -112,6 +114,8 @@ class Holes:
             raise WordError(
                 f"{self.repeats}{repeats:g} counts holes: write a whole number from {fewest} to {MOST_HOLES}"
             )
+        if state.unit != self.unit:
+            raise WordError("a change of the unit within a cycle changes what its words mean: write G80 before it")
         if self.level is None:
             self.level = control.words[state.drill_axis]
         drills = bool(plane) or letter in numbers

@@ -59,7 +59,7 @@ class Modes:
 
     def _unit(self, unit: float) -> Handler:
         def set_unit(numbers: Numbers, word: str) -> None:
-            if self.state.cycle is not None and unit != self.state.unit:
+            if self.rs274 and self.state.cycle is not None and unit != self.state.unit:
                 raise WordError(f"{word} within a cycle changes what its words mean: end the cycle with G80 before it")
             if self.control.stage is not None and unit != self.state.unit:
                 self.control.stage.other_motion(f"a change of the unit ({word})")

@@ -33,6 +33,11 @@ MOST_NESTED = 60
 """Brackets and signs within each other: more is no expression that anybody wrote."""
 EQUAL = 1e-4
 """Difference of two numbers that EQ takes for none (LinuxCNC, "Binary Operators")."""
+ROUND_HANDED_OVER = (
+    "ROUND in an argument of a macro",
+    "it may round to whole numbers or to least increments: set a variable to it in a block before",
+)
+"""A word that is refused, and the cure."""
 ATAN_TO_360 = "ASIN and ATAN give angles from 0 to 360 degrees (parameter 6004#0 = 0 of Fanuc; with 1 below zero too)"
 ATAN_SIGNED = "ASIN and ATAN give angles from -180 to 180 degrees"
 _TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<]))")
@@ -101,8 +106,7 @@ class Parser:
         self.to_360 = to_360
         self.address = ""
         """The letter of the word whose value is read, to whose least increment ROUND then rounds (Custom Macro B)."""
-        self.strict = strict
-        self.text, self.at, self.bits, self.letter = text, at, bits, letter
+        self.text, self.at, self.bits, self.letter, self.strict = text, at, bits, letter, strict
         self.operations = OPERATIONS | (BITS if bits else TRUTH) | (WHOLE_REMAINDER if whole_remainder else {})
         self.functions = FUNCTIONS | (TOWARDS_ZERO if bits else {}) | (LONG if strict else {})
         self.depth = 0
@@ -125,6 +129,13 @@ class Parser:
         if self.peek() != ("mark", mark):
             raise WordError(f"'{mark}' is missing before '{self.text[self.at : self.at + 20]}': correct the expression")
         self.at = self.end
+
+    def lacks_value(self) -> bool:
+        """Whether no value begins here."""
+        kind, text = self.peek()
+        if kind == "name":
+            return "[" not in self.text[self.end : self.end + 3] and text != self.letter
+        return not kind or text in ("]", "/", "*", "**", "<")
 
     def value(self) -> Node:
         """A number, a variable, an expression in brackets, or a function of one, with signs before it."""

@@ -90,6 +90,12 @@ def plain_words(block: str) -> list[tuple[str, str]] | None:
     return _WORD.findall(block)
 
 
+def words_behind(line: str) -> bool:
+    """Whether there are words behind a `;`, which ends a block in listings of some controllers."""
+    rest = line.split(";", 1)[1].strip().upper()
+    return bool(rest and plain_words(rest))
+
+
 def decimal_comma(text: str) -> str:
     """What to write for the first number of a text that has a comma for its point; empty where none has."""
     found = _DECIMAL_COMMA.search(text)
