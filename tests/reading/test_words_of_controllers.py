@@ -387,6 +387,16 @@ def test_a_tool_change_is_an_operation_and_t_before_it_the_tool():
     assert [path.operations[k].tool for k in path.operation[1:]] == ["8", "9"] and path.stop[1]
 
 
+@pytest.mark.parametrize(("controller", "home", "said"), [
+    ("haas", "", True), ("fanuc", "", True), ("haas", "G53 Z0\n", False), ("haas", "G91 G28 Z0\nG90\n", False),
+    ("linuxcnc", "", False),
+])  # fmt: skip
+def test_a_change_of_the_tool_that_may_go_elsewhere_is_said(controller, home, said):
+    """Haas, M06: Z goes to its zero first; LinuxCNC's axes stay."""
+    path = read_for(controller, START + f"{home}T2 M6\nG1 X1. Y0 Z0\nM30", MACHINE)
+    assert any("M6 leaves the axes where they are" in sentence for sentence in path.assumed) is said
+
+
 def test_compensation_with_a_radius_of_zero_is_the_programmed_contour():
     """Fanuc 16i, 14.4: the offset of D; D0 is none."""
     body = START + "G41 D{} G1 X1. Y1.\nX2.\nG40 X3.\nM30"

@@ -18,7 +18,7 @@ WORD_ADDRESS: dict[str, Kind] = {
     **dict.fromkeys(
         (
             *("compensation_ends_before_stops", "compensation_in_xy"),
-            *("angles_to_360", "arc_turns", "remainder_of_whole_numbers", "values_are_rounded"),
+            *("angles_to_360", "arc_turns", "changes_elsewhere", "remainder_of_whole_numbers", "values_are_rounded"),
             *("assignments_last", "blanks_mean_nothing", "corner_words", "cycle_without_r", "cycles_are_a_group"),
             *("cycles_go_back_to_initial", "empty_variables", "feed_before_units", "feed_kept"),
             *("fanuc_checks", "feed_mode_forgets_feed", "indexed_words", "inverse_seconds", "inverse_time_by_radius"),

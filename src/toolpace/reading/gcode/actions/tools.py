@@ -7,6 +7,10 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 
+WHERE_CHANGED = (
+    "M6 leaves the axes where they are: a Haas goes to Z zero before it, others as their builders chose (write G28 or "
+    "G53 before M6, and the way there is planned)"
+)
 STILL = 1e-9
 """Lengths [m] that are the same."""
 
@@ -18,6 +22,8 @@ class Tools:
         self.control, self.state = control, state
         self.h_stays = by.option("length_word_stays", True)
         self.with_tool = by.option("length_with_tool", False)
+        self.changes_elsewhere = by.option("changes_elsewhere", False)
+        """Whether M6 may go to the place where tools are changed."""
         self.rs274 = by.option("rs274_checks", False)
         """Whether number 0 of H and D, and a length without H, mean the tool in the spindle (LinuxCNC's manual)."""
         self.lengths_move: str = by.option("lengths_move", "")
@@ -55,6 +61,8 @@ class Tools:
         """M6: the tool that T named last."""
         numbers.pop("T", None)
         self.state.turning = ""
+        if self.changes_elsewhere and len(self.control.moves) and not self.state.level_by_machine:
+            self.control.findings.assumed(WHERE_CHANGED)
         self.control.change_tool(self.state.next_tool)
         if self.with_tool:
             self.control.set_length(self.state.next_tool)
