@@ -264,3 +264,20 @@ def test_a_cycle_of_millplus_is_defined_and_then_run_from_a_surface():
     assert got == [
         [0, 0, 20], [4, 0, 20], [4, 0, 12], [4, 0, 5], [4, 0, 15], [6, 0, 15], [6, 0, 12], [6, 0, 5], [6, 0, 15],
     ]  # fmt: skip
+
+
+def test_i_j_k_of_pecks_are_what_each_control_says():
+    """Haas: the first peck, by how much each is shorter, the least. Posts for Mazak: K is a clearance. Fanuc: no pecks."""
+    body = START + "G99 G83 X0 Z-9. R1. {}\nG80\nM30"
+    haas = [row[2] for row in tips("haas", body.format("I4. J1. K2."))]
+    assert haas == [10, 1, -3, 1, -1.73, -6, 1, -4.73, -8, 1, -6.73, -9, 1]
+    mazak = read_for("mazak", body.format("Q5. K.5"))
+    assert [round(z, 6) for z in mazak.tip[1:, 2] * 1e3] == [1, -4, 1, -3.5, -9, 1]
+    assert any("K of pecks" in said for said in mazak.assumed)
+    with pytest.raises(ProgramError, match="I, J, K of pecks is not read"):
+        tips("fanuc", body.format("Q3. I1. J1."))
+
+
+def test_haas_scales_by_one_factor():
+    with pytest.raises(ProgramError, match="G51 with I, J, K is not read"):
+        tips("haas", START + "G51 X0 Y0 I2. J3.\nG1 X1.\nM30")

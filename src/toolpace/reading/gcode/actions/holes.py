@@ -75,6 +75,8 @@ class Holes:
         self.repeats = controller.option("repeats", "K")
         self.clearance = controller.option("peck_clearance_mm", 1.0) * MILLIMETRE
         self.chip_break = controller.option("chip_break_mm", 1.0) * MILLIMETRE
+        self.peck_words: str = controller.option("peck_words", "")
+        """What I, J, K of pecks are: "shorter", the first, by how much each is shorter, the least; K a "clearance"."""
         self.rs274 = controller.option("rs274_cycles", False)
         """Whether cycles are those of LinuxCNC's interpreter."""
         self.from_here = controller.option("cycle_without_r", False)
@@ -276,12 +278,18 @@ class Holes:
         if peck < 0.0:
             raise WordError("Q is the depth of a peck and has no sign: write it above zero")
         first, less, least = (words.get(name, 0.0) * unit for name in "IJK")
+        clearance, chip_break = self.clearance, self.chip_break
+        if self.peck_words == "clearance" and least:
+            self.control.findings.assumed("K of pecks is how far the tool goes back, or stops above the last depth")
+            clearance, chip_break, least = least, least, 0.0
+        if (first or less or least) and self.peck_words != "shorter":
+            raise RefusedError("I, J, K of pecks", "controls differ in what they mean: write Q alone")
         return made._replace(
             peck=peck or first,
             first_peck=first,
             peck_less=less,
             least_peck=least,
-            chip_break=self.chip_break if kind.pecks == "break" else 0.0,
-            clearance=self.clearance,
+            chip_break=chip_break if kind.pecks == "break" else 0.0,
+            clearance=clearance,
             over_top=self.rs274,
         )

@@ -29,6 +29,8 @@ class Transforms:
         self.control, self.state = control, state
         self.factor_of_whole: float = by.option("scale_of_whole", 1.0)
         """What a whole P of scaling counts (0.001 where P1000 is life size)."""
+        self.by_axis = by.option("scales_by_axis", False)
+        """Whether I, J, K scale each axis."""
         self.adds = by.option("rotation_adds", False)
         """Whether R of G68 under G91 is added to the turn in force."""
         self.absolute_centre = by.option("rotation_centre_is_absolute", False)
@@ -162,6 +164,8 @@ class Transforms:
         factors = [numbers.pop(letter, None) for letter in "IJK"]
         if common is None and not any(factors):
             raise WordError(f"{word} needs its factor as P, or I, J and K: write it like {word} X0 Y0 P0.5")
+        if common is None and not self.by_axis:
+            raise RefusedError(f"{word} with I, J, K", "one factor P is read here: scale the axes in the CAM system")
         if common is None and None in factors:
             self.control.findings.assumed(f"axes of which {word} names no factor (I, J, K) are not scaled")
         chosen = [
