@@ -458,7 +458,7 @@ class Program:
             above = self.number(5.0, 80.0) if self.chance(0.4) else 0.0
             word += f" {self.word('R', above)}" if above else ""
         nearest = self.truth.nearest(normal)
-        if nearest is not None and self.chance(0.2):
+        if nearest is not None and not self.follows and self.chance(0.2):
             self.say(f"G0 {self.words(self.letters, nearest - self.truth.shift()[1])}")
             above = None
         else:
@@ -467,8 +467,8 @@ class Program:
         if nearest is None:
             return STOPS
         self._stood(nearest, above)
-        self.follows = bool(self.chance(0.3) and self.by.name != "haas")
-        if self.follows:
+        if self.chance(0.3) and self.by.name != "haas":
+            self.follows = True
             self.say(f"G43.4 H{self.truth.tool}")
             self.truth.length = self.truth.tool
         self._go(full=True, turn=False)

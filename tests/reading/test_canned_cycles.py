@@ -267,7 +267,7 @@ def test_a_cycle_of_millplus_is_defined_and_then_run_from_a_surface():
 
 
 def test_i_j_k_of_pecks_are_what_each_control_says():
-    """Haas: the first peck, by how much each is shorter, the least. Posts for Mazak: K is a clearance. Fanuc: no pecks."""
+    """Haas: the first peck, by how much each is shorter, the least. Posts for Mazak: K is a clearance. Fanuc: none."""
     body = START + "G99 G83 X0 Z-9. R1. {}\nG80\nM30"
     haas = [row[2] for row in tips("haas", body.format("I4. J1. K2."))]
     assert haas == [10, 1, -3, 1, -1.73, -6, 1, -4.73, -8, 1, -6.73, -9, 1]
