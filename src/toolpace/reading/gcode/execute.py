@@ -36,6 +36,10 @@ AS_WRITTEN = (
     "numbers without a decimal point are whole millimetres, inches or degrees "
     '(whole_numbers = "least increment" in the controller\'s file counts them otherwise)'
 )
+SHIFTED_BY_TABLES = (
+    "it shifts by tables of the control, which no set-up sheet has: let the CAM system shift the path, or remove it "
+    "where they are zero"
+)
 SMOOTHNESS = "G187"
 """Of Haas: E tells how far corners may be rounded, none that it is as the control's settings say."""
 WHOLE = frozenset("HLT")
@@ -108,7 +112,7 @@ class Executor:
         if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
             self.planes.need_whole()
         numbers = self._numbers(block)
-        moves = len(control.moves)
+        moves, corner = len(control.moves), self.motion.corners.waiting
         if self.rs274:
             self._refuse_unused(block, numbers)
             if control.stage is not None:
@@ -149,6 +153,8 @@ class Executor:
             if block.ignored:
                 self._idle(numbers)
             self._rest(numbers, number, bool(block.ignored or actions))
+        if corner is not None and actions and self.motion.corners.waiting is corner:
+            self.motion.corners.refuse()  # a block that does not move it stops with an alarm (051)
         if state.stop_here:
             control.stop()
         elif state.exact_stop:
@@ -266,7 +272,7 @@ class Executor:
         letter = "P" if "P" in numbers else "X"
         number = numbers.pop(letter, 0.0)
         if number:
-            raise RefusedError(f"{word} {letter}{number:g}", "what it shifts is data of the machine: remove it")
+            raise RefusedError(f"{word} {letter}{number:g}", SHIFTED_BY_TABLES)
         self.control.findings.ignored(word)
 
     def close(self) -> None:
