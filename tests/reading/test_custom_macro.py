@@ -88,3 +88,11 @@ def test_dwells_whose_time_is_reckoned(controller, body, seconds, said):
     path = read_for(controller, START + body + "\nG1 X1.\nM30")
     assert path.dwell.sum() == pytest.approx(seconds)
     assert any("P of a dwell" in sentence for sentence in path.assumed) is said
+
+
+@pytest.mark.parametrize(("text", "wanted"), [("POW[2,3]", 8.0), ("ATAN[1,-1]", 135.0), ("ATAN[1]/[-1]", 135.0)])
+def test_functions_of_two_values(text, wanted):
+    """B-64304EN: POW[#j,#k], and ATAN[#j,#k] for ATAN[#j]/[#k]."""
+    assert last("fanuc", f"#1={text}\nG0 X#1") == pytest.approx(wanted)
+    with pytest.raises(ProgramError, match="'POW' is no function"):
+        last("iso", "#1=POW[2,3]\nG0 X#1")

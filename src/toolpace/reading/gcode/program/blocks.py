@@ -9,10 +9,11 @@ from functools import partial
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program import alarms
 from toolpace.reading.gcode.program.alarms import Alarm
-from toolpace.reading.gcode.program.expressions import ROUND_HANDED_OVER, Node, Parser, Reference
+from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
 from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict, last_of_groups
 from toolpace.reading.gcode.program.statements import Statement, refuse_unknown_o_word, statement
 from toolpace.reading.gcode.program.words import (
+    ROUND_HANDED_OVER,
     WordError,
     bounded,
     decimal_comma,
@@ -245,8 +246,7 @@ class Compiler:
                 parser.at = at + 1 if indexed is None else indexed.end()
                 if indexed is None and parser.lacks_value():
                     raise WordError(fault(text[at:]))
-                macro = _calls_macro(block)
-                parser.address = "" if macro else key
+                parser.address = "" if (macro := _calls_macro(block)) else key
                 node = parser.value() if indexed is None else parser.expression()
                 parser.address, written = "", text[at + 1 : parser.at]
                 if macro and self.bits and "ROUND" in written:

@@ -33,14 +33,9 @@ MOST_NESTED = 60
 """Brackets and signs within each other: more is no expression that anybody wrote."""
 EQUAL = 1e-4
 """Difference of two numbers that EQ takes for none (LinuxCNC, "Binary Operators")."""
-ROUND_HANDED_OVER = (
-    "ROUND in an argument of a macro",
-    "it may round to whole numbers or to least increments: set a variable to it in a block before",
-)
-"""A word that is refused, and the cure."""
 ATAN_TO_360 = "ASIN and ATAN give angles from 0 to 360 degrees (parameter 6004#0 = 0 of Fanuc; with 1 below zero too)"
 ATAN_SIGNED = "ASIN and ATAN give angles from -180 to 180 degrees"
-_TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<]))")
+_TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<,]))")
 _NAME = re.compile(r"(?:_(?:HAL|INI)\[[^>\[\]#]{1,100}\][^>\[\]#]{0,100}|[^>\[\]#]{1,200})>")
 
 
@@ -197,18 +192,8 @@ class Parser:
             number = self.value()
             assert isinstance(number, float)
             return Reference(whole(number, f"the number behind {name}"))
-        if name == "ATAN":
-            self.take("[")
-            first = self.expression()
-            self.take("]")
-            if self.peek() != ("mark", "/") and not self.strict:
-                return _applied(lambda a: math.degrees(math.atan(a)), first)
-            self.take("/")
-            self.take("[")
-            second = self.expression()
-            self.take("]")
-            degrees = long_degrees if self.strict else math.degrees
-            return self._turned(_combined(lambda a, b: degrees(math.atan2(a, b)), first, second), name)
+        if name == "ATAN" or (name == "POW" and self.bits):
+            return self._of_two(name)
         if name == "EXISTS":
             self.take("[")
             self.take("#")
@@ -225,6 +210,26 @@ class Parser:
             letter, value = self.address, _function(inner)
             return lambda variables: rounded(value(variables), variables.increment(letter))
         return self._turned(_applied(function, inner), name) if name == "ASIN" else _applied(function, inner)
+
+    def _of_two(self, name: str) -> Node:
+        """ATAN[a]/[b], ATAN[a]; Fanuc has ATAN[a,b] and POW[a,b] too (B-64304EN, "Arithmetic and logic operation")."""
+        self.take("[")
+        first = self.expression()
+        inside = self.bits and (name == "POW" or self.peek() == ("mark", ","))
+        if inside:
+            self.take(",")
+        else:
+            self.take("]")
+            if self.peek() != ("mark", "/") and not self.strict:
+                return _applied(lambda a: math.degrees(math.atan(a)), first)
+            self.take("/")
+            self.take("[")
+        second = self.expression()
+        self.take("]")
+        if name == "POW":
+            return _combined(OPERATIONS["**"][1], first, second)
+        degrees = long_degrees if self.strict else math.degrees
+        return self._turned(_combined(lambda a, b: degrees(math.atan2(a, b)), first, second), name)
 
     def _turned(self, node: Node, name: str) -> Node:
         """The angle [deg] of a function, by the controller's range where it is below zero."""
