@@ -60,6 +60,7 @@ def test_positions_that_a_post_repeats_are_no_turn():
         ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG53 A0\nX0 Y0 Z20.", "in a tilted plane that the tool was turned off"),
         ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG91 G28 A0\nG90 X1.", "in a tilted plane that the tool was turned off"),
         ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG1 X5. A10.", "rotary words beside a motion in a tilted plane"),
+        ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG2 I5. A10.", "rotary words beside a motion in a tilted plane"),
         ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG81 X5. C10. Z-5. R2.", "rotary words beside a motion in a tilted plane"),
         ("haas", "G254\nG0 A30. C10.\nX0 Y0 Z50.", "in a tilted plane that the tool was turned off"),
     ],
@@ -72,9 +73,10 @@ def test_what_would_move_the_plane_is_refused(controller, body, said):
 
 def test_axes_may_turn_back_before_the_plane_ends():
     """Posts retract, turn home and write G69 last."""
-    home = "G53 Z0\nG0 A0 C0\nG91 G28 X0 Y0\nG90 G69\nG0 X0 Y0"
-    found = joints("fanuc", f"{PLANES['fanuc']}\nG53.1\nG0 X0 Y0 Z20.\n{home}")
-    assert found[-1][3:] == pytest.approx([0.0, 0.0]) and found[-1][:2] == pytest.approx(found[0][:2], abs=1e-9)
+    for turn in ("G0 A0 C0", "G28 A0 C0", "G91 G28 A0 C0", "G53 A0 C0"):
+        home = f"G53 Z0\n{turn}\nG91 G28 X0 Y0\nG90 G69\nG0 X0 Y0"
+        found = joints("fanuc", f"{PLANES['fanuc']}\nG53.1\nG0 X0 Y0 Z20.\n{home}")
+        assert found[-1][3:] == pytest.approx([0.0, 0.0]) and found[-1][:2] == pytest.approx(found[0][:2], abs=1e-9)
 
 
 def test_in_tip_mode_the_tip_stands_as_before():

@@ -26,10 +26,10 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
-from toolpace.reading.gcode.program.increments import LENGTHS, OF_ARCS, ROUNDED, increment, rounded
+from toolpace.reading.gcode.program.increments import LENGTHS, increment
 from toolpace.reading.gcode.program.meanings import GROUP_OF
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
-from toolpace.reading.gcode.whole_numbers import count_increments, unit_of
+from toolpace.reading.gcode.whole_numbers import count_increments, round_values
 from toolpace.reading.options import ReadOptions
 
 AS_WRITTEN = (
@@ -192,12 +192,10 @@ class Executor:
             if value is not None:
                 numbers[letter] = bounded(value)
         if self.rounds and block.computed:
-            arc = state.motion in ARCS or any(action.meaning in ARCS for action in block.actions)
-            unit = unit_of(block, state)
-            for letter, _ in block.computed:
-                if letter in numbers and (letter in ROUNDED or (arc and letter in OF_ARCS)):
-                    numbers[letter] = rounded(numbers[letter], increment(letter, unit))
-        state.whole, state.reckoned = block.whole, frozenset(letter for letter, _ in block.computed)
+            round_values(numbers, block, state)
+        state.whole = block.whole
+        if block.computed or state.reckoned:
+            state.reckoned = frozenset(letter for letter, _ in block.computed)
         if block.whole and self.least_increment:
             count_increments(numbers, block, state, self.holes.repeats)
         elif self.whole_varies and block.whole & LENGTHS:

@@ -1,6 +1,6 @@
-"""Numbers without a point that count least increments: which letters of a block they are, and what one counts.
+"""Numbers in least increments: those without a point that count them, and values of expressions rounded to them.
 
-Fanuc: parameter 3401#0 (DPI) = 0; Haas: Setting 162 and those of its kind are off.
+Without a point: Fanuc, parameter 3401#0 (DPI) = 0; Haas: Setting 162 and those of its kind are off.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from toolpace.reading.gcode.actions.holes import KINDS
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.program.blocks import Block
-from toolpace.reading.gcode.program.increments import LENGTHS, increment
+from toolpace.reading.gcode.program.increments import LENGTHS, OF_ARCS, ROUNDED, increment, rounded
 from toolpace.reading.gcode.program.words import Numbers, RefusedError
 from toolpace.units import INCH, MILLIMETRE
 
@@ -52,12 +52,21 @@ def count_increments(numbers: Numbers, block: Block, state: Modal, repeats: str)
         angles |= {"YXZ"[state.plane]}
     if "dwell" in meanings:
         angles |= SECONDS  # thousandths of a second, in inches too
-    unit = unit_of(block, state)
+    unit = _unit(block, state)
     for letter in whole - pure:
         numbers[letter] *= increment("A" if letter in angles else letter.lstrip(","), unit)
 
 
-def unit_of(block: Block, state: Modal) -> float:
+def round_values(numbers: Numbers, block: Block, state: Modal) -> None:
+    """Round the values of expressions that are places to the least increments of their words."""
+    arc = state.motion in ARCS or any(action.meaning in ARCS for action in block.actions)
+    unit = _unit(block, state)
+    for letter, _ in block.computed:
+        if letter in numbers and (letter in ROUNDED or (arc and letter in OF_ARCS)):
+            numbers[letter] = rounded(numbers[letter], increment(letter, unit))
+
+
+def _unit(block: Block, state: Modal) -> float:
     """The unit of the lengths of a block [m], which may tell it itself."""
     for action in block.actions:
         if action.meaning in _UNITS:

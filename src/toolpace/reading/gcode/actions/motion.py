@@ -66,7 +66,9 @@ class MotionReader:
         target, named = self.target(numbers, alone=True)
         if vector is not None:
             target[3:] = self._rotary_of(vector)
-        if turned_alone(control, state, target):
+        if motion in ARCS and turns(control, target):
+            refuse()
+        if turned_alone(control, state, target, rapid=motion == "rapid"):
             return
         if motion in ARCS:
             if self.fanuc and state.turned_plane not in (None, state.plane):

@@ -21,16 +21,16 @@ ROUNDED = 1.2e-5
 REPEATED = "rotary words in a tilted plane that repeat the positions with three decimals are taken for them"
 
 
-def turned_alone(control: Control, state: Modal, target: list[float]) -> bool:
+def turned_alone(control: Control, state: Modal, target: list[float], *, rapid: bool) -> bool:
     """Turn the rotary axes alone to words (3 + rotary), where a plane rules; False where nothing is to be turned.
 
-    Raises RefusedError where X, Y or Z move too, or an arc.
+    Raises RefusedError where X, Y or Z move too.
     """
     if not turns(control, target):
         return False
-    if target[:3] != control.words[:3] or state.motion not in ("rapid", "feed"):
+    if target[:3] != control.words[:3]:
         refuse()
-    turn_joints(control, target[3:], rapid=state.motion == "rapid")
+    turn_joints(control, target[3:], rapid=rapid)
     state.turned_in_plane = True
     return True
 
