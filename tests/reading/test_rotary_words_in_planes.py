@@ -62,11 +62,13 @@ def test_positions_that_a_post_repeats_are_no_turn():
         ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG1 X5. A10.", "rotary words beside a motion in a tilted plane"),
         ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG2 I5. A10.", "rotary words beside a motion in a tilted plane"),
         ("fanuc", f"{PLANES['fanuc']}\nG53.1\nG81 X5. C10. Z-5. R2.", "rotary words beside a motion in a tilted plane"),
+        ("haas", "G0 A30. C10.\nG254\nG234 H1 G0 X0 Y0 Z50.", "G234 in a tilted plane is not read"),
         ("haas", "G254\nG0 A30. C10.\nX0 Y0 Z50.", "in a tilted plane that the tool was turned off"),
     ],
 )
 def test_what_would_move_the_plane_is_refused(controller, body, said):
-    """Haas UMC operator's manual, G254: "all rotary motion must be complete before"; it is ended before any other."""
+    """Haas UMC operator's manual, G254: rotary motion is complete before it, and it ends before any other, and before
+    axes move at once."""
     with pytest.raises(ProgramError, match=said):
         joints(controller, body)
 

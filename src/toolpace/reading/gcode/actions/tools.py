@@ -22,6 +22,8 @@ class Tools:
         self.control, self.state = control, state
         self.h_stays = by.option("length_word_stays", True)
         self.with_tool = by.option("length_with_tool", False)
+        self.tip_in_planes = by.option("tip_mode_in_planes", False)
+        """Whether tool-centre-point mode may begin in a tilted plane."""
         self.changes_elsewhere = by.option("changes_elsewhere", False)
         """Whether M6 may go to the place where tools are changed."""
         self.rs274 = by.option("rs274_checks", False)
@@ -180,6 +182,9 @@ class Tools:
 
     def tip_mode(self, numbers: Numbers, word: str) -> None:
         """G43.4: X, Y, Z are the tip."""
+        if self.control.coordinates.tilted and not self.tip_in_planes:
+            numbers.clear()
+            raise RefusedError(f"{word} in a tilted plane", "the control has either: write G255 or G269 before it")
         self._length(numbers, word)
         self._tip(self.state.switched_tip_mode, True)
         self.state.vectors = self.state.stands = False
