@@ -204,6 +204,25 @@ def test_between_holes_at_the_first_clearance_where_q301_says_so():
         assert points[-1, 2] == pytest.approx(top)
 
 
+def test_between_the_places_of_a_pattern_at_the_height_of_the_call_where_it_is_higher():
+    """CYCL CALL PAT: "depending on which is greater", the height at the call or the second clearance; 60 here."""
+    for height, between in ((100, 100), (30, 60)):
+        head = f"L Z+{height} FMAX\nCYCL DEF 200 DRILLING ~\n{LEVELS}Q202=+50\n"
+        for feed in ("FMAX", "F500"):
+            points = tips(f"{head}PATTERN DEF POS1 (X+10 Y+0 Z+0) POS2 (X+20 Y+0 Z+0)\nCYCL CALL PAT {feed}")
+            aside = np.flatnonzero(np.diff(points[:, 0]) > 5.0)
+            assert points[aside[-1], 2] == pytest.approx(between) and points[-1, 2] == pytest.approx(60)
+
+
+@pytest.mark.parametrize("feed", ["FMAX", "F500"])
+def test_a_call_from_below_goes_up_before_it_goes_aside(feed):
+    """CYCL CALL POS: from below the surface along the tool axis first, then in the plane."""
+    head = f"L Z-50 FMAX\nCYCL DEF 200 DRILLING ~\n{LEVELS}Q202=+50\n"
+    points = tips(f"{head}CYCL CALL POS X+30 Y+0 Z+5 {feed}")
+    assert points[(points[:, 0] > 0.0) & (points[:, 0] < 30.0)].size == 0
+    assert points[np.flatnonzero(points[:, 0] > 0.0)[0] - 1].tolist() == pytest.approx([0, 0, 17])
+
+
 def test_the_tool_axis_is_the_axis_of_holes():
     points = tips("TOOL CALL 2 X S100\nL X+100 FMAX\n" + cycle(200, "Q202=+50").replace("L X+30", "L Z+30"))
     assert points[:, 0].min() == pytest.approx(-10) and np.allclose(points[-1], (60, 40, 30))
@@ -224,6 +243,11 @@ def test_a_cycle_of_depth_zero_is_not_executed():
         ("CYCL DEF 251 POCKET ~\nQ200=+2\nL X+1 F100 M99\nCYCL CALL", ["CYCL DEF 251"]),
         ("CYCL DEF 208 BORE MILLING ~\nQ200=+2\nL X+1 F100 M99", ["CYCL DEF 208"]),
         (cycle(205, "Q202=+12 ~\nQ257=+5"), ["CYCL DEF 205 with Q257 that does not divide Q202"]),
+        (
+            "CYCL DEF 200 DRILLING ~\n" + LEVELS + "Q202=+50\nCYCL DEF 220 POLAR ~\nQ216=+0 ~\nQ217=+0 ~\nQ244=+20 ~\n"
+            "Q245=+0 ~\nQ246=+180 ~\nQ247=+90 ~\nQ241=+3 ~\nQ365=+1",
+            ["CYCL DEF 220 with Q365=1"],
+        ),
         (cycle(240, "Q343=+1"), ["CYCL DEF 240 with Q343=1"]),
         (cycle(200, "Q202=+5 ~\nQ395=+1"), ["CYCL DEF 200 with Q395=1"]),
         (cycle(200, "Q202=+5").replace("Q201=-20", "Q201=+20"), ["CYCL DEF 200 with Q201 above zero"]),

@@ -156,3 +156,10 @@ def test_programs_that_call_each_other_are_one_error(tmp_path):
     (tmp_path / "part.h").write_text("BEGIN PGM PART MM\nCALL PGM MAIN\nEND PGM PART MM\n")
     with pytest.raises(ProgramError, match="within each other"):
         program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()
+
+
+def test_m30_in_a_called_program_is_refused(tmp_path):
+    """"The called program must not contain M2 or M30": what stands behind the call was passed over."""
+    (tmp_path / "part.h").write_text("BEGIN PGM PART MM\nL X+1 F100 M30\nEND PGM PART MM\n")
+    with pytest.raises(ProgramError, match=r"main\.h:5: M2 or M30 in a called program is not read: end it with END"):
+        program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()

@@ -64,6 +64,7 @@ SINUMERIK: dict[str, Kind] = {
     "toframe_mode": ("2000", "2001", "2002"),
 }
 HEIDENHAIN: dict[str, Kind] = {
+    "arc_radii_mm": NUMBER,
     "builder_functions": ("ignored", "refused"),
     "cycle_11_axes": ("all", "plane"),
     "cycle_19_angles": ("spatial", "axes"),

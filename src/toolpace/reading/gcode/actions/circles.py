@@ -17,12 +17,6 @@ MOST_TURNS = 1000
 """Most whole turns of an arc (P): more is a slip, and would fill memory with points."""
 ROUNDING = 1e-12
 """Of a radius [m]."""
-SPIRAL = (
-    "where the radius of an arc at its end is another than at its start, within what the control allows, it changes "
-    "evenly with the angle"
-)
-SAID = 5e-6
-"""Difference of radii [m] from which that is said: more than decimals explain."""
 _CENTRES = ((("I", 0), ("J", 1)), (("K", 2), ("I", 0)), (("J", 1), ("K", 2)))
 
 
@@ -59,10 +53,7 @@ class ArcReader:
             centre = self._fitting_centre(arc_words, start, target, plane)
         else:
             centre = self._centre(arc_words, start, plane, state.arc_absolute, 1.0)
-        made = plane_arc(start, target, centre, plane, clockwise, int(turns), full=self.full, tolerance=tolerance)
-        if abs(made.r1 - made.r0) > SAID:
-            self.control.findings.assumed(SPIRAL)
-        return made
+        return plane_arc(start, target, centre, plane, clockwise, int(turns), full=self.full, tolerance=tolerance)
 
     def _plane(self, arc_words: dict[str, float]) -> int:
         """The plane in force; where centres are fitted, that of the two letters that are given."""

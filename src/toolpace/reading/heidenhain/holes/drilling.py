@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
@@ -55,10 +56,18 @@ class Holes:
         """Change some of its parameters."""
         self.items, self._made = {**self.items, **items}, None
 
-    def call(self, at: list[float] | None = None, *, lift: float = 0.0, low: bool = False) -> None:
+    def call(
+        self,
+        at: list[float] | None = None,
+        *,
+        lift: float = 0.0,
+        low: bool = False,
+        least_back: float = -math.inf,
+    ) -> None:
         """Drill here, or at words `at` (3 + rotary). Raises BlockError.
 
         lift: how much higher the surface is there [m]. low: end at the set-up clearance, not at the second one.
+        least_back: the height [m] at which it ends where that is higher.
         """
         if self.number < 0:
             return
@@ -75,13 +84,20 @@ class Holes:
             top=made.top + lift,
             bottom=made.bottom + lift,
             start=None if made.start is None else made.start + lift,
-            back=(made.top if low else made.back) + lift,
+            back=max((made.top if low else made.back) + lift, least_back),
         )
         if made.top != made.bottom:
             self.state.came_from = []
             speed = self.speed(206)
             with self.control.feed.held(speed, speed / self.state.feed_unit * DEGREE):
                 drill(self.control, made, list(self.control.words if at is None else at))
+
+    def clearance(self) -> float:
+        """The height of the set-up clearance [m]; of a cycle that is not read the lowest of all."""
+        try:
+            return self._drilling().top if self.number > 0 else -math.inf
+        except Refusal:
+            return -math.inf
 
     def _drilling(self) -> Drilling:
         state, control = self.state, self.control
