@@ -214,6 +214,14 @@ def test_between_the_places_of_a_pattern_at_the_height_of_the_call_where_it_is_h
             assert points[aside[-1], 2] == pytest.approx(between) and points[-1, 2] == pytest.approx(60)
 
 
+def test_the_feed_of_a_call_holds_for_its_way_only():
+    """CYCL CALL POS: "applies only for traverse to the start position programmed in this block"."""
+    head = f"L Z+100 F300\nCYCL DEF 200 DRILLING ~\n{LEVELS}Q202=+50\n"
+    path = read(f"{head}CYCL CALL POS X+30 Y+0 Z+0 F500\nL Y+50")
+    aside = np.flatnonzero(np.diff(path.tip[:, 0]) > 0.02)[0] + 1
+    assert path.feed[[aside, -1]] * 6e4 == pytest.approx([500, 300])
+
+
 @pytest.mark.parametrize("feed", ["FMAX", "F500"])
 def test_a_call_from_below_goes_up_before_it_goes_aside(feed):
     """CYCL CALL POS: from below the surface along the tool axis first, then in the plane."""

@@ -89,6 +89,8 @@ def test_a_parameter_without_a_value_is_named_and_not_those_that_hang_on_it():
     assert last(text, skip_unknown=True) == (0, 5, 0)
     system = findings("FN 18: SYSREAD Q1 = ID270 NR1 IDX1\nL X+Q1 F100\nL X+5")
     assert [each.word for each in system.refusals] == ["FN 18"]
+    # values that a program hands to the one that called it
+    assert [each.word for each in findings("QL1 = 5\nFN 37: EXPORT QL1\nL X+QL1 F100").refusals] == ["FN 37"]
 
 
 def test_a_loop_that_hangs_on_a_parameter_without_a_value_is_gone_through_once():

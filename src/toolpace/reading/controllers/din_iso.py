@@ -19,8 +19,8 @@ def refuse(source: Source) -> None:
         if line.strip():
             if _BEGINNING.fullmatch(line.strip()):
                 source.fail(
-                    "the program is DIN/ISO for Heidenhain's controls (%NAME G71), which is not read: there G54 shifts, "
-                    "G28 mirrors and G73 turns; post it as Klartext (.H)",
+                    "the program is DIN/ISO for Heidenhain's controls (%NAME G71), which is not read: there G54 "
+                    "shifts, G28 mirrors and G73 turns; post it as Klartext (.H)",
                     number,
                 )
             return

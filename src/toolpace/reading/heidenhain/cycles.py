@@ -30,6 +30,7 @@ LONGEST_DWELL = 3600.0
 """[s] (TNC 640, "Input format and unit of TNC functions")."""
 LINES = ("7", "8", "9", "10", "11", "19", "26", "32")
 """Cycles that are written in lines 7.0, 7.1, ... and act at once."""
+PLANE_STAYS = "a preset that comes in force in a tilted plane leaves the plane in force, about the new preset"
 CURE = "export this operation as motions (L and C blocks), or drill with cycles 200 to 207, 240 and 241"
 
 
@@ -116,12 +117,15 @@ class Cycles:
                 self.parameters.set(f"Q{number}", figure)
         return found
 
-    def preset(self, items: Items) -> None:
-        """247: a preset of the table; shifts and turns of the program end with it."""
+    def preset(self, items: Items, *, keeps: bool = False) -> None:
+        """247: a preset of the table; shifts and turns of the program end with it, but where it keeps them."""
         number = items.get(339)
         if not isinstance(number, float):
             raise BlockError("CYCL DEF 247 lacks Q339, the number of the preset: write it")
-        self.frames.new_preset()
+        if self.frames.plane is not None:
+            self.control.findings.assumed(PLANE_STAYS)
+        if not keeps:
+            self.frames.new_preset()
         self.control.set_offset(f"{number:g}")
         self.tilting.machine.check_preset()
 

@@ -19,7 +19,7 @@ _TCPM = re.compile(
     r"|REFPNT\s+(?:TIP-TIP|TIP-CENTER|CENTER-CENTER)|F\s*(?:MAX|" + VALUE + ")))*"
 )
 _DWELL = re.compile(r"DWELL\s+(TIME|REV)\s*(" + VALUE + ")")
-_PRESET = re.compile(r"SELECT\s*#?\s*(" + VALUE + r")(?:\s+KEEP TRANS)?(?:\s+WP)?")
+_PRESET = re.compile(r"SELECT\s*#?\s*(" + VALUE + r")(\s+KEEP TRANS)?(?:\s+WP)?")
 HARMLESS = ("MODE MILL", "S-PULSE", "COUNT", "FEED DWELL RESET", "RESET FEED", "RESET S-PULSE")
 
 
@@ -109,12 +109,12 @@ class ModeFunctions:
         return self.refused(f"TRANS {text[:20]}", "write TRANS DATUM AXIS with the shift of each axis")
 
     def preset(self, text: str) -> Step:
-        """PRESET SELECT: as cycle 247."""
+        """PRESET SELECT: as cycle 247; with KEEP TRANS what the program shifts, mirrors, turns and scales stays."""
         found = _PRESET.fullmatch(text)
         if found is None:
             return self.refused(f"PRESET {text[:20]}", "write PRESET SELECT #1, or CYCL DEF 247 with Q339")
-        value = signed(found[1], self.parameters)
-        return lambda: self.cycles.preset({339: evaluate(value)})
+        value, keeps = signed(found[1], self.parameters), found[2] is not None
+        return lambda: self.cycles.preset({339: evaluate(value)}, keeps=keeps)
 
     def refused(self, word: str, cure: str) -> Step:
         """A step that notes a refused word."""

@@ -129,16 +129,18 @@ class Patterns:
         return run
 
     def at_place(self, words: PathWords) -> Step:
-        """CYCL CALL POS: the coordinate along the tool axis shifts the surface."""
+        """CYCL CALL POS: the coordinate along the tool axis shifts the surface. Its F holds in its own block only."""
         axes = self.motion.resolved(words)
 
         def run() -> None:
+            feed, before = self.control.feed, (self.control.feed.mode, self.control.feed.value, self.control.feed.turn)
             rapid = self.motion.set_feed(words)
             target, _ = self.motion.target(axes)
             tool_axis = self.motion.state.tool_axis
             lift = target[tool_axis] if any(axis[0] == tool_axis for axis in axes) else 0.0
             first, second = OF_AXIS[tool_axis]
             self.run([(target[first], target[second], lift)], rapid=rapid, low=False)
+            feed.mode, feed.value, feed.turn = before
 
         return run
 
