@@ -283,6 +283,27 @@ def test_a_polar_block_from_the_pole_itself_needs_its_angle(words):
         read(f"L X+25 Y+25 F100\nCC\nLP {words}")
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("CP IPA+0 IZ+5 DR+", "IPA of CP is zero"), ("CP PA+90 IPA+90 DR+", "PA or IPA, and PR or IPR"),
+        ("LP PR+5 IPR+1 PA+0", "PA or IPA, and PR or IPR"),
+    ],
+)  # fmt: skip
+def test_faults_of_polar_blocks(words, message):
+    """The first was a whole turn of a helix, of the others one word was passed over."""
+    with pytest.raises(ProgramError, match=message):
+        read(f"CC X+0 Y+0\nL X+10 F100\n{words}")
+
+
+def test_a_radius_that_is_too_short_by_some_micrometres_is_said():
+    said = "a CR whose R is shorter than half the way to its end"
+    for radius, there in ((4.99, True), (4.999, False), (5.01, False)):
+        assert any(said in each for each in read(f"CR X+10 Y+0 R+{radius} DR+ F100").assumed) == there
+    with pytest.raises(ProgramError, match="is too small"):
+        read("CR X+10 Y+0 R+4.98 DR+ F100")
+
+
 def test_what_a_polar_block_leaves_out_is_said_where_the_last_motion_was_no_polar_one():
     said, begin = "takes the distance and the angle of the place where the tool is", "CC X+0 Y+0\nLP PR+10 PA+0 F100\n"
     path = read(begin + "L X+20 Y+0\nLP PA+90")

@@ -6,8 +6,6 @@ import math
 import re
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.joint_moves import turn_joints
 from toolpace.reading.control.retract import turn_about
@@ -181,14 +179,15 @@ class Tilting:
         moves = bool(words & {"MOVE", "TURN"})
         if control.poses.machine is None and not moves:
             return
-        straight = reset
+        straight, turned = reset, None
         if "TABLEROT" in words and self.positions is None and upright(plane_axis(control)):
             # the table turns to the angle of the plane, which is told without its axis where it is zero
-            straight = np.allclose(self.frames.plane or affine.IDENTITY, affine.IDENTITY, atol=STRAIGHT)
-            if not straight:
-                control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
-        if straight:
-            wanted = [0.0] * len(control.poses.rotary)
+            turned = self.axes.turning_to(self.frames.plane or affine.IDENTITY)
+            if turned is None:
+                cure = "no table of the machine turns about the tool: write COORD ROT"
+                control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, cure)
+        if straight or turned is not None:
+            wanted = turned or [0.0] * len(control.poses.rotary)
         elif self.positions is not None:
             wanted = self.positions  # SEQ, TABLE ROT and COORD ROT do nothing with PLANE AXIAL
         else:

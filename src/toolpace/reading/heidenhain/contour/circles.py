@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.curves.arcs import Arc, Tolerance, centre_of_radius, plane_arc
+from toolpace.reading.curves.arcs import SPIRAL_SAID, Arc, Tolerance, centre_of_radius, plane_arc
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
@@ -18,6 +18,7 @@ PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
 SAME = 1e-9
 """Coordinates closer than this [m] are one."""
 
+SHORT = "a CR whose R is shorter than half the way to its end, within what the control allows, is half a circle"
 POLE_STAYS = "a CC before a change of coordinates keeps the figures that it was written with, in the new ones"
 
 
@@ -117,6 +118,10 @@ class Circles:
             target, named = self.motion.target(axes)
             start, plane = self.control.words, ARC_PLANE[self.state.tool_axis]
             radius = self.limited(evaluate(given)) * self.state.unit
+            first, second = OF_AXIS[self.state.tool_axis]
+            half = 0.5 * math.hypot(target[first] - start[first], target[second] - start[second])
+            if half - abs(radius) > SPIRAL_SAID:
+                self.control.findings.assumed(SHORT)
             centre = centre_of_radius(start, target, radius, plane, sense < 0, self.radii)
             self.arc(plane_arc(start, target, centre, plane, sense < 0), target, named, rapid)
 

@@ -56,6 +56,8 @@ class Polar:
             target, named = self.polar(words, axes, arc=True)
             turned = 0.0 if by is None else self.circles.limited(evaluate(by)) * DEGREE
             sense = words.sense or (int(math.copysign(1, turned)) if turned else 0)
+            if by is not None and not turned:
+                raise BlockError("IPA of CP is zero: write its angle, of a full circle 360")
             if not sense:
                 raise BlockError("CP needs its sense: write DR+ or DR-")
             if turned * sense < 0.0:
@@ -91,6 +93,8 @@ class Polar:
         is here. Raises BlockError."""
         target, named = self.motion.target(axes)
         state, others = self.state, words.others
+        if others.keys() >= {"PA", "IPA"} or others.keys() >= {"PR", "IPR"}:
+            raise BlockError("a polar block has PA or IPA, and PR or IPR: remove one")
         first, second = OF_AXIS[self.circles.pole_axis]
         if named & (1 << first | 1 << second):
             raise BlockError("a polar block takes the coordinate across its plane beside PR and PA only")
