@@ -86,6 +86,7 @@ class Statements:
             "SEL": jumps.select,
             "TOOL": self.tool(Tools(control, state, frames, parameters)),
             "CYCL": self.cycle(cycles),
+            "GLOBAL": cycles.define_general,
             "PATTERN": lambda text: patterns.compile(text),
             "PLANE": tilting.compile,
             "FUNCTION": functions.function,

@@ -173,8 +173,12 @@ class Tilting:
         words = asked.words
         if "MB" in asked.values or "MB" in words or "MAX" in words:
             distance = asked.value("MB") * self.machine.state.unit if "MB" in asked.values else None
+            if distance is not None and distance < 0.0:
+                raise BlockError("MB of PLANE is the length of the way back, from zero on: correct it")
             self.machine.back(distance, None)
         pivot = asked.value("DIST", asked.value("ABST", 0.0)) * self.machine.state.unit
+        if pivot < 0.0:
+            raise BlockError("DIST of PLANE is a distance from zero on: correct it")
         sign = 1 if words & {"SEQ+", "SYM+"} else -1 if words & {"SEQ-", "SYM-"} else 0
         moves = bool(words & {"MOVE", "TURN"})
         if control.poses.machine is None and not moves:

@@ -15,6 +15,8 @@ Items = dict[int, float | str]
 """Q parameters of a cycle by number; feeds may be FMAX or FAUTO."""
 BREAK = 0.2
 """How far a chip is broken back where a cycle does not say [mm]."""
+FROM_ZERO = frozenset((200, 202, 204, 205, 210, 211, 212, 213, 256, 257, 258, 259, 379))
+"""Parameters of drilling cycles whose input begins at zero ("Input range 0 to 99999.9999")."""
 OLD = 1
 """The cycle that counts from where the tool is."""
 
@@ -115,6 +117,8 @@ class Holes:
             raise BlockError(f"CYCL DEF {self.number} lacks Q{q}: write all of its parameters")
         if isinstance(found, str):
             raise BlockError(f"Q{q}={found} of CYCL DEF {self.number} must be a number")
+        if found < 0.0 and q in FROM_ZERO and self.number != OLD:
+            raise BlockError(f"Q{q} of CYCL DEF {self.number} is {found:g}, and its least is zero: correct it")
         return found
 
     def length(self, q: int, default: float | None = None) -> float:
@@ -131,6 +135,8 @@ class Holes:
             spindle = self.control.feed.spindle
             if spindle <= 0.0:
                 raise BlockError("tapping needs the spindle speed: write S in TOOL CALL")
+            if not self.value(239):
+                raise BlockError(f"Q239 of CYCL DEF {self.number}, the pitch, is zero: write it")
             return spindle * abs(self.length(239))
         found = self.items.get(q)
         if found == "FAUTO":
