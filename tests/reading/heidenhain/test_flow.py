@@ -61,6 +61,19 @@ def test_a_subprogram_that_calls_itself_is_one_error():
         read("L X+1 F100\nCALL LBL 1\nM30\nLBL 1\nCALL LBL 1\nLBL 0")
 
 
+def test_a_repeated_section_that_a_jump_leaves_is_said_where_it_is_entered_again():
+    """No manual says whether its repetitions begin anew."""
+    section = "LBL 1\nL IX+1 F100\nFN 9: IF +Q1 EQU +{} GOTO LBL 9\nQ1 = Q1 + 1\nCALL LBL 1 REP 3\nL Y+5\nM30\n"
+    out = "Q1 = 0\n" + section + "LBL 9\nL IY+1\nQ1 = 7\nFN 9: IF +0 EQU +0 GOTO LBL 1"
+    said = "goes on counting where it was"
+    left, through = (read(out.format(at)) for at in (2, 9))
+    assert any(said in each for each in left.assumed) and not any(said in each for each in through.assumed)
+    assert through.tip[-1].tolist() == [0.004, 0.005, 0.0]
+    inside = "Q1 = 0\nLBL 1\nL IX+1 F100\nQ1 = Q1 + 1\nFN 9: IF +Q1 EQU +2 GOTO LBL 2\nL IY+1\nLBL 2\nCALL LBL 1 REP 3"
+    path = read(inside)
+    assert path.tip[-1].tolist() == [0.004, 0.003, 0.0] and not any(said in each for each in path.assumed)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -148,6 +148,6 @@ class Jumps:
             if (test == "EQU" and a == b) or (test == "NE" and a != b) or (test == "GT" and a > b) or (
                 test == "LT" and a < b
             ):  # fmt: skip
-                self.flow.to(self.target(name))
+                self.flow.jump(self.target(name))
 
         return run
