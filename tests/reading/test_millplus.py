@@ -101,3 +101,14 @@ def test_a_full_circle(turn):
     arc = path.tip[path.block == 5] * 1e3
     assert np.hypot(arc[:, 0] - 4.0, arc[:, 1]) == pytest.approx(6.0)
     assert arc[:, 1].max() > 5.9 and arc[:, 1].min() < -5.9
+
+
+@pytest.mark.parametrize(
+    ("cycle", "into", "out"),
+    [("G84 Z-20. Y2. J1.5 I1=1 S500", 750, 750), ("G85 Z-20. Y2. F100. F2=500.", 100, 500), ("G85 Z-9. Y2.", 600, 600)],
+)
+def test_feeds_of_cycles(cycle, into, out):
+    """The pitch by the turns of the spindle, and F2= on the way out: both went at the feed in force."""
+    path = read_for("millplus", f"{HEAD}{cycle}\nG79 X10. Y10. Z0.\nM30\n")
+    below = int(path.tip[:, 2].argmin())
+    assert path.feed[[below, below + 1]] * 6e4 == pytest.approx([into, out])
