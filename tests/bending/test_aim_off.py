@@ -196,7 +196,7 @@ def test_what_cannot_be_aimed_off_is_one_error(toolpath, monkeypatch):
         module, "predicted_bending", lambda places, *rest: np.full((len(places.way), 3), 1e-5 * ((next(swing) + 1) % 2))
     )
     monkeypatch.setattr(module, "ROUNDS", 2)
-    with pytest.raises(PathError, match=r"does not converge: after 2 rounds .* 17.3 um, and 1 um are enough"):
+    with pytest.raises(PathError, match=r"does not converge: after 2 iterations .* 17.3 um, and 1 um are enough"):
         tp.aim_off(toolpath, MACHINE, TOOL)
 
 

@@ -1,1 +1,1 @@
-"""What a cutting force does to the tool, what force cutting takes, and paths aimed off by it."""
+"""What a cutting force does to the tool, what force cutting takes, and paths compensated for it."""

@@ -1,10 +1,10 @@
-"""A program aimed off by what its tool will bend, so that the bent tip goes where it was programmed.
+"""Deflection compensation of a program, so that the bent tip goes where it was programmed.
 
 plan the program as it is
 repeat
     bending of that motion at each place of the program           (prediction)
-    within a micrometre of what the path was aimed off by?  done
-    the program's places, shifted by the opposite; fit and plan   that is one round
+    within a micrometre of what is compensated?  done
+    the program's places, shifted by the opposite; fit and plan   that is one iteration
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from toolpace.trajectory import Trajectory
 from toolpace.units import format_length, format_time
 
 CONVERGED = 1e-6
-"""Most that bending may differ from what the path is aimed off by [m]; a tenth of the tolerance where that is less."""
+"""Largest difference of the bending from what is compensated [m]; a tenth of the tolerance where that is less."""
 RESERVE = 0.2
 """Share of the tip tolerance that is left to what has not converged, and to what two ways to work it out differ by."""
 STRAIGHT = 0.05
 """Share of it by which a straight line between two points of the shifted program may miss the shift between them."""
 ROUNDS = 20
-"""Most rounds."""
+"""Most iterations."""
 SETTLED = 2
-"""Rounds after which the points that a path is fitted to stay the same."""
+"""Iterations after which the points that a path is fitted to stay the same."""
 FED = PROMISED - 1.0 + GRACE
 """Share of the feed by which the bent tip may exceed it: what plans promise, and what the bending may still change."""
 COARSE = 8
@@ -52,7 +52,7 @@ STEEPEST = 0.05
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AimedOff:
-    """A path that is aimed off, the motion along it, and by what."""
+    """A path compensated for the bending of the tool, the motion along it, and the bending."""
 
     tool: CuttingTool
     path: Path
@@ -60,7 +60,7 @@ class AimedOff:
     toolpath: ToolPath
     """The program, as it was, with points put in: n."""
     bending: Floats
-    """(n, 3) deflection at each of its points that the path is aimed off by [m], in the workpiece frame."""
+    """(n, 3) deflection at each of its points that is compensated [m], in the workpiece frame."""
     rounds: int
     """How often it was planned with a shift."""
     change: float
@@ -68,7 +68,7 @@ class AimedOff:
 
     @property
     def largest(self) -> float:
-        """The most that it is aimed off by [m]."""
+        """The largest bending that is compensated [m]."""
         return float(np.linalg.norm(self.bending, axis=1).max())
 
     def __repr__(self) -> str:
@@ -93,7 +93,7 @@ def aim_off(
     """Plan a program so that its tool, bent by the force of its own motion, is within the tolerances [m], [rad] of it.
 
     Raises UsageError where nothing cuts, where the tool bends by so much that the blend is too short for it, and where
-    a round changes the bending by more than a micrometre for ever; ReachError and PathError as `Path.fit` does.
+    an iteration changes the bending by more than a micrometre for ever; ReachError and PathError as `Path.fit` does.
     """
     check_machine(machine, "aim_off")
     if Tolerances.of(tip_tolerance, "tip_tolerance").one_sided:
@@ -123,8 +123,9 @@ def aim_off(
         bending = 0.5 * (bending + found) if slow else found
     shown = ", ".join(f"{1e6 * change:.3g}" for change in changes[-4:])
     raise PathError(
-        f"{tool.source}: aiming off does not converge: after {ROUNDS} rounds the bending still changes by {shown} um, "
-        f"and {1e6 * enough:.3g} um are enough; give a longer blend or a stiffer tool, or a wider --tip-tolerance"
+        f"{tool.source}: the compensation of the bending does not converge: after {ROUNDS} iterations it still changes "
+        f"by {shown} um, and {1e6 * enough:.3g} um are enough; give a longer blend or a stiffer tool, or a wider "
+        "--tip-tolerance"
     )
 
 
