@@ -109,6 +109,7 @@ def test_second_order_says_that_jerk_limits_are_not_held(planned, capsys):
     assert main(["plan", str(planned / "blade.ngc"), "-m", "xyzac-trunnion", "--planner", "second-order", "--out",
                  str(out)]) == 1  # fmt: skip
     output = capsys.readouterr().out
+    assert "gap to the best possible not known: the planner second-order gives no lower bound" in output
     assert "JERK LIMITS ARE NOT HELD" in output and "FAILED" in output and re.search(r"jerk +jumps +jumps", output)
     plan = json.loads((out / "plan.json").read_text())
     assert plan["planner"] == "second-order" and plan["verified"] is False and plan["lower_bound_s"] is None

@@ -53,10 +53,12 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     grid.add_row("duration", Text(format_time(record.duration_s), style="bold"))
     if record.lower_bound_s and record.gap is not None:
         grid.add_row("", mesh_gap(record.gap))
-        if record.continuous_bound_s:
-            grid.add_row("", motion_gap(record.duration_s, record.continuous_bound_s))
         if record.gap > WORTH_A_WORD and record.open_places:
             grid.add_row("", Text(places_in_words(record.open_places)))
+        if record.continuous_bound_s:
+            grid.add_row("", motion_gap(record.duration_s, record.continuous_bound_s))
+    else:
+        grid.add_row("", f"gap to the best possible not known: the planner {record.planner} gives no lower bound")
     if record.operations:
         for k, told in enumerate(times_in_words(record)):
             grid.add_row("" if k else "operations", Text(told))
@@ -142,7 +144,7 @@ def limits_in_words(shares: dict[str, float]) -> str:
 
 
 def places_in_words(places: list[OpenPlaceRecord]) -> str:
-    """ "of that up to 40 ms at 5.30 s (block 120), ..., the rest at 2 more places"; the largest first."""
+    """ "largest parts of this gap: 40 ms at 5.30 s (block 120), ..., the rest at 2 more places"; the largest first."""
     largest = sorted(places, key=lambda place: -place.gain_s)[:PLACES_SHOWN]
     words = [
         f"{format_time(place.gain_s)} at {format_time(place.from_s)}"
@@ -151,7 +153,7 @@ def places_in_words(places: list[OpenPlaceRecord]) -> str:
     ]
     more = len(places) - len(largest)
     words += [f"the rest at {more} more place{'s' * (more != 1)}"] if more else []
-    return "of that up to " + ", ".join(words)
+    return "largest parts of this gap: " + ", ".join(words)
 
 
 def usage_table(record: PlanRecord) -> Table:
