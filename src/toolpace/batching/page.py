@@ -73,7 +73,7 @@ def _cards(rows: Sequence[BatchRow]) -> str:
         cards.append(("Total time", format_time(sum(times)), f"of {counted(len(times), 'motion')}", ""))
     gaps = [row.gap for row in rows if row.gap is not None]
     if gaps:
-        cards.append(("Largest gap", at_most(max(gaps)), "of a time over the lower bound on its mesh", ""))
+        cards.append(("Largest gap", at_most(max(gaps)), "of a time to the lower bound on its mesh", ""))
     took = sum(row.seconds for row in rows)
     if took:
         cards.append(("Computed in", format_time(took), "sum of all workers", ""))
