@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import subprocess
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable
@@ -59,7 +58,7 @@ def verdict(path: Path) -> Verdict:
     text = path.read_bytes().decode("utf-8", errors="replace")
     try:
         return compared(Job(text, tools=tools(path.parent), numbered=False, beside=path.parent))
-    except (RuntimeError, subprocess.TimeoutExpired) as error:
+    except RuntimeError as error:
         return Verdict(UNTOLD, f"{type(error).__name__}: {error}")
 
 
