@@ -56,7 +56,7 @@ def compared(job: Job) -> Verdict:
         return Verdict(UNTOLD, str(error))
     moving = any(_moves(motion) for motion in theirs.motions)
     try:
-        ours = _read(job)
+        ours = read_job(job)
     except ToolpaceError as error:
         if not moving and not theirs.error and "there is no motion" in str(error):
             return Verdict(SAME)
@@ -72,7 +72,7 @@ def compared(job: Job) -> Verdict:
 def _without_end(job: Job, theirs: Judged, moving: bool) -> Verdict:
     """A program that has no end, read on to it by both."""
     try:
-        ours = _read(job, lenient=True)
+        ours = read_job(job, lenient=True)
     except ToolpaceError as error:
         kind = NO_END if not moving and "there is no motion" in str(error) else BOTH
         return Verdict(kind, f"{theirs.error}; {error}")
@@ -118,7 +118,8 @@ def surprise(job: Job) -> str:
     return "" if meant(verdict) else f"{verdict.kind}: {verdict.said}"
 
 
-def _read(job: Job, *, lenient: bool = False) -> ToolPath:
+def read_job(job: Job, *, lenient: bool = False) -> ToolPath:
+    """Our reading of a program, on the machine of the comparison. Raises ToolpaceError."""
     if job.beside is None:
         name = "part.ngc"
         return read_text(job.text, Cartesian(), controller="linuxcnc", setup=job.setup(), name=name, lenient=lenient)

@@ -11,7 +11,7 @@ from toolpace.reading.gcode.actions.compensation import FORBIDDEN_FUNCTIONS, Com
 from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.functions import Functions
-from toolpace.reading.gcode.actions.holes import Holes
+from toolpace.reading.gcode.actions.holes import KINDS, Holes
 from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.actions.modes import Modes
@@ -113,6 +113,8 @@ class Executor:
                 self.splines.close()
             ways = [action.meaning for action in actions if action.meaning in WAYS]
             state.arc_here = (ways[0] if ways else state.motion) in ARCS
+            own_cycle = any(action.meaning in KINDS for action in actions)
+            state.drills_here = own_cycle or (not ways and state.cycle is not None)
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
@@ -226,8 +228,8 @@ class Executor:
 
     def _idle(self, numbers: Numbers) -> None:
         """Letters of a word that moves nothing, beside a motion that does not need them (G187 P1 E.01)."""
-        if self.rs274 and self.state.motion in ARCS:  # of M67 and M68
-            for letter in "EQ":
+        if self.rs274:  # of M67 and M68
+            for letter in "EQ" if self.state.motion in ARCS else "E":
                 numbers.pop(letter, None)
         if self.state.cycle is None and self.state.motion not in ARCS:
             for letter in "PQE":

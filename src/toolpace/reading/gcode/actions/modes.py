@@ -57,7 +57,7 @@ class Modes:
 
     def _unit(self, unit: float) -> Handler:
         def set_unit(numbers: Numbers, word: str) -> None:
-            if self.rs274 and self.state.cycle is not None and unit != self.state.unit:
+            if self._drills() and unit != self.state.unit:
                 raise WordError(f"{word} within a cycle changes what its words mean: end the cycle with G80 before it")
             if self.control.stage is not None and unit != self.state.unit:
                 self.control.stage.other_motion(f"a change of the unit ({word})")
@@ -99,6 +99,8 @@ class Modes:
         return chosen
 
     def _end_cycle(self, numbers: Numbers, word: str) -> None:
+        if self.rs274 and self.state.drills_here and self.state.motion_word != word:
+            return  # beside another motion G80 counts for nothing
         self.state.cycle = None
         if not self.cycles_apart:
             self.state.motion = None
@@ -112,9 +114,8 @@ class Modes:
     def _continuous(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = False
         unit = self.state.unit
-        tolerance, cam_tolerance = numbers.get("P"), numbers.pop("Q", None)
-        if not self.state.arc_here:  # an arc takes the same P for its turns
-            numbers.pop("P", None)
+        tolerance = self._taken(numbers, "P", self.state.arc_here or self._drills())
+        cam_tolerance = self._taken(numbers, "Q", self._drills())
         self.control.moves.join(
             Joining(
                 BLENDED,
@@ -128,6 +129,16 @@ class Modes:
             # noted, and obeyed where that is asked for
             self.control.findings.ignored(f"{word} P")
 
+    def _drills(self) -> bool:
+        return self.rs274 and self.state.drills_here
+
+    @staticmethod
+    def _taken(numbers: Numbers, letter: str, shared: bool) -> float | None:
+        """The number of a letter, out of the block, where its motion does not share it."""
+        if shared and not numbers.keys().isdisjoint("XYZABCUVWIJKR"):
+            return numbers.get(letter)
+        return numbers.pop(letter, None)
+
     def _polar(self, numbers: Numbers, word: str) -> None:
         self.state.polar, self.state.pole = True, {}
 
@@ -139,7 +150,7 @@ class Modes:
         letter = next((letter for letter in ("P" if self.rs274 else "PXUF") if letter in numbers), None)
         if letter is None:
             raise WordError(f"{word} needs its time as P in seconds: write it like {word} P0.5")
-        value = numbers.pop(letter)
+        value = self._taken(numbers, letter, self.rs274 and (self.state.arc_here or self._drills())) or 0.0
         self.control.dwell(self.seconds(value) if letter == "P" else value)
         if any(letter in "XYZABCUVW" for letter in numbers) and not self.rs274:
             raise WordError(f"{word} takes its time alone: write the motion in a block of its own")
