@@ -1,4 +1,4 @@
-"""Lines and arcs under offsets and turns: our reading beside a second one, from LinuxCNC's manual, to the last digit."""
+"""Lines and arcs under offsets and turns: our reading beside a second one, from LinuxCNC's manual, to all digits."""
 
 from __future__ import annotations
 
