@@ -54,13 +54,13 @@ class Motion:
 
         A whole turn more or less; without one, the straight way. None where the ends tell.
         """
-        rest = abs(math.remainder(self.sweep, 2.0 * math.pi))
-        if self.normal < 0 or rest * self.radius() > near:
+        whole = math.copysign(2.0 * math.pi, self.sweep)
+        rest = math.remainder(self.sweep, whole)
+        if self.normal < 0 or abs(rest) * self.radius() > near:
             return None
-        turns, way = round(abs(self.sweep) / (2.0 * math.pi)), math.copysign(2.0 * math.pi, self.sweep)
-        if turns < 2:
-            return replace(self, normal=-1)
-        return replace(self, sweep=self.sweep - way)
+        if rest * whole > 0.0:  # beyond whole turns, or none: one more
+            return replace(self, sweep=self.sweep + whole)
+        return replace(self, sweep=self.sweep - whole) if abs(self.sweep) > 9.0 else replace(self, normal=-1)
 
     def length(self) -> float:
         """Of X, Y, Z [mm]; where none moves, of the rotary axes [deg]."""

@@ -3,8 +3,8 @@
     python -m testbed.linuxcnc.suite FOLDER [--list KIND]
 
 Every file `.ngc` below the folder is read by both, with the files beside it that it calls, and with the lengths and
-diameters of the one tool table (`.tbl`) that lies there. Its INI files and Python are not looked at: a remapped word is an unknown one
-to both. Nothing is kept of the programs.
+diameters of the one tool table (`.tbl`) that lies there. Its INI files and Python are not looked at: a remapped word is
+an unknown one to both. Nothing is kept of the programs.
 """
 
 from __future__ import annotations

@@ -43,6 +43,7 @@ SAME = {
     "an input beside an arc": "G0 X1\nG2 I3 M66 P2 L0\nG3 X3 I1 M66 E1\nM2\n",
     "an input beside what ends a cycle": "G0 Z5\nG81 X1 Y1 Z-1 R1\nG1 X5 M66 P0 L0\nM2\n",
     "next to nothing of an arc": "G0 X0 Y0\nG2 X0.005 Y-0.0001 I-5 J0\nG1 X9\nM2\n",
+    "F of saved modes": "G1 X1\nM70\nF100\nM72\nG1 X9\nM2\n",
     "short chips": "G0 X0 Y0 Z5\nG73 X1 Y1 Z-1 R1 Q0.2\nG80\nM2\n",
 }
 REFUSED = {
@@ -54,6 +55,9 @@ REFUSED = {
     "G82 X3 Z-1 R1 P1\nX4 M19 R30 P2\nG80\nM2\n": "may take the same letters",
     "G83 X3 Z-1 R1 Q1\nX4 M61 Q2\nG80\nM2\n": "may take the same letters",
     "G2 X10.005 Y-0.0000001 I-10\nM2\n": "a full circle, or none",
+    # its interpreter takes the number of F for inches, and for 7.2 in its next version
+    "G20\nM70\nF100\nM72\nG1 X0.1\nM2\n": "feed missing",
+    "F7.25\nM70\nM72\nG1 X1\nM2\n": "feed missing",
     "T2 M6\nG41 D0\nG1 X5\nG40 X7\nM2\n": "needs the tool's radius",
 }
 
