@@ -99,6 +99,9 @@ KNOWN = {
     r"closes but for a rounding": "a compensated circle that its planner may take for nothing",
     r"a change of the unit .* under cutter compensation": "G20 and G21 within a compensated contour",
     r"in LinuxCNC's interpreter this": "a loop that another one, which was left in its middle, changes there",
+    r"may take the same letters": "M19, M61 or M66 beside a cycle, of which both use L, P, Q or R there",
+    r"G43\.[12] and \S+ both take": "offsets of a tool beside a motion, both take its axes there",
+    r"a full circle, or none": "an arc that is a circle on a machine in inch alone",
     r"its label stands in line \d+ already": "do with a label of a loop before goes back to that loop there",
 }
 """Refusals of ours alone that are meant, by what they say, and why."""

@@ -52,8 +52,12 @@ class Motion:
     def otherwise(self, near: float) -> Motion | None:
         """The other motion that an arc may be, whose ends lie within `near` [mm] of one ray as they are printed.
 
-        A whole turn more or less; without one, the straight way. None where the ends tell.
+        A whole turn more or less; without one, the straight way. None where the ends tell: ends that are printed alike
+        are one.
         """
+        axis, way = np.array(self.axis), (self.end - self.start)[:3]
+        if np.linalg.norm(way - (way @ axis) * axis) < 1e-9:
+            return None
         whole = math.copysign(2.0 * math.pi, self.sweep)
         rest = math.remainder(self.sweep, whole)
         if self.normal < 0 or abs(rest) * self.radius() > near:

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from testbed.against_rs274 import difference
+from testbed.against_rs274 import BOTH, compared, difference
 from testbed.linuxcnc.job import Job
 
 pytestmark = [
@@ -43,6 +43,8 @@ SAME = {
     "an input beside an arc": "G0 X1\nG2 I3 M66 P2 L0\nG3 X3 I1 M66 E1\nM2\n",
     "an input beside what ends a cycle": "G0 Z5\nG81 X1 Y1 Z-1 R1\nG1 X5 M66 P0 L0\nM2\n",
     "next to nothing of an arc": "G0 X0 Y0\nG2 X0.005 Y-0.0001 I-5 J0\nG1 X9\nM2\n",
+    "a told length takes the place of another": "G0 X0 Y0 Z0\nG43 H1\nG43.1 X1 Z3\nG1 X2 Z1\nG43.1 Z4\nG1 Z2\nM2\n",
+    "levels go by the mode at the hole": "G0 Z5\nG81 X1 Y1 Z-1 R1\nG91 X3\nG90 X9\nG80\nM2\n",
     "F of saved modes": "G1 X1\nM70\nF100\nM72\nG1 X9\nM2\n",
     "short chips": "G0 X0 Y0 Z5\nG73 X1 Y1 Z-1 R1 Q0.2\nG80\nM2\n",
 }
@@ -71,3 +73,8 @@ def test_what_is_read_is_what_linuxcnc_does(name):
 def test_what_is_not_read_so_is_refused(text):
     found = difference(Job(f"{HEAD}G0 X10 Y0 Z5\n{text}", tools={2: 100.0}))
     assert found.startswith("refused by us only") and REFUSED[text] in found
+
+
+@pytest.mark.parametrize("text", ["G2 I3 P0", "G2 I3 M66 P0 L0", "G2 I3 P1.5", "G2 I3\nI3 G4 P.5"])
+def test_turns_that_are_none_are_refused_by_both(text):
+    assert compared(Job(f"{HEAD}G0 X1\n{text}\nM2\n")).kind == BOTH
