@@ -18,6 +18,12 @@ ONE_RAY = 1e-6
 ONE_RAY_MM, ONE_RAY_INCH = 1e-14, 6.4516e-12
 """The same in LinuxCNC (`pmCircleInit`, CART_FUZZ): most product of both spokes [m2], 1e-8 in the square of the unit
 that the machine counts in. What lies between is a full circle on a machine in inch, next to nothing on another."""
+SPIRAL = (
+    "where the radius of an arc at its end is another than at its start, within what the control allows, it changes "
+    "evenly with the angle"
+)
+SPIRAL_SAID = 5e-6
+"""Difference of radii [m] from which that is said: more than decimals explain."""
 
 Vector = Sequence[float]
 
