@@ -37,11 +37,16 @@ def follow(control: Control, side: int, radius: float, plane: int, rules: Rules)
         fail("compensation begins before the program has gone to a place: position with G0 before it")
     if control.placement.tip_mode and not control.coordinates.tilted:
         fail("cutter compensation in tool-centre-point mode is not read: let the CAM system compensate")
-    matrix = control.placement.matrix
-    if any(abs(math.hypot(*(row[k] for row in matrix)) - 1.0) > SCALE for k in range(3)):
+    if is_scaled(control):
         fail("cutter compensation in scaled coordinates is not read: let the CAM system apply the scale")
     control.findings.assumed(BESIDE.format(radius * 1e3))
     control.stage = Follower(control, side, radius, plane, rules)
+
+
+def is_scaled(control: Control) -> bool:
+    """Whether a length of the program is another one on the part, where the tool's radius is what it is."""
+    matrix = control.placement.matrix
+    return any(abs(math.hypot(*(row[k] for row in matrix)) - 1.0) > SCALE for k in range(3))
 
 
 def leave(follower: Follower) -> None:

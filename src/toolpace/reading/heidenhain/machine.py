@@ -249,6 +249,8 @@ class MachineFunctions:
         letters = [letter for letter, _, _ in words.axes]
 
         def run() -> None:
+            if words.side:
+                self.motion.compensation.take(words.side)
             rapid = self.motion.set_feed(words)
             if self.state.tip_mode:
                 # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")

@@ -50,6 +50,8 @@ class Compensation:
         self.in_xy = by.option("compensation_in_xy", False)
         self.ends_before_stops = by.option("compensation_ends_before_stops", False)
         self.said = by.option("compensation_said", "")
+        self.word = ""
+        """G41 or G42, while it is in force, with a radius of zero too."""
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -143,10 +145,31 @@ class Compensation:
             raise RefusedError(word, NO_RADIUS.format("remove it" if self.rs274 else "write D0"))
         return found.radius
 
+    def choose(self, number: float) -> None:
+        """D without G41 or G42: of the compensation to come. Raises WordError where it changes the one at hand.
+
+        Fanuc: "the vector at the end point of the block is calculated for the new cutter compensation value", and D0
+        cancels (B-63784EN, 14.4.1): which corners there are between two radii is not said.
+        """
+        before, self.state.radius_number = self.state.radius_number, number
+        if self.word and number != before:
+            stage = self.stage
+            at_hand = 0.0 if stage is None else stage.radius
+            try:
+                radius = self._radius(number, self.word)
+            except RefusedError as error:
+                raise WordError(error.cure) from None
+            if radius != at_hand:
+                raise WordError(
+                    f"D{number:g} changes the radius from {at_hand * 1e3:.6g} to {radius * 1e3:.6g} mm under {self.word}: "
+                    f"write G40 and {self.word} D{number:g}, each with a straight motion"
+                )
+
     def _begin(self, side: int, radius: float, word: str) -> None:
         control, state = self.control, self.state
         if self.stage is not None:
-            raise WordError(f"{word} stands where compensation is on already: write G40 before it")
+            raise WordError(f"{word} stands where compensation is on already: remove it, or write G40 before it")
+        self.word = "" if self.by == "linuxcnc" else word
         if self.by == "linuxcnc":
             self._begin_linuxcnc(side, radius, word)
         elif radius and self.by not in TYPES:
@@ -171,6 +194,7 @@ class Compensation:
     def end(self, numbers: Numbers, word: str) -> None:
         """G40."""
         numbers.pop("D", None)
+        self.word = ""
         self.control.findings.ignored(word)
         stage = self.control.stage
         if isinstance(stage, Follower):

@@ -11,6 +11,8 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.reading.heidenhain.state import ARC_PLANE, State
 
+LENGTHENED = {"R+": 1.0, "R-": -1.0}
+"""What makes the way of one axis longer or shorter by the tool's radius."""
 UNKNOWN = (
     "the tool's radius is not known: write it on the set-up sheet ([tools.N] radius), give --compensation program "
     "where the contour is the tool's centre, or write R0"
@@ -38,8 +40,10 @@ class Compensation:
 
     def take(self, side: str) -> None:
         """R0, RL, RR, or none. Raises BlockError."""
-        before, self.state.side = self.state.side, side or self.state.side
         follower = self.follower
+        if side in LENGTHENED:
+            raise BlockError(f"{side} belongs to a block of one axis, like X+50 {side}: write RL or RR here")
+        before, self.state.side = self.state.side, side or self.state.side
         if side in ("", "R0"):
             if side and follower is not None:
                 leave(follower)
@@ -51,9 +55,11 @@ class Compensation:
 
     def radius(self) -> float:
         """How far beside the contour the centre goes [m]. Raises BlockError."""
-        control, side = self.control, self.state.side
-        if side == "R0":
-            return 0.0
+        return 0.0 if self.state.side == "R0" else self.of_tool(self.state.side)
+
+    def of_tool(self, side: str) -> float:
+        """Radius of the tool in the spindle, with DR, for a word that compensates it [m]. Raises BlockError."""
+        control = self.control
         if self.as_programmed:
             control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
             return 0.0
