@@ -98,9 +98,7 @@ class Departing(Leaving):
             follower.go_round(last, Line(corner, corner + along), line, turned, start, words, rate, kind)
         elif rules.ends == AROUND and turned > TANGENT:
             self._need_no_motion()
-            points = follower.beyond(corner, last.element.ends, path.begins, turned)
-            follower.finish(points[0])
-            follower.lines(points[1:], start, words, rate, kind)
+            follower.round_in_lines(last, path, path, start, words, rate, kind)
 
     def _need_no_motion(self) -> None:
         if len(self.control.moves) != self.moves:

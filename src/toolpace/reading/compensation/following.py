@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import NoReturn
 
 from toolpace.reading.compensation.elements import SAME, Element, Line, Turn, is_behind, turning, turning_away, unit
-from toolpace.reading.compensation.meetings import gone, meetings, offset, swept_between
-from toolpace.reading.compensation.rules import ARC, AROUND, CENTRE, CONTOUR, MEETING, TOUCHING, Rules
+from toolpace.reading.compensation.meetings import beyond, gone, meetings, offset, swept_between
+from toolpace.reading.compensation.rules import ARC, AROUND, MEETING, TOUCHING, Rules
 from toolpace.reading.compensation.stage import Laid, OffsetStage
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.moves import Rate
@@ -47,6 +47,8 @@ class Follower(OffsetStage):
         """Blocks since the last element that moved nothing in the plane."""
         self.paused = False
         """Whether the program has stopped since then."""
+        self.resumes = False
+        """Whether a line leads to the next element, behind a suppression."""
         if rules.assumed:
             control.findings.assumed(rules.assumed)
 
@@ -60,7 +62,7 @@ class Follower(OffsetStage):
         if path is None or (arc is None and abs(path.end - path.start) < SAME):
             self.waiting.append(self.add(self.at, start, end, None, rate, kind))
             self.idle += self.last is not None or self.entering is not None
-        elif self.last is None and self.entering is None:
+        elif self.last is None and self.entering is None and not self.resumes:
             self._enter(path, start, end, rate, kind)
         else:
             self._follow(path, start, end, rate, kind)
@@ -91,6 +93,11 @@ class Follower(OffsetStage):
         """A block that has moved nothing."""
         self.idle += self.last is not None or self.entering is not None
 
+    def resume(self, at: complex) -> None:
+        """Compensation goes on behind a suppression, from a point of the plane."""
+        self.at, self.last, self.waiting, self.resumes = at, None, [], True
+        self.idle, self.paused = 0, False
+
     # The ends of the contour
 
     def begin_across(self, along: complex) -> None:
@@ -118,9 +125,7 @@ class Follower(OffsetStage):
             came = Followed(Line(corner - along, corner), line, self.begun)
             self.go_round(came, path, way, turning_away(along, path.begins, self.side), start, words, rate, kind)
         elif self.rules.ends == AROUND and turned > TANGENT:
-            points = self.beyond(corner, entering.begins, path.begins, turned)
-            self.finish(points[0])
-            self.lines(points[1:], start, words, rate, kind)
+            self.round_in_lines(Followed(entering, entering, self.begun), path, way, start, words, rate, kind)
         else:
             self.finish(way.start)
 
@@ -148,6 +153,9 @@ class Follower(OffsetStage):
         if self.entering is not None:
             self._arrive(self.entering, path, way, start, words, rate, kind)
             self.entering = None
+        elif self.resumes:
+            self.lines([way.start], start, words, rate, kind)
+            self.resumes = False
         else:
             assert self.last is not None
             self._corner(self.last, path, way, start, words, rate, kind)
@@ -200,16 +208,23 @@ class Follower(OffsetStage):
                 self.fail("the ways beside this outside corner do not meet: write a rounder corner, or one of lines")
             self.finish(min(found, key=lambda point: abs(point - near)))
         else:
-            points = self.beyond(corner, last.element.ends, path.begins, turned)
-            points = points if isinstance(last.element, Line) else [last.way.end, *points]
-            points = points if isinstance(path, Line) else [*points, way.start]
-            if self.idle and len(points) > 1:
-                self.fail(
-                    "a block that moves nothing in the plane stands at an outside corner that the control goes round "
-                    "in several lines: write it elsewhere"
-                )
-            self.finish(points[0])
-            self.lines(points[1:], start, words, rate, kind)
+            self.round_in_lines(last, path, way, start, words, rate, kind)
+
+    def round_in_lines(
+        self, last: Followed, path: Element, way: Element, start: list[float], words: list[float], rate: Rate,
+        kind: float,
+    ) -> None:  # fmt: skip
+        """Go round an outside corner by the tangents of both ways; lines lead from an arc and to it."""
+        points = beyond(path.start, last.element.ends, path.begins, self.side * self.radius)
+        points = points if isinstance(last.element, Line) else [last.way.end, *points]
+        points = points if isinstance(path, Line) else [*points, way.start]
+        if self.idle and len(points) > 1:
+            self.fail(
+                "a block that moves nothing in the plane stands at an outside corner that the control goes round "
+                "in several lines: write it elsewhere"
+            )
+        self.finish(points[0])
+        self.lines(points[1:], start, words, rate, kind)
 
     def _by(self, turned: float) -> str:
         """How an outside corner that turns by so much [rad] is gone round."""
@@ -221,16 +236,6 @@ class Follower(OffsetStage):
             self.control.findings.assumed(rules.said_of_limits)
             return ARC
         return rules.outside
-
-    def beyond(self, corner: complex, before: complex, behind: complex, turned: float) -> list[complex]:
-        """Where tangents of two offset ways meet beyond an outside corner; two points where that is farther than the
-        radius."""
-        first = corner + self.radius * 1j * self.side * before
-        second = corner + self.radius * 1j * self.side * behind
-        beyond = self.radius * math.tan(0.5 * turned)
-        if beyond > self.radius * (1.0 + 1e-9):
-            return [first + self.radius * before, second - self.radius * behind]
-        return [first + beyond * before]
 
     # Motions
 
@@ -291,10 +296,4 @@ class Follower(OffsetStage):
 
     def _rate(self, path: Element, rate: Rate) -> Rate:
         """Speed of the centre on an element."""
-        rule = self.rules.feed
-        if rule == CENTRE or not isinstance(path, Turn) or math.isinf(rate.speed):
-            return rate
-        inner = path.holds(self.side)
-        if rule != CONTOUR and not inner:
-            return rate
-        return rate._replace(speed=rate.speed * (1.0 + (-self.radius if inner else self.radius) / path.radius))
+        return rate._replace(speed=rate.speed * self.rules.share_of_feed(path, self.side, self.radius))

@@ -41,6 +41,8 @@ class State:
     """What F is the speed of under compensation: CFC, CFTCP, CFIN; "" where the program does not say."""
     overshoot: float = 0.0
     """DISC: how far arcs about outside corners are drawn out [%]."""
+    allowance: float = 0.0
+    """OFFN: how far beyond the tool's radius a compensated contour is kept away from [m]."""
     in_frame: bool = False
     """Whether the plane of compensation is that of the frame (CUT2DF)."""
     turning: str = GREAT_CIRCLE

@@ -161,8 +161,8 @@ class Compensation:
                 raise WordError(error.cure) from None
             if radius != at_hand:
                 raise WordError(
-                    f"D{number:g} changes the radius from {at_hand * 1e3:.6g} to {radius * 1e3:.6g} mm under {self.word}: "
-                    f"write G40 and {self.word} D{number:g}, each with a straight motion"
+                    f"D{number:g} changes the radius from {at_hand * 1e3:.6g} to {radius * 1e3:.6g} mm under "
+                    f"{self.word}: write G40 and {self.word} D{number:g}, each with a straight motion"
                 )
 
     def _begin(self, side: int, radius: float, word: str) -> None:
