@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import NoReturn
 
+from toolpace.reading.compensation.corners import TANGENT, Followed
 from toolpace.reading.compensation.elements import Line, is_behind, turning, turning_away
-from toolpace.reading.compensation.following import TANGENT, Followed, Follower
+from toolpace.reading.compensation.following import ACROSS_ALONE, Follower
 from toolpace.reading.compensation.rules import AROUND, TOUCHING, Rules
 from toolpace.reading.compensation.stage import Leaving
 from toolpace.reading.control.control import Control
@@ -72,6 +73,18 @@ class Departing(Leaving):
     def __init__(self, follower: Follower) -> None:
         super().__init__(follower)
         self.follower, self.moves = follower, len(follower.control.moves)
+        self.is_new = True
+        """Whether the block of the word that ends it goes on."""
+
+    def behind_block(self, moved: bool) -> None:
+        """A block has ended: where it is that of the word, and moved nothing, the tool may be shifted back."""
+        is_new, self.is_new = self.is_new, False
+        if not (is_new and self.follower.rules.shifts):
+            return
+        if moved:
+            self.follower.fail(f"compensation ends beside a motion {ACROSS_ALONE}")
+        self.control.stage = None
+        self.control.lay(self.control.words, *self.follower.speed)
 
     def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
         """The first straight motion in the plane leads away. Raises ProgramError."""

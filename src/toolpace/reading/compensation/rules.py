@@ -34,6 +34,8 @@ class Rules:
     """Turn [rad] up to which an outside corner has no arc: the ways meet."""
     said_of_limits: str = ""
     """What is taken for granted where a corner is read by one of these two."""
+    shifts: bool = False
+    """Whether a block that begins or ends it without a motion moves the tool across the contour's end."""
     most_idle: int = 1
     """Blocks that move nothing in the plane which may stand between two elements."""
     gouge: str = "the control stops with an alarm"

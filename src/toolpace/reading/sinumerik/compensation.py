@@ -112,7 +112,7 @@ class Compensation:
         if state.approach not in ("NORM", "KONT"):
             cure = "NORM and KONT are read: write one of them in its place"
             control.findings.refused(f"{code} with {state.approach}", control.line, cure)
-        if state.overshoot:
+        if state.overshoot and state.outside == "G450":  # "DISC only applies with call of G450"
             control.findings.refused(f"{code} with DISC", control.line, "arcs are read without it: write DISC=0")
         if not state.in_frame and not self._in_machine_plane():
             cure = "its plane is that of the machine: write CUT2DF"

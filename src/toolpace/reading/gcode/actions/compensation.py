@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolpace.reading.compensation.ends import follow, leave
+from toolpace.reading.compensation.ends import Departing, follow, leave
 from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.linuxcnc import LeavingLinuxcnc, LinuxcncStage, Uncompensated
 from toolpace.reading.compensation.rules import ACROSS, ARC, AROUND, INSIDE, LINES, Rules
@@ -30,9 +30,14 @@ NO_RADIUS = (
     "cutter compensation needs the tool's radius: write it on the set-up sheet ([tools.N] radius), let the CAM system "
     "compensate and {}, or give --compensation program where the program is the path of the tool's centre"
 )
-TYPES = {"type A": ACROSS, "type B": AROUND}
-"""How it begins and ends, by parameter 5003#0 and #1 (Fanuc B-63944EN, "Details of cutter or tool nose radius
-compensation")."""
+TYPES = {
+    "type A": (ACROSS, False),
+    "type B": (AROUND, False),
+    "type C": (ACROSS, True),
+    "type C as B": (AROUND, True),
+}
+"""How it begins and ends, and whether a block without a motion shifts the tool: parameter 5003#0 and #1 (Fanuc
+B-63944EN, "Details of cutter or tool nose radius compensation")."""
 ALARM = "the control stops with an alarm (PS0041)"
 WITHOUT_D = "compensation without D is not read: write the number of the tool whose radius counts, like {} D1"
 
@@ -178,7 +183,8 @@ class Compensation:
         elif radius and state.plane and self.in_xy:
             raise WordError(f"{word} compensates in the plane of G17 alone (alarm 344): write G17 before it")
         elif radius:
-            rules = Rules(self.corners, TYPES[self.by], INSIDE, gouge=ALARM, assumed=self.said)
+            ends, shifts = TYPES[self.by]
+            rules = Rules(self.corners, ends, INSIDE, shifts=shifts, gouge=ALARM, assumed=self.said)
             follow(control, side, radius, state.plane, rules)
 
     def _begin_linuxcnc(self, side: int, radius: float, word: str) -> None:
@@ -215,5 +221,5 @@ class Compensation:
     def behind_block(self, moves: int) -> None:
         """A block ends, before which there were so many motions."""
         stage = self.control.stage
-        if isinstance(stage, Follower) and len(self.control.moves) == moves:
-            stage.idle_block()
+        if isinstance(stage, (Follower, Departing)):
+            stage.behind_block(len(self.control.moves) != moves)
