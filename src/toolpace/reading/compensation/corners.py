@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import NoReturn
 
+from toolpace.reading.compensation.crossings import crosses
 from toolpace.reading.compensation.elements import Element, Line, Turn, turning, unit
-from toolpace.reading.compensation.meetings import beyond, gone, meetings
+from toolpace.reading.compensation.meetings import between, beyond, gone, meetings
 from toolpace.reading.compensation.rules import ARC, MEETING, Rules
 from toolpace.reading.compensation.stage import OffsetStage
 from toolpace.reading.control.control import Control
@@ -41,6 +42,8 @@ class Corners(OffsetStage):
         """The last element, whose end waits; None before the first."""
         self.idle = 0
         """Blocks since the last element that moved nothing in the plane."""
+        self.pieces: list[Element] = []
+        """Of the way so far, where the control looks whether it crosses itself."""
 
     def corner(
         self, last: Followed, path: Element, way: Element, start: list[float], words: list[float], rate: Rate,
@@ -80,6 +83,7 @@ class Corners(OffsetStage):
             self.finish(last.way.end)
             turn = Turn(last.way.end, way.start, corner, -self.side * turned)
             self.add(way.start, start, words, turn, rate, kind)
+            self.see(turn)
         elif by == MEETING:
             near = corner + self.radius * unit(last.element.ends + path.begins) * 1j * self.side
             found = meetings(last.way, way)
@@ -133,7 +137,21 @@ class Corners(OffsetStage):
         last = self.last
         if last is not None and gone(last.way, last.begins, end) < -ROUNDED:
             self.refuse_gouge()
+        if last is not None:
+            self.see(between(last.way, last.begins, end))
         self.move_end(end)
+
+    def see(self, piece: Element) -> None:
+        """A piece of the way is settled. Raises ProgramError where it crosses one that the control looks at."""
+        most = self.rules.looks_ahead
+        if not most:
+            return
+        if any(crosses(piece, other) for other in self.pieces[-most:]):
+            self.fail(
+                f"the way of the tool's centre crosses itself within {most} elements, and the control, which looks "
+                "ahead, leaves out what lies between: take a smaller tool, or end looking ahead before this contour"
+            )
+        self.pieces.append(piece)
 
     def refuse_gouge(self) -> NoReturn:
         self.fail(

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from toolpace.reading.compensation.corners import ROUNDED, TANGENT, Corners, Followed
 from toolpace.reading.compensation.elements import SAME, Element, Line, Turn, is_behind, turning, turning_away, unit
-from toolpace.reading.compensation.meetings import gone, offset, swept_between
+from toolpace.reading.compensation.meetings import between, gone, offset
 from toolpace.reading.compensation.rules import AROUND, TOUCHING, Rules
 from toolpace.reading.compensation.stage import Laid
 from toolpace.reading.control.control import Control
@@ -71,9 +71,12 @@ class Follower(Corners):
 
     def pause(self) -> None:
         """The contour ends here, or the program. Raises ProgramError where its last element was a gouge."""
-        self.paused = True
-        if self.last is not None and gone(self.last.way, self.last.begins, self.last.way.end) < -ROUNDED:
+        last, was_paused, self.paused = self.last, self.paused, True
+        if last is None or was_paused:
+            return
+        if gone(last.way, last.begins, last.way.end) < -ROUNDED:
             self.refuse_gouge()
+        self.see(between(last.way, last.begins, last.way.end))
 
     def behind_block(self, moved: bool) -> None:
         """A block of the program has ended, with or without a motion."""
@@ -153,7 +156,7 @@ class Follower(Corners):
             assert self.last is not None
             self.corner(self.last, path, way, start, words, rate, kind)
         begun = self.at
-        laid = self.add(way.end, start, end, self._between(way, begun, way.end), self._rate(path, rate), kind)
+        laid = self.add(way.end, start, end, between(way, begun, way.end), self._rate(path, rate), kind)
         self.wait(laid, begun)
         self.last, self.idle, self.speed = Followed(path, way, begun), 0, (rate, kind)
 
@@ -167,20 +170,13 @@ class Follower(Corners):
             )
         return found
 
-    def _between(self, way: Element, begun: complex, end: complex) -> Element:
-        """The part of an offset way from point to point."""
-        if isinstance(way, Line):
-            return Line(begun, end)
-        angle = swept_between(way, begun, end)
-        return Turn(begun, end, way.centre, way.sense * angle) if angle > SAME else Line(begun, end)
-
     def trimmed(self, laid: Laid, end: complex) -> Element | None:
         """The motion that waits, to another end."""
         if laid.path is None:
             return None
         if isinstance(laid.path, Line) or self.last is None:
             return Line(self.begun, end)
-        return self._between(self.last.way, self.begun, end)
+        return between(self.last.way, self.begun, end)
 
     def _shift_ends(self, end: complex) -> None:
         """Move the ends of what waits, and let it wait on."""

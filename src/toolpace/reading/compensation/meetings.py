@@ -91,3 +91,11 @@ def swept_between(way: Turn, start: complex, end: complex) -> float:
     cut = way.sense * cmath.phase((start - way.centre) / (way.start - way.centre))
     left = way.sense * cmath.phase((way.end - way.centre) / (end - way.centre))
     return abs(way.sweep) - cut - left
+
+
+def between(way: Element, begun: complex, end: complex) -> Element:
+    """The part of an offset way from point to point."""
+    if isinstance(way, Line):
+        return Line(begun, end)
+    angle = swept_between(way, begun, end)
+    return Turn(begun, end, way.centre, way.sense * angle) if angle > SAME else Line(begun, end)

@@ -38,6 +38,8 @@ class Rules:
     """Whether a block that begins or ends it without a motion moves the tool across the contour's end."""
     most_idle: int = 1
     """Blocks that move nothing in the plane which may stand between two elements."""
+    looks_ahead: int = 0
+    """Elements within which the control leaves out what lies between two crossings of the way; 0 where it does not."""
     gouge: str = "the control stops with an alarm"
     """What the control does where the tool does not fit."""
     assumed: str = ""

@@ -61,6 +61,7 @@ class MachineFunctions:
             "reduce rotary": self.reduced,
             "retract": self.retracted,
             "noted": self.noted,
+            "look ahead": self.looks_ahead,
         }
         self.at_end: dict[str, Callable[[Function], Step]] = {
             "tip mode off": lambda _: lambda: self.tip_mode(False),
@@ -114,6 +115,11 @@ class MachineFunctions:
 
             return run
         return self.refused(word, UNKNOWN)
+
+    def looks_ahead(self, function: Function) -> Step:
+        """M120: the control looks over LA blocks of a compensated contour."""
+        blocks = function.words.get("LA")
+        return lambda: self.motion.compensation.look_ahead(0.0 if blocks is None else evaluate(blocks))
 
     def corner(self, word: str) -> None:
         """M97 and M98, which change corners of a compensated contour, and nothing else."""

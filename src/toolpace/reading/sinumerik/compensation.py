@@ -24,6 +24,8 @@ which on there is one under G451."""
 SAID = "outside corners that turn by up to 10 degrees are met, from 100 degrees on there is an arc (MD20230, MD20210)"
 SAID_OF_FEED = "F is of the contour on arcs of a compensated contour: CFC is in force where the program does not say"
 FEEDS = {"": CONTOUR, "CFC": CONTOUR, "CFTCP": CENTRE, "CFIN": INSIDE}
+LOOKED_AT = 999
+"""Elements that CDON looks at here: MD20240 tells how many, which we do not know."""
 SIDES = {"G41": 1, "G42": -1}
 SUPPRESSION = ("CUTCONON", "CUTCONOF")
 
@@ -74,6 +76,7 @@ class Compensation:
             slight=SLIGHT,
             said_of_limits=SAID,
             most_idle=3,
+            looks_ahead=LOOKED_AT if state.watches else 0,
             gouge="the control stops with an alarm (10750, 10751), or leaves elements out",
             assumed="" if state.contour_feed else SAID_OF_FEED,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from toolpace.reading.compensation.ends import follow, leave
 from toolpace.reading.compensation.following import Follower
@@ -47,6 +48,7 @@ class Compensation:
         if side in ("", "R0"):
             if side and follower is not None:
                 leave(follower)
+                self.state.looks_ahead = 0
         elif follower is not None:
             if before != side:
                 raise BlockError(f"{side} changes the side of the tool while it compensates: write R0 before it")
@@ -75,4 +77,12 @@ class Compensation:
     def begin(self, radius: float) -> None:
         """Go beside the contour from here on."""
         side = 1 if self.state.side == "RL" else -1
-        follow(self.control, side, radius, ARC_PLANE[self.state.tool_axis], RULES)
+        rules = replace(RULES, looks_ahead=self.state.looks_ahead)
+        follow(self.control, side, radius, ARC_PLANE[self.state.tool_axis], rules)
+
+    def look_ahead(self, elements: float) -> None:
+        """M120 with LA: loops of the way are left out; without it, or with 0, they are not."""
+        self.control.findings.ignored("M120")
+        self.state.looks_ahead = int(elements)
+        if self.follower is not None:
+            self.follower.rules = replace(self.follower.rules, looks_ahead=self.state.looks_ahead)
