@@ -39,6 +39,9 @@ TYPES = {
 """How it begins and ends, and whether a block without a motion shifts the tool: parameter 5003#0 and #1 (Fanuc
 B-63944EN, "Details of cutter or tool nose radius compensation")."""
 ALARM = "the control stops with an alarm (PS0041)"
+UNKNOWN_CORNERS = (
+    "how this control compensates is not known here: name another with --controller, or let the CAM system compensate"
+)
 WITHOUT_D = "compensation without D is not read: write the number of the tool whose radius counts, like {} D1"
 
 
@@ -135,7 +138,7 @@ class Compensation:
         if not self.rs274 and number is None:
             number = self.state.radius_number
             if number is None:
-                raise RefusedError(word, WITHOUT_D.format(word))
+                raise RefusedError(word, WITHOUT_D.format(word) if self.by else UNKNOWN_CORNERS)
         self.state.radius_number = number
         name = f"{number:g}" if number else control.tool if self.rs274 else ""
         if name in ("", "0"):
@@ -178,8 +181,7 @@ class Compensation:
         if self.by == "linuxcnc":
             self._begin_linuxcnc(side, radius, word)
         elif radius and self.by not in TYPES:
-            cure = "name the control with --controller, or let the CAM system compensate"
-            raise RefusedError(word, f"how this control compensates is not known here: {cure}")
+            raise RefusedError(word, UNKNOWN_CORNERS)
         elif radius and state.plane and self.in_xy:
             raise WordError(f"{word} compensates in the plane of G17 alone (alarm 344): write G17 before it")
         elif radius:
