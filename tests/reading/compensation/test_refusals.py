@@ -49,6 +49,7 @@ def refused(text: str, control: str, sheet: SetUp = SHEET) -> str:
         ("haas", "G18 G41 D1 G1 X0 Z0 F500\nZ50\nG40 X9\n", "alarm 344"),
         ("haas", "G41 D1 G1 X0 Y0 F500\nY50\n", "alarm 349"),
         ("iso", "G41 D1 G1 X0 Y0 F500\nY50\nG40 X9\n", "how this control compensates is not known"),
+        ("fanuc", "G41 D1 G1 X0 Y0 F500\nY50\nG40 X9 I5 J0\n", "write that element out"),
         ("millplus", "G41 G1 X0 Y0 F500\nY50\nG40 X9\n", "how this control compensates is not known"),
         ("fanuc", "G41.1 G1 X0 Y0 F500\nY50\nG40.1 X9\n", "follows the contour"),
         ("fanuc", "G42.5 D1 G1 X0 Y0 F500\nY50\nG40 X9\n", "compensation in space"),

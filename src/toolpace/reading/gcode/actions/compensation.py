@@ -205,6 +205,11 @@ class Compensation:
         self.word = ""
         self.control.findings.ignored(word)
         stage = self.control.stage
+        if isinstance(stage, Follower) and numbers.keys() & {"I", "J", "K"}:
+            raise WordError(
+                "I, J, K beside G40 tell in which direction the contour would go on, which is not read: write that "
+                "element out before G40"
+            )
         if isinstance(stage, Follower):
             leave(stage)
         elif isinstance(stage, (LinuxcncStage, Uncompensated)):
