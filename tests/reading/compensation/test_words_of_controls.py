@@ -58,6 +58,15 @@ def test_words_that_change_nothing_here(word):
     assert places(OUTLINE.format(f"G451 {word}"), "sinumerik") == places(OUTLINE.format("G451"), "sinumerik")
 
 
+@pytest.mark.parametrize("block", ["KONT G40", "G40 KONT", "G40\nKONT"])
+def test_the_word_in_the_last_block_tells_how_it_leads_away(block):
+    """From behind the contour's end, by KONT round it."""
+    text = "G451 G0 X-20 Y-20 Z0\nG41 G1 X0 Y0 F500\nY50\n{} X20 Y60\nM30\n"
+    assert places(text.format("NORM G40"), "sinumerik")[2:] == [[-4, 50], [20, 60]]
+    # the line from (-4, 53) to (20, 60) passes (0, 50) at (24 * 3 + 7 * 4) / 25 = 4 mm
+    assert places(text.format(block), "sinumerik")[2:] == [[-4, 53], [20, 60]]
+
+
 def test_g40_comes_before_d_and_a_change_of_its_block():
     text = "G0 X-20 Y-20 Z0\nG41 G1 X0 Y0 F500\nY50\nG40 X-30 D0\nM30\n"
     assert places(text, "sinumerik")[2:] == [[-4, 50], [-30, 50]]

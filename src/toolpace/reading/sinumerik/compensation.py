@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.reading.compensation.ends import follow, leave
+from toolpace.reading.compensation.ends import Departing, follow, leave
 from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, INSIDE, MEETING, TOUCHING, Rules
 from toolpace.reading.compensation.suppressed import Suppressed
@@ -82,14 +82,18 @@ class Compensation:
         )
 
     def change_rules(self, code: str) -> None:
-        """G450, G451, CFC and their kin may stand within a contour; the plane may not. Raises ProgramError."""
+        """G450, G451, CFC and their kin may stand within a contour, and beside G40; the plane may not.
+
+        "The approach/retraction behavior is determined by the state of the G command in the approach/retraction block"
+        (Function Manual W1, 11/2006). Raises ProgramError.
+        """
         stage = self.control.stage
         if isinstance(stage, (Follower, Suppressed)) and stage.plane != self.state.plane:
             stage.other_motion(f"a change of the plane ({code})")
         if isinstance(stage, Follower):
             self._refuse_unread(self.state.compensation)
             stage.rules = self.rules()
-        elif isinstance(stage, Suppressed):
+        elif isinstance(stage, (Suppressed, Departing)):
             stage.follower.rules = self.rules()
 
     def suppress(self, code: str) -> None:
