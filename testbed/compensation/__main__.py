@@ -1,4 +1,4 @@
-"""python -m testbed.compensation [--first SEED] [--programs N]: random contours by the rules of each control."""
+"""python -m testbed.compensation [--first SEED] [--programs N] [--rules NAME ...]: random contours by the rules of each control."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--programs", type=int, default=300)
+    known = [rule for rule in RULES if rule != "type B"]  # an option of a controller's file
+    parser.add_argument("--rules", nargs="+", choices=known, default=known)
     given = parser.parse_args()
     wrong = 0
-    for rule in RULES:
-        if rule == "type B":  # an option of a controller's file
-            continue
+    for rule in given.rules:
         outcomes: Counter[str] = Counter()
         worst = 0.0
         for seed in range(given.first, given.first + given.programs):
