@@ -17,7 +17,7 @@ from testbed.compensation.written import Form
 from tests.support.compensated import R, read
 
 PLAIN = Form()
-EXTENDED = ("fanuc", "haas", "mazak", "type B", "G451")
+EXTENDED = ("fanuc", "haas", "mazak", "type B", "G450", "G451")
 """Rules by which an outside corner makes a line longer that the inside corner before it takes away: sampling, which
 looks at one corner alone, calls it a gouge."""
 
