@@ -1,4 +1,4 @@
-"""python -m testbed.compensation [--first SEED] [--programs N] [--rules NAME ...]: contours by the rules of controls."""
+"""python -m testbed.compensation [--first SEED] [--programs N] [--rules NAME ...]: contours by controls."""
 
 from __future__ import annotations
 
