@@ -19,15 +19,16 @@ from toolpace.reading.coordinates.setup import SetUp, Tool
 MOST_APART = 2e-3
 """Beyond which two ways are not the same [mm]; points lie within half a micrometre of arcs, chords within 0.1."""
 SHEET = SetUp(tools={"1": Tool(0.1, R * 1e-3)})
-BY_SIEMENS = {"slight": math.radians(10.0), "most_met": math.radians(100.0)}
+SLIGHT, MOST_MET = math.radians(10.0), math.radians(100.0)
+"""MD20230 and MD20210 as they are delivered."""
 RULES = {
     "fanuc": Rule("lines"),
     "type B": Rule("lines", around=True),
     "haas": Rule("lines"),
     "mazak": Rule("lines"),
     "heidenhain": Rule("arcs"),
-    "G450": Rule("arcs", **BY_SIEMENS),
-    "G451": Rule("met", **BY_SIEMENS),
+    "G450": Rule("arcs", SLIGHT, MOST_MET),
+    "G451": Rule("met", SLIGHT, MOST_MET),
 }
 SAME, REFUSED_BY_BOTH, REFUSED, ACCEPTED, ELSEWHERE = "same", "refused by both", "refused here", "accepted here", "off"
 Plane = Callable[[np.ndarray], np.ndarray]
