@@ -12,7 +12,9 @@ from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.control.retract import retract
 from toolpace.reading.control.tool_axis import direction_on_part
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.heidenhain import tilting_axes
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.holes.drilling import Holes
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
@@ -49,10 +51,17 @@ class MachineFunctions:
     """Compiles M functions by their meanings."""
 
     def __init__(
-        self, control: Control, state: State, motion: Motion, frames: Frames, holes: Holes, controller: Controller
+        self,
+        control: Control,
+        state: State,
+        motion: Motion,
+        frames: Frames,
+        holes: Holes,
+        flow: Flow,
+        controller: Controller,
     ) -> None:
         self.control, self.state, self.motion, self.frames = control, state, motion, frames
-        self.holes, self.controller = holes, controller
+        self.holes, self.flow, self.controller = holes, flow, controller
         self.builder = controller.option("builder_functions", "ignored")
         self.at_start: dict[str, Callable[[Function], Step]] = {
             "tip mode on": lambda _: lambda: self.tip_mode(True),
@@ -61,7 +70,8 @@ class MachineFunctions:
             "reduce rotary": self.reduced,
             "retract": self.retracted,
             "noted": self.noted,
-            "look ahead": self.looks_ahead,
+            "look ahead": lambda function: lambda: motion.compensation.look_ahead(function.words.get("LA")),
+            "tilting axes": lambda function: lambda: tilting_axes.take(control, function.words),
         }
         self.at_end: dict[str, Callable[[Function], Step]] = {
             "tip mode off": lambda _: lambda: self.tip_mode(False),
@@ -116,15 +126,9 @@ class MachineFunctions:
             return run
         return self.refused(word, UNKNOWN)
 
-    def looks_ahead(self, function: Function) -> Step:
-        """M120: the control looks over LA blocks of a compensated contour."""
-        blocks = function.words.get("LA")
-        return lambda: self.motion.compensation.look_ahead(0.0 if blocks is None else evaluate(blocks))
-
     def corner(self, word: str) -> None:
         """M97 and M98, which change corners of a compensated contour, and nothing else."""
-        stage = self.control.stage
-        if stage is not None and stage.compensates:
+        if self.motion.compensation.follower is not None:
             cure = "corners of a compensated contour are read as they are without it: remove it"
             self.control.findings.refused(word, self.control.line, cure)
         else:
@@ -196,7 +200,10 @@ class MachineFunctions:
         self.control.feed.set_mode(PER_REVOLUTION if per_revolution else PER_MINUTE)
 
     def end(self) -> None:
-        """M2, M30."""
+        """M2, M30; not in a program that another calls (TNC 640 Klartext, "Any NC program as a subprogram")."""
+        if self.flow.program is not self.flow.main:
+            cure = "end it with END PGM, and pass over its subprograms with FN 9: IF +0 EQU +0 GOTO LBL 99"
+            self.control.findings.refused("M2 or M30 in a called program", self.flow.line(self.control.line), cure)
         self.state.ended = True
 
     def call(self) -> None:
@@ -252,11 +259,9 @@ class MachineFunctions:
     def in_machine(self, words: PathWords) -> Step:
         """L with M91: machine coordinates, without offsets, frames and tool length."""
         axes = self.motion.resolved(words)
-        letters = [letter for letter, _, _ in words.axes]
 
         def run() -> None:
-            if words.side:
-                self.motion.compensation.take(words.side)
+            self.motion.compensation.take(words.side)
             rapid = self.motion.set_feed(words)
             if self.state.tip_mode:
                 # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")
@@ -269,7 +274,7 @@ class MachineFunctions:
             target, _ = self.motion.target(
                 [(slot, False, value, unit) for slot, _, value, unit in axes], of_program=False
             )
-            by_letter = {letter: target[axis[0]] for letter, axis in zip(letters, axes)}
+            by_letter = {letter: target[axis[0]] for (letter, _, _), axis in zip(words.axes, axes)}
             straight_in_machine(self.control, by_letter, rapid=rapid)
             self.state.came_from = []
 

@@ -57,7 +57,7 @@ class Statements:
         self.single_axis = SingleAxis(motion)
         self.approaches = approaches = Approaches(circles, polar)
         self.holes = holes = Holes(control, state)
-        self.machine = machine = MachineFunctions(control, state, motion, frames, holes, controller)
+        self.machine = machine = MachineFunctions(control, state, motion, frames, holes, flow, controller)
         self.patterns = patterns = Patterns(control, holes, motion, parameters)
         tilting = Tilting(control, frames, machine, parameters)
         cycles = Cycles(control, frames, tilting, holes, patterns, parameters, controller)
@@ -88,6 +88,7 @@ class Statements:
             "SEL": jumps.select,
             "TOOL": self.tool(Tools(control, state, frames, parameters)),
             "CYCL": self.cycle(cycles),
+            "GLOBAL": cycles.define_general,
             "PATTERN": lambda text: patterns.compile(text),
             "PLANE": tilting.compile,
             "FUNCTION": functions.function,
@@ -210,7 +211,7 @@ class Statements:
             if text.startswith("CALL"):
                 return tools.compile(text[4:])
             if text.startswith("DEF"):
-                return lambda: self.findings.ignored("TOOL DEF")
+                return lambda: tools.defined(text[3:])
             raise BlockError("TOOL is followed by CALL or DEF: write one of both")
 
         return made

@@ -9,6 +9,7 @@ from toolpace.reading.compensation.ends import follow, leave
 from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.rules import ACROSS, ARC, Rules
 from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.reading.heidenhain.state import ARC_PLANE, State
 
@@ -80,9 +81,9 @@ class Compensation:
         rules = replace(RULES, looks_ahead=self.state.looks_ahead)
         follow(self.control, side, radius, ARC_PLANE[self.state.tool_axis], rules)
 
-    def look_ahead(self, elements: float) -> None:
+    def look_ahead(self, elements: Value | None) -> None:
         """M120 with LA: loops of the way are left out; without it, or with 0, they are not."""
         self.control.findings.ignored("M120")
-        self.state.looks_ahead = int(elements)
+        self.state.looks_ahead = 0 if elements is None else int(evaluate(elements))
         if self.follower is not None:
             self.follower.rules = replace(self.follower.rules, looks_ahead=self.state.looks_ahead)
