@@ -54,7 +54,7 @@ def test_harmless_words_are_counted():
 
 
 REFUSED = (
-    "TRANSMIT", "TRACYL(20)", "TCARR=1", "CUT3DC", "OFFN=2", "G147 X1", "POLY PO[X]=(5,1,2)",
+    "TRANSMIT", "TRACYL(20)", "TCARR=1", "CUT3DC", "TRAANG", "G147 X1", "POLY PO[X]=(5,1,2)",
     "ASPLINE X5", "FLIN", "POS[X]=5", "POSA[B]=5", "WHEN $AA_IM[X]>5 DO M8", "MEAS=1 X5", "CYCLE961()",
     "G291", "DIAMON", "A6=1 X1", "ORICURVE", "ORICONTO", "GEOAX(1,X1)", "NOSUCHCYCLE(5)", "NOSUCHWORD",
     "CHR=5 X1", "LEAD=3 X1", 'EXTCALL "FAR"', "$P_IFRAME=CTRANS(X,5)", "TOFRAME", "G33 Z-5 K2",

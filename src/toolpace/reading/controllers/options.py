@@ -42,7 +42,7 @@ WORD_ADDRESS: dict[str, Kind] = {
         ),
         NUMBER,
     ),
-    "compensation": ("", "linuxcnc", "type A", "type B"),
+    "compensation": ("", "linuxcnc", "type A", "type B", "type C", "type C as B"),
     "compensation_corners": ("lines", "arcs"),
     "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from toolpace.reading.compensation.following import Follower
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik import state as modes
 from toolpace.reading.sinumerik.commands import Commands
+from toolpace.reading.sinumerik.compensation import SUPPRESSION
 from toolpace.reading.sinumerik.contour.polar import set_pole
 from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.arguments import values_of
@@ -50,7 +50,8 @@ class Executor:
     def __init__(self, run: Run) -> None:
         self.run, self.control, self.findings = run, run.control, run.findings
         self.state, self.frames, self.motion = run.state, run.frames, run.motion
-        self.tooling, self.vocabulary, self.memory = run.tooling, run.vocabulary, run.memory
+        self.tooling, self.compensation = run.tooling, run.compensation
+        self.vocabulary, self.memory = run.vocabulary, run.memory
         self.commands, self.feed_words = Commands(run), FeedWords(run)
         self.interpreter: Interpreter
         self.meanings: dict[str, Callable[[Now], None]] = {
@@ -113,6 +114,8 @@ class Executor:
             self._alone(block, words)
         now = Now(words)
         dwells = "G4" in block.codes
+        if "G40" in block.codes:  # before D and T of its block, which may not change a radius that is compensated
+            self.compensation.take("G40")
         if words and not dwells:
             self.tooling.take(words)
         for code in block.codes:
@@ -176,7 +179,7 @@ class Executor:
         if modes.apply(state, code):
             self.memory.unit = state.unit
             if self.control.stage is not None:
-                self._under_compensation(code)
+                self.compensation.change_rules(code)
             if code in modes.TOLERANCES:
                 self.control.findings.ignored(code)
         elif code in IN_MACHINE:
@@ -188,19 +191,13 @@ class Executor:
         elif code in FEEDS:
             self.control.feed.set_mode(FEEDS[code])
         elif code in ("G40", "G41", "G42"):
-            self.tooling.compensate(code)
+            self.compensation.take(code)
+        elif code in SUPPRESSION:
+            self.compensation.suppress(code)
         elif code in PROGRAMMED or code in POLES or code in ("G58", "G59", "G74", "G75", "G25", "G26"):
             now.claim = code
         elif code != "G4":
             self._named(code, now)
-
-    def _under_compensation(self, code: str) -> None:
-        """A mode changes while a contour is followed. Raises ProgramError."""
-        stage = self.control.stage
-        if isinstance(stage, Follower):
-            if stage.plane != self.state.plane:
-                stage.other_motion(f"a change of the plane ({code})")
-            self.tooling.change_rules()
 
     def _named(self, code: str, now: Now) -> None:
         """A word that the controller's file explains, a command, or a subprogram."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.options import ReadOptions
+from toolpace.reading.sinumerik.compensation import Compensation
 from toolpace.reading.sinumerik.flow.memory import Store
 from toolpace.reading.sinumerik.frames import Frames
 from toolpace.reading.sinumerik.motion import Motion
@@ -27,6 +28,7 @@ class Run:
         self.frames = Frames(control)
         self.motion = Motion(control, self.state, self.frames)
         self.tooling = Tooling(control, self.state, options)
+        self.compensation = Compensation(control, self.state, self.tooling)
         self.vocabulary = Vocabulary(controller)
         self.memory = Store(options.setup.variables, System(control, self.state, self.frames).read)
         self.modal: Modal | None = None

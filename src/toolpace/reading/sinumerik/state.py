@@ -41,6 +41,10 @@ class State:
     """What F is the speed of under compensation: CFC, CFTCP, CFIN; "" where the program does not say."""
     overshoot: float = 0.0
     """DISC: how far arcs about outside corners are drawn out [%]."""
+    allowance: float = 0.0
+    """OFFN: how far beyond the tool's radius a compensated contour is kept away from [m]."""
+    watches: bool = False
+    """Whether the control looks for places where a compensated way crosses itself (CDON)."""
     in_frame: bool = False
     """Whether the plane of compensation is that of the frame (CUT2DF)."""
     turning: str = GREAT_CIRCLE
@@ -67,6 +71,8 @@ SETS: dict[str, dict[str, object]] = {
     **{code: {"approach": code} for code in ("NORM", "KONT", "KONTC", "KONTT")},
     **{code: {"retract": code} for code in ("G460", "G461", "G462")},
     **{code: {"contour_feed": code} for code in ("CFC", "CFTCP", "CFIN")},
+    "CDON": {"watches": True},
+    **{code: {"watches": False} for code in ("CDOF", "CDOF2")},
     "CUT2D": {"in_frame": False},
     "CUT2DF": {"in_frame": True},
     "G90": {"absolute": True},
