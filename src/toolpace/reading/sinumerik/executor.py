@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from toolpace.reading.compensation.following import Follower
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.curves.arcs import ArcError
-from toolpace.reading.sinumerik import state as modes
-from toolpace.reading.sinumerik.commands import Commands
+from toolpace.reading.sinumerik.commands import STILL, Commands
 from toolpace.reading.sinumerik.contour.polar import set_pole
 from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.arguments import values_of
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED
-from toolpace.reading.sinumerik.given import Given, Words, bounded
+from toolpace.reading.sinumerik.given import Given, Words, bounded, check_settled
 from toolpace.reading.sinumerik.groups import fault_of
 from toolpace.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
+from toolpace.reading.sinumerik.state import MODES, TOLERANCES, apply
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
 from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 from toolpace.units import DEGREE
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
-STILL = ("MSG", "FGROUP", "CYCLE832")
-"""Commands that may stand beside motion."""
 POLES = ("G110", "G111", "G112")
 OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
 
@@ -90,10 +88,10 @@ class Executor:
 
     def saved(self) -> Callable[[], None]:
         """What brings modes and frames back as they are, for a subprogram with SAVE."""
-        modes, frames = replace(self.state), self.frames.saved()
+        modes, frames = {name: getattr(self.state, name) for name in MODES}, self.frames.saved()
 
         def restore() -> None:
-            for name, value in vars(modes).items():
+            for name, value in modes.items():
                 setattr(self.state, name, value)
             self.memory.unit = self.state.unit
             self.frames.restore(frames)
@@ -109,6 +107,7 @@ class Executor:
         words = self._words(block)
         if block.assignments:
             self._assign(block)
+            check_settled(words, block, self.memory)
         if words and (block.calls or block.codes):
             self._alone(block, words)
         now = Now(words)
@@ -173,11 +172,11 @@ class Executor:
 
     def _code(self, code: str, now: Now) -> None:
         state = self.state
-        if modes.apply(state, code):
+        if apply(state, code):
             self.memory.unit = state.unit
             if self.control.stage is not None:
                 self._under_compensation(code)
-            if code in modes.TOLERANCES:
+            if code in TOLERANCES:
                 self.control.findings.ignored(code)
         elif code in IN_MACHINE:
             now.in_machine = True
@@ -249,18 +248,17 @@ class Executor:
     def _claim(self, now: Now) -> None:
         code, words = now.claim, now.words
         if code in PROGRAMMED:
-            self.frames.program(code, words, self.state)
-            self.state.tangent = None
+            self.frames.program(code, words)
         elif code in POLES:
             set_pole(self.state, self.control.words, code, words)
         elif code in ("G58", "G59"):
-            self.frames.axis_shift(code, words, self.state)
+            self.frames.axis_shift(code, words)
         elif code in ("G25", "G26"):
             self.findings.ignored(code)
             words.clear()
         else:
-            self.commands.reference(code, words)
-            self.motion.here()
+            with self.motion.placed():
+                self.commands.reference(code, words)
         for address in words:
             if address in AXES:
                 raise ValueFault(f"{code} beside {address}: no motion stands there; write it in another block")

@@ -17,7 +17,6 @@ class FeedWords:
 
     def __init__(self, run: Run) -> None:
         self.control, self.state, self.findings = run.control, run.state, run.findings
-        self.base_unit = run.vocabulary.base_unit
 
     def dwell(self, words: Words) -> None:
         """G4 F2 or G4 S3: seconds, or turns of the spindle; F and S in force stay."""
@@ -54,11 +53,6 @@ class FeedWords:
                 raise ValueFault(f"feed F{value:g} must be above zero: correct F")
             state.inverse = value
             return
-        unit = state.feed_unit
-        if unit is None:
-            if self.base_unit is None:
-                self.base_unit = state.unit
-                if state.unit != MILLIMETRE:
-                    self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
-            unit = self.base_unit
-        feed.set(value, unit, self.control.line)
+        if state.feed_unit is None and state.base_unit is None and state.unit != MILLIMETRE:
+            self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
+        feed.set(value, state.unit_of_control(), self.control.line)

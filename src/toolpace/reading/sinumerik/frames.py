@@ -22,15 +22,15 @@ ENDS_ATRANS = (
     "TRANS ends the shift of ATRANS before it, as it deletes old instructions; a table of the manuals (at G58, G59) "
     "has it unchanged"
 )
-NOT_SAVED = ("control", "settable")
+NOT_SAVED = ("control", "state", "settable", "in_force")
 """What a subprogram with SAVE does not give back: the control, and data of the settable offsets."""
 
 
 class Frames:
     """The frames in force, and the settable ones that the program wrote."""
 
-    def __init__(self, control: Control) -> None:
-        self.control = control
+    def __init__(self, control: Control, state: State) -> None:
+        self.control, self.state = control, state
         self.linear: Matrix = IDENTITY
         """Rotation, scale and mirror of the programmed frame."""
         self.coarse, self.fine = [0.0] * 3, [0.0] * 3
@@ -52,6 +52,8 @@ class Frames:
         self.offset = 0
         self.told = False
         """Whether the program has named a settable offset."""
+        self.in_force: tuple[int, Matrix] = (0, IDENTITY)
+        """The settable offset, and all frames upon it, as they were put last."""
         self.coarse_turn, self.fine_turn = ([0.0] * len(control.poses.rotary) for _ in range(2))
         """The same of rotary words [rad]."""
 
@@ -69,6 +71,9 @@ class Frames:
         """Hand the whole chain to the control."""
         chain = affine.product(affine.product(self._written(), self.plane), self.tool)
         whole_frame = affine.product(chain, self.programmed())
+        if self.in_force != (self.offset, whole_frame):
+            self.in_force = self.offset, whole_frame
+            self.state.other_coordinates()
         self.control.set_frame(IDENTITY if whole_frame == IDENTITY else whole_frame, tilted=self.tilted)
         turn = tuple(a + b for a, b in zip(self.coarse_turn, self.fine_turn))
         if self.control.coordinates.turn != turn:
@@ -120,7 +125,7 @@ class Frames:
             self.tool = self.tool_upon = IDENTITY
             self.put()
 
-    def program(self, code: str, words: Words, state: State) -> None:
+    def program(self, code: str, words: Words) -> None:
         """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
         for letter, given in words.items():
             if given.form not in ("", "AC"):
@@ -131,16 +136,16 @@ class Frames:
                 self.control.findings.assumed(ENDS_ATRANS)
             self._replace(code)
         if kind == "TRANS":
-            self._shift(words, state, additive=code != kind)
+            self._shift(words, additive=code != kind)
         else:
-            made = self._turned(kind, words, state)
+            made = self._turned(kind, words)
             for letter in self._rotary(words):
                 raise Unread(f"{code} with {letter}", "it acts on X, Y and Z here: let the CAM system write the rest")
             self.linear = affine.product(self.linear, made)
         self.put()
 
-    def _shift(self, words: Words, state: State, *, additive: bool) -> None:
-        by = [(number(words, letter, 0.0) or 0.0) * state.unit for letter in "XYZ"]
+    def _shift(self, words: Words, *, additive: bool) -> None:
+        by = [(number(words, letter, 0.0) or 0.0) * self.state.unit for letter in "XYZ"]
         if additive:
             # a new list: saved frames keep theirs
             self.fine = [a + b for a, b in zip(self.fine, affine.direct(self.linear, by))]
@@ -157,18 +162,18 @@ class Frames:
         """Rotary letters of a block, and the place of each among the rotary words."""
         return {letter: slot - 3 for letter, slot in self.control.slots.items() if slot >= 3 and letter in words}
 
-    def _turned(self, kind: str, words: Words, state: State) -> Matrix:
+    def _turned(self, kind: str, words: Words) -> Matrix:
         if kind == "MIRROR":
             return frame_functions.mirror([letter for letter in "XYZ" if words.pop(letter, None) is not None])
         angle = number(words, "RPL")
         if angle is not None and kind in ("ROT", "ROTS"):
-            return affine.rotation((2, 1, 0)[state.plane], angle * DEGREE)
+            return affine.rotation((2, 1, 0)[self.state.plane], angle * DEGREE)
         values = {letter: value for letter in "XYZ" if (value := number(words, letter)) is not None}
         if kind == "SCALE":
             return frame_functions.scale(values)
         return frame_functions.rotation(values) if kind == "ROT" or len(values) < 2 else frame_functions.solid(values)
 
-    def axis_shift(self, code: str, words: Words, state: State) -> None:
+    def axis_shift(self, code: str, words: Words) -> None:
         """G58 and G59: the coarse or the fine shift of the axes that are named (K2: axial replacement)."""
         if self.assigned:
             raise Unread(f"{code} after $P_PFRAME=", "which part of its shift is the fine one is not told: write TRANS")
@@ -176,7 +181,7 @@ class Frames:
         for slot, letter in enumerate("XYZ"):
             value = number(words, letter)
             if value is not None:
-                part[slot] = value * state.unit
+                part[slot] = value * self.state.unit
         coarse = code == "G58"
         turns = self.coarse_turn if coarse else self.fine_turn
         for letter, place in self._rotary(words).items():

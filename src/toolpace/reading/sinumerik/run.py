@@ -23,11 +23,11 @@ class Run:
 
     def __init__(self, control: Control, controller: Controller, options: ReadOptions) -> None:
         self.control, self.findings = control, control.findings
-        self.state = State()
-        self.frames = Frames(control)
+        self.vocabulary = Vocabulary(controller)
+        self.state = State(base_unit=self.vocabulary.base_unit)
+        self.frames = Frames(control, self.state)
         self.motion = Motion(control, self.state, self.frames)
         self.tooling = Tooling(control, self.state, options)
-        self.vocabulary = Vocabulary(controller)
         self.memory = Store(options.setup.variables, System(control, self.state, self.frames).read)
         self.modal: Modal | None = None
         """What MCALL asked for, with its arguments."""

@@ -33,13 +33,13 @@ class System:
         if name == "$P_TOOLR":
             tool = self.control.setup.tool(self.control.tool)
             if tool is not None:
-                return self._radius(name, tool) / self.state.unit
+                return self._radius(name, tool) / self.state.unit_of_control()
         if name == "$P_TOOLNO" and self.control.tool.isdecimal():
             return int(self.control.tool)
         if name in ("$TC_DP3", "$TC_DP6") and index:
             tool = self.control.setup.tools.get(str(whole(index[0])))
             if tool is not None:
-                return (tool.length if name == "$TC_DP3" else self._radius(name, tool)) / self.state.unit
+                return (tool.length if name == "$TC_DP3" else self._radius(name, tool)) / self.state.unit_of_control()
         if name == "$P_PFRAME" and not index and not self.frames.turns_words:
             return self.frames.programmed()
         if name == "$P_UIFR" and len(index) == 1 and whole(index[0]) in self.frames.settable:
@@ -58,7 +58,7 @@ class System:
         slot = self.control.slots.get(letter)
         if slot is None:
             raise Unread(f"{name}[{letter}]", "the machine has no such axis: name one of its axes")
-        unit = self.state.unit if slot < 3 else DEGREE
+        unit = self.state.unit_of_control() if slot < 3 else DEGREE
         if name != "$P_EP" and self.control.stage is not None:
             raise Unread(f"{name}[{letter}]", "the radius is compensated here: read it behind G40 and a motion")
         if name in ("$P_EP", "$AA_IW"):

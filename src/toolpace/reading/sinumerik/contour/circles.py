@@ -39,7 +39,8 @@ def circle(
     elif opening is not None and not any(letter in words for letter in "IJK"):
         centre = _centre_of_opening(start, target, opening * DEGREE, plane, clockwise)
     else:
-        centre = list(state.pole) if polar and words.keys().isdisjoint("IJK") else _centre(control, state, words)
+        about_pole = polar and words.keys().isdisjoint("IJK")
+        centre = list(state.pole_in_force()) if about_pole else _centre(control, state, words)
         if opening is not None:
             _end_of_opening(start, target, centre, opening * DEGREE, plane, clockwise)
     made = plane_arc(start, target, centre, plane, clockwise)

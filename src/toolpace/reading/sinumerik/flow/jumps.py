@@ -123,6 +123,10 @@ class Jumps:
     @staticmethod
     def _to_end_label(routine: Routine, first: int, index: int) -> int:
         ends = [place for place in routine.labels.get("ENDLABEL", []) if place > first]
+        if ends and routine.read(ends[0])[0].rest.strip():
+            raise ValueFault(
+                "ENDLABEL: beside other words: whether they are repeated is not told; write it in a block of its own"
+            )
         return ends[0] if ends else max(index, first)
 
     def _define(self, flow: Flow, frame: Frame, index: int) -> None:

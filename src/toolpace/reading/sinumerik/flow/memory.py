@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.sinumerik.syntax.expressions import r_number
-from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, shown, whole
+from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, rounded, shown, whole
 from toolpace.units import MILLIMETRE
 
 LARGEST_INT = (1 << 31) - 1
@@ -54,11 +54,12 @@ class Variable:
 
 
 def converted(value: Value, kind: str, name: str) -> Value:
-    """A value as one of a type: an INT is rounded, a BOOL is whether it is not zero."""
+    """A value as one of a type: an INT is rounded as ROUND does it, a BOOL is whether it is not zero (Job Planning,
+    "Possible type conversions")."""
     if kind == "REAL":
         return float(real(value))
     if kind in ("INT", "CHAR"):
-        whole_number = round(real(value))
+        whole_number = int(rounded(real(value)))
         if not -LARGEST_INT - 1 <= whole_number <= LARGEST_INT:
             raise ValueFault(f"{name} is of type {kind} and cannot be {whole_number}: correct it")
         return whole_number

@@ -119,6 +119,11 @@ def _within(name: str, value: float, low: float, high: float) -> float:
     return value
 
 
+def rounded(x: float) -> float:
+    """To the next whole number, halves away from zero: ROUND, and a REAL that an INT is given."""
+    return math.copysign(math.floor(abs(x) + 0.5), x)
+
+
 def _rounded_up(x: float) -> float:
     return float(math.ceil(x)) if x > 0 else float(math.floor(x))
 
@@ -134,7 +139,7 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
     "ABS": (1, abs),
     "POT": (1, lambda x: x * x),
     "TRUNC": (1, lambda x: float(math.trunc(x))),
-    "ROUND": (1, lambda x: math.copysign(math.floor(abs(x) + 0.5), x)),
+    "ROUND": (1, rounded),
     "ROUNDUP": (1, _rounded_up),
     "LN": (1, lambda x: math.log(_within("LN", x, 5e-324, math.inf))),
     "EXP": (1, lambda x: math.exp(_within("EXP", x, -700, 700))),
