@@ -10,6 +10,7 @@ import pytest
 
 from tests.support.sinumerik import last, read
 from toolpace.errors import ProgramError
+from toolpace.reading.coordinates.setup import SetUp, Tool
 
 STILL = ('MSG("A")', "FGROUP(X,Y)", "CYCLE832(0.01,1)", "M8", "STOPRE", "G18", "T1 M6")
 
@@ -100,3 +101,40 @@ def test_an_int_is_rounded_as_round_does():
 def test_an_end_label_beside_other_words_is_refused():
     with pytest.raises(ProgramError, match="ENDLABEL: beside other words"):
         last("G91\nAA: G1 X1\nENDLABEL: Y1\nREPEAT AA P=2")
+
+
+SHEET = SetUp(tools={"1": Tool(length=0.1), "2": Tool(length=0.15)})
+
+
+def test_d0_beside_a_change_of_the_tool_stays():
+    """D that stands in the block of M6 counts; without it D1 does (MD20270 = 1)."""
+    at_ten = {
+        change: read(f"{change}\nG0 X0 Y0 Z0\nG1 Z10", "xyzac-trunnion", start="", setup=SHEET).tip[-1, 2]
+        for change in ("T1 M6", "T1 M6\nD0", "T1 D0 M6", "T1 M6 D0", "T1 D0\nM6")
+    }
+    assert at_ten["T1 M6"] == at_ten["T1 D0\nM6"] != at_ten["T1 M6\nD0"]
+    assert at_ten["T1 D0 M6"] == at_ten["T1 M6 D0"] == at_ten["T1 M6\nD0"]
+
+
+@pytest.mark.parametrize("words", ["T1=2", "M1=6", "M2=30", "M1=0"])
+def test_words_of_a_numbered_spindle_that_do_more_than_turn_it_are_refused(words):
+    with pytest.raises(ProgramError, match=f"{words.split('=')[0]}= is not read"):
+        last(f"G1 X5\n{words}\nX9")
+    assert last("G1 X5\nM2=3 S2=500 H4\nX9") == pytest.approx([9, 0, 0])
+
+
+@pytest.mark.parametrize("word", ["A3=IC(1)", "A2=DC(5)"])
+def test_tool_vectors_are_no_distances(word):
+    with pytest.raises(ProgramError, match="has no meaning"):
+        last(f"TRAORI\nG1 X5 {word}", "xyzac-trunnion")
+
+
+def test_two_groups_that_ask_for_other_ways_between_vectors_are_said():
+    for words, said in (("ORIWKS\nORIAXES", True), ("ORIMKS\nORIVECT", True), ("ORIMKS\nORIAXES", False)):
+        path = read(f"TRAORI\n{words}\nG1 X5 A3=1 C3=1", "xyzac-trunnion")
+        assert any("MD21104" in sentence for sentence in path.assumed) == said, words
+
+
+def test_where_the_length_of_a_tool_acts_under_g18_is_said():
+    assert any("SD42940" in sentence for sentence in read("G18 G1 X5").assumed)
+    assert not any("SD42940" in sentence for sentence in read("G1 X5").assumed)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from toolpace.reading.compensation.following import Follower
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.curves.arcs import ArcError
 from toolpace.reading.sinumerik.commands import STILL, Commands
@@ -20,11 +19,12 @@ from toolpace.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
 from toolpace.reading.sinumerik.state import MODES, TOLERANCES, apply
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
-from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault, shown
 from toolpace.units import DEGREE
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
+OTHER_PLANES = ("G18", "G19")
 POLES = ("G110", "G111", "G112")
 OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
 
@@ -34,6 +34,8 @@ class Now:
     """What lasts for one block."""
 
     words: Words
+    edge_told: bool = False
+    """Whether D stands in it."""
     in_machine: bool = False
     stop: bool = False
     stop_after: bool = False
@@ -52,7 +54,7 @@ class Executor:
         self.commands, self.feed_words = Commands(run), FeedWords(run)
         self.interpreter: Interpreter
         self.meanings: dict[str, Callable[[Now], None]] = {
-            "tool change": lambda now: self.tooling.change(),
+            "tool change": lambda now: self.tooling.change(edge_told=now.edge_told),
             "stop": lambda now: setattr(now, "stop_after", True),
             "end": lambda now: setattr(now, "ends", True),
             "spindle or coolant": lambda now: run.control.stop(),
@@ -110,7 +112,7 @@ class Executor:
             check_settled(words, block, self.memory)
         if words and (block.calls or block.codes):
             self._alone(block, words)
-        now = Now(words)
+        now = Now(words, "D" in words)
         dwells = "G4" in block.codes
         if words and not dwells:
             self.tooling.take(words)
@@ -174,8 +176,8 @@ class Executor:
         state = self.state
         if apply(state, code):
             self.memory.unit = state.unit
-            if self.control.stage is not None:
-                self._under_compensation(code)
+            if self.control.stage is not None or code in OTHER_PLANES:
+                self.tooling.mode_changed(code)
             if code in TOLERANCES:
                 self.control.findings.ignored(code)
         elif code in IN_MACHINE:
@@ -192,14 +194,6 @@ class Executor:
             now.claim = code
         elif code != "G4":
             self._named(code, now)
-
-    def _under_compensation(self, code: str) -> None:
-        """A mode changes while a contour is followed. Raises ProgramError."""
-        stage = self.control.stage
-        if isinstance(stage, Follower):
-            if stage.plane != self.state.plane:
-                stage.other_motion(f"a change of the plane ({code})")
-            self.tooling.change_rules()
 
     def _named(self, code: str, now: Now) -> None:
         """A word that the controller's file explains, a command, or a subprogram."""
@@ -273,8 +267,8 @@ class Executor:
                 moved = self.motion.execute(words, stop=stop)
         except ArcError as error:
             raise ValueFault(str(error)) from None
-        for address in words:
-            self._left(address)
+        for address, given in words.items():
+            self._left(address, given.value)
         return moved
 
     def _ask(self, words: Words) -> None:
@@ -285,13 +279,14 @@ class Executor:
                 unit = self.state.unit if name == "tip" else DEGREE
                 self.control.moves.ask(**{name: bounded(words[address], address) * unit})
 
-    def _left(self, address: str) -> None:
-        """A word that nothing in its block took."""
-        of_spindle = address[0] in "SMHTD" and address.rstrip("=")[1:].isdigit()
+    def _left(self, address: str, value: Value) -> None:
+        """A word that nothing in its block took: of a spindle by its number it moves nothing, but for M1=6, M1=30."""
+        does = self.vocabulary.meaning(f"{address[0]}{shown(value)}")
+        of_spindle = address[0] in "SMH" and address.rstrip("=")[1:].isdigit() and does in ("", "spindle or coolant")
         if of_spindle or self.vocabulary.meaning(address) == "ignored":
             self.findings.ignored(address)
             return
         cure = self.vocabulary.refusal(address) or "it might move something: remove it"
         if address in OF_ARCS:
             cure = "it belongs to arcs: remove it, or write G2, G3 or CIP"
-        self.refuse(f"{address}=" if len(address) > 1 else address, self.control.line, cure)
+        self.refuse(f"{address}=" if len(address) > 1 and address[-1] != "=" else address, self.control.line, cure)

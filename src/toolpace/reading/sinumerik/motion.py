@@ -191,8 +191,8 @@ class Motion:
         if form == "IC" or (not form and not self.state.absolute):
             if slot in self.unsure:
                 raise ValueFault(
-                    f"{address} is a distance, and {address} was not named since a frame changed and something else "
-                    f"moved: whether it counts the frame's shift is not told; write {address}=AC() once before"
+                    f"{address} is a distance, and {address} was not named since a frame or a length changed and "
+                    f"something else moved: whether that shift counts is not told; write {address}=AC() once before"
                 )
             return self.programmed[slot] + value
         if form in ("", "AC"):

@@ -45,6 +45,9 @@ class State:
     in_frame: bool = False
     """Whether the plane of compensation is that of the frame (CUT2DF)."""
     turning: str = GREAT_CIRCLE
+    of_frames: str = ""
+    of_axes: str = ""
+    """The same as ORIWKS or ORIMKS, and as ORIVECT or ORIAXES said it: which group counts is data of the machine."""
     angles: str = EULER
     pole: Point | None = (0.0, 0.0, 0.0)
     """Of AP and RP; None where it was told in other coordinates or in another plane."""
@@ -110,8 +113,10 @@ SETS: dict[str, dict[str, object]] = {
     "G71": {"unit": MILLIMETRE, "feed_unit": None, "unit_told": True},
     "G700": {"unit": INCH, "feed_unit": INCH, "unit_told": True},
     "G710": {"unit": MILLIMETRE, "feed_unit": MILLIMETRE, "unit_told": True},
-    **{key: {"turning": GREAT_CIRCLE} for key in ("ORIWKS", "ORIVECT", "ORIPLANE")},
-    **{key: {"turning": ROTARY} for key in ("ORIMKS", "ORIAXES")},
+    "ORIWKS": {"turning": GREAT_CIRCLE, "of_frames": GREAT_CIRCLE},
+    "ORIMKS": {"turning": ROTARY, "of_frames": ROTARY},
+    **{key: {"turning": GREAT_CIRCLE, "of_axes": GREAT_CIRCLE} for key in ("ORIVECT", "ORIPLANE")},
+    "ORIAXES": {"turning": ROTARY, "of_axes": ROTARY},
     "ORIEULER": {"angles": EULER},
     "ORIRPY": {"angles": RPY},
     "ORIRPY2": {"angles": RPY2},

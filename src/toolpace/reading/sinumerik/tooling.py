@@ -21,6 +21,9 @@ SLIGHT, MOST_MET = 10.0 * DEGREE, 100.0 * DEGREE
 which on there is one under G451."""
 SAID = "outside corners that turn by up to 10 degrees are met, from 100 degrees on there is an arc (MD20230, MD20210)"
 SAID_OF_FEED = "F is of the contour on arcs of a compensated contour: CFC is in force where the program does not say"
+LENGTH_STAYS = (
+    "the length of the tool stays along Z under G18 and G19, as posts count on it (SD42940 = 17; else it is along Y, X)"
+)
 FEEDS = {"": CONTOUR, "CFC": CONTOUR, "CFTCP": CENTRE, "CFIN": INSIDE}
 
 
@@ -63,11 +66,11 @@ class Tooling:
         if spindle is not None:
             self.control.feed.spindle = spindle / MINUTE
 
-    def change(self) -> None:
-        """Put the selected tool into the spindle; its first edge counts then."""
+    def change(self, *, edge_told: bool = False) -> None:
+        """Put the selected tool into the spindle; its first edge counts then, unless D stands in the block."""
         self._refuse_within("a change of the tool")
         self.control.change_tool(self.selected)
-        if self.edge == 0:
+        if self.edge == 0 and not edge_told:
             self.edge = 1
             self.control.set_length("")
 
@@ -119,12 +122,16 @@ class Tooling:
             assumed="" if state.contour_feed else SAID_OF_FEED,
         )
 
-    def change_rules(self) -> None:
-        """G450, G451, CFC and their kin, which may stand within a contour; the plane may not."""
+    def mode_changed(self, code: str) -> None:
+        """G450, G451, CFC and their kin may stand within a contour; the plane may not. Raises ProgramError."""
         stage = self.control.stage
         if isinstance(stage, Follower):
+            if stage.plane != self.state.plane:
+                stage.other_motion(f"a change of the plane ({code})")
             self._refuse_unread(self.state.compensation)
             stage.rules = self.rules()
+        elif self.state.plane and self.edge and not self.control.coordinates.tip_mode:
+            self.control.findings.assumed(LENGTH_STAYS)
 
     def _refuse_unread(self, code: str) -> None:
         state = self.state
