@@ -109,7 +109,7 @@ SHEET = SetUp(tools={"1": Tool(length=0.1), "2": Tool(length=0.15)})
 def test_d0_beside_a_change_of_the_tool_stays():
     """D that stands in the block of M6 counts; without it D1 does (MD20270 = 1)."""
     at_ten = {
-        change: read(f"{change}\nG0 X0 Y0 Z0\nG1 Z10", "xyzac-trunnion", start="", setup=SHEET).tip[-1, 2]
+        change: read(f"{change}\nG0 X0 Y0 Z0\nG1 Z10 F900", "xyzac-trunnion", start="", setup=SHEET).tip[-1, 2]
         for change in ("T1 M6", "T1 M6\nD0", "T1 D0 M6", "T1 M6 D0", "T1 D0\nM6")
     }
     assert at_ten["T1 M6"] == at_ten["T1 D0\nM6"] != at_ten["T1 M6\nD0"]
