@@ -41,6 +41,8 @@ class Commands:
             "ORIRESET": self._initial_orientation,
             "TOROT": self._turn_along_tool,
             "TOROTZ": self._turn_along_tool,
+            "TOFRAME": self._frame_along_tool,
+            "TOFRAMEZ": self._frame_along_tool,
             "TOROTOF": lambda values: self.run.frames.end_tool_frame("TOROTOF"),
             "PAROTOF": lambda values: self.run.frames.end_tool_frame("PAROTOF"),
             "FGROUP": self._feed_group,
@@ -119,9 +121,17 @@ class Commands:
         wanted = initial_rotary(self.control, Arguments("ORIRESET", values, 3))
         self.control.straight([*self.control.words[:3], *wanted], 0, rapid=self.state.motion == "G0")
 
-    def _turn_along_tool(self, values: list[Value | None]) -> None:
+    def _turn_along_tool(self, values: list[Value | None], *, bound: bool = False) -> None:
         rule = self.run.vocabulary.controller.option("toframe_mode", "2000")
-        turn_along_tool(self.control, self.run.frames, self.state, rule)
+        turn_along_tool(self.control, self.run.frames, self.state, rule, bound=bound)
+
+    def _frame_along_tool(self, values: list[Value | None]) -> None:
+        """TOFRAME: as TOROT, but that it takes the programmed frame's place (Programming Manual Fundamentals, 12.8)."""
+        frames = self.run.frames
+        if frames.tilted or frames.tool != _NONE or frames.programmed() != _NONE or frames.turns_words:
+            raise Unread("TOFRAME upon another frame", "whether its shift stays is not sure: write TOROT")
+        self.control.findings.assumed("TOFRAME turns the coordinates about their origin, as TOROT does")
+        self._turn_along_tool(values, bound=True)
 
     def _feed_group(self, values: list[Value | None]) -> None:
         rotary = [value for value in values if isinstance(value, Axis) and value.letter not in ("X", "Y", "Z")]

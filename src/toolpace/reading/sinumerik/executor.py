@@ -125,6 +125,8 @@ class Executor:
             self.feed_words.dwell(words)
         elif "F" in words:
             self.feed_words.feed(words)
+        if "OVR" in words:
+            self.feed_words.override(words)
         if now.claim:
             self._claim(now)
         for call in block.calls:

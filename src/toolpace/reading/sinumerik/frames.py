@@ -46,8 +46,8 @@ class Frames:
         """(3,) Z of that plane on the part."""
         self.tool: Matrix = IDENTITY
         """Of TOROT: the system frame before the programmed one (K2, "TOROT and TOFRAME")."""
-        self.tool_upon: Matrix = IDENTITY
-        """The programmed frame at the time of TOROT."""
+        self.tool_bound = False
+        """Whether that one may go with the programmed frame: it was turned, or TOFRAME wrote it there."""
         self.settable: dict[int, Matrix] = {}
         self.offset = 0
         self.told = False
@@ -105,16 +105,16 @@ class Frames:
 
     def _replace(self, code: str) -> None:
         """Clear the programmed frame; Unread where a frame of TOROT was reckoned upon it."""
-        if self.tool_upon != IDENTITY:
+        if self.tool_bound:
             raise Unread(f"{code} after TOROT", "the frame that TOROT turned goes with it: write TOROTOF before")
         self.clear()
 
-    def turn_before_programmed(self, turn: Matrix) -> None:
+    def turn_before_programmed(self, turn: Matrix, *, bound: bool = False) -> None:
         """Turn the coordinates in force about their origin, by a frame before the programmed one (TOROT)."""
         programmed = self.programmed()
         about = affine.product(affine.product(programmed, turn), affine.inverse(programmed))
         self.tool = IDENTITY if turn == IDENTITY and self.tool == IDENTITY else affine.product(self.tool, about)
-        self.tool_upon = IDENTITY if self.tool == IDENTITY else programmed
+        self.tool_bound = self.tool != IDENTITY and (bound or programmed != IDENTITY)
         self.put()
 
     def end_tool_frame(self, code: str) -> None:
@@ -122,7 +122,7 @@ class Frames:
         if self.tilted:
             raise Unread(f"{code} in a plane of CYCLE800", "it may take parts of the plane away: write CYCLE800()")
         if code != "PAROTOF" and self.tool != IDENTITY:
-            self.tool = self.tool_upon = IDENTITY
+            self.tool, self.tool_bound = IDENTITY, False
             self.put()
 
     def program(self, code: str, words: Words) -> None:

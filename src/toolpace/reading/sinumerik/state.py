@@ -10,8 +10,9 @@ from toolpace.units import INCH, MILLIMETRE
 Point = tuple[float, float, float]
 GREAT_CIRCLE, ROTARY = "great circle", "rotary"
 """What a tool vector does between two blocks: turn in a plane, or as the rotary axes do in proportion."""
-EULER, RPY, RPY2 = "euler", "rpy", "rpy2"
-"""What A2, B2 and C2 are: angles about Z, X', Z''; about Z, Y', X''; in the other order of these, whichever that is."""
+EULER, RPY, RPY2, VIRTUAL = "euler", "rpy", "rpy2", "virtual"
+"""What A2, B2 and C2 are: angles about Z, X', Z''; about Z, Y', X''; in the other order of these, whichever that is;
+about axes that data of the machine tell."""
 
 
 @dataclass
@@ -120,6 +121,7 @@ SETS: dict[str, dict[str, object]] = {
     "ORIEULER": {"angles": EULER},
     "ORIRPY": {"angles": RPY},
     "ORIRPY2": {"angles": RPY2},
+    **{key: {"angles": VIRTUAL} for key in ("ORIVIRT1", "ORIVIRT2")},
 }
 """What each word sets, and that alone (Programming Manual Fundamentals 12.3; Job Planning 7.2)."""
 TOLERANCES = ("G641", "G642", "G643", "G644", "G645")

@@ -9,7 +9,7 @@ from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
 from toolpace.reading.control.unroll import AXIS_GAP
 from toolpace.reading.coordinates import affine
 from toolpace.reading.sinumerik.given import Words, number
-from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, State
+from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, VIRTUAL, State
 from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.units import DEGREE
 
@@ -60,6 +60,8 @@ class Vectors:
         Unread.
         """
         upright = (0.0, 0.0, 1.0)
+        if self.state.angles == VIRTUAL:
+            raise Unread("A2, B2 or C2 under ORIVIRT1 or ORIVIRT2", "their axes are data of the machine: write A3=")
         if self.state.angles == EULER:
             return list(affine.direct(affine.turns((2, a), (0, b), (2, c)), upright))
         found = affine.direct(affine.turns((2, c), (1, b), (0, a)), upright)
