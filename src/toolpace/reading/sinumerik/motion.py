@@ -181,6 +181,7 @@ class Motion:
             if polar & named:
                 raise ValueFault("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
             named |= polar
+            self.unsure.difference_update(circles.AXES[self.state.plane])
         self.unsure.update(slot for slot in shifted if target[slot] == control.words[slot])
         return target, named
 
