@@ -52,7 +52,7 @@ class Motion:
         before, shifted = self.control.words, self.shifted()
         yield
         changed = {slot for slot, value in enumerate(self.control.words) if value != before[slot]}
-        self.unsure |= shifted | changed if frames else shifted - changed
+        self.unsure = self.unsure | shifted | changed if frames else (self.unsure | shifted) - changed
         self.programmed, self.state.tangent = self.control.words, None
 
     def shifted(self) -> set[int]:
