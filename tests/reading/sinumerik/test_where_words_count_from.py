@@ -6,9 +6,10 @@ Basic Functions, G2, "G functions G700/G710". INT: Job Planning, "Possible type 
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from tests.support.sinumerik import last, read
+from tests.support.sinumerik import ends, last, read
 from toolpace.errors import ProgramError
 from toolpace.reading.coordinates.setup import SetUp, Tool
 
@@ -83,6 +84,20 @@ def test_variables_of_the_control_are_in_its_unit_under_g70_and_in_the_programs_
     assert last(offsets.format("G700\n$P_UIFR[2,X,TR]=2")) == pytest.approx([49.8, 1, 0])
     with pytest.raises(ProgramError, match="in another unit than the control's"):
         last(offsets.format("G70\n$P_UIFR[2]=CTRANS(X,2)"))
+
+
+def test_an_offset_that_is_written_again_goes_elsewhere():
+    """Two parts 100 mm apart with one program: the first is where the tool moved first."""
+    one, two = "$P_UIFR[1,X,TR]=5\n$P_UIFR[1,Y,TR]=7\nG54\nG1 X1 Y1", "$P_UIFR[1,X,TR]=105\nG54\nX1 Y1"
+    assert ends(f"{one}\n{two}\nZ1")[-2:] == pytest.approx(np.array([[101, 1, 0], [101, 1, 1]]))
+    assert last(f"{one}\n$P_UIFR[2]=CTRANS(X,25,Y,7)\n{two}\nG55\nX1") == pytest.approx([21, 1, 0])
+
+
+def test_the_last_end_behind_a_change_of_frames_is_refused():
+    with pytest.raises(ProgramError, match="behind a change of frames is not read"):
+        last("G1 X5\nTRANS X5\nG1 Y=$P_EP[X]")
+    assert last("G1 X5\nTRANS X5\nG1 Y=$AA_IW[X]+3") == pytest.approx([5, 3, 0])
+    assert last("G1 X5\nTRANS X5\nX2\nG1 Y=$P_EP[X]") == pytest.approx([7, 2, 0])
 
 
 @pytest.mark.parametrize("block", ["R1=2 G1 X=R1", "G1 X=R1 R1=2"])

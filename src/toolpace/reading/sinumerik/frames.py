@@ -22,7 +22,7 @@ ENDS_ATRANS = (
     "TRANS ends the shift of ATRANS before it, as it deletes old instructions; a table of the manuals (at G58, G59) "
     "has it unchanged"
 )
-NOT_SAVED = ("control", "state", "settable", "in_force")
+NOT_SAVED = ("control", "state", "settable", "origin", "moves_before", "in_force")
 """What a subprogram with SAVE does not give back: the control, and data of the settable offsets."""
 
 
@@ -49,6 +49,10 @@ class Frames:
         self.tool_bound = False
         """Whether that one may go with the programmed frame: it was turned, or TOFRAME wrote it there."""
         self.settable: dict[int, Matrix] = {}
+        self.origin: Matrix | None = None
+        """Where the part is: the settable offset that the program wrote first, as it was when it moved; None before."""
+        self.moves_before = 0
+        """Moves when it wrote it."""
         self.offset = 0
         self.told = False
         """Whether the program has named a settable offset."""
@@ -82,7 +86,7 @@ class Frames:
     def _written(self) -> Matrix:
         """The settable offset as the program wrote it, seen from the first that it wrote: that is where the part is."""
         found = self.settable.get(self.offset)
-        first = next(iter(self.settable.values()), IDENTITY)
+        first = next(iter(self.settable.values()), IDENTITY) if self.origin is None else self.origin
         return IDENTITY if found is None or found == first else affine.product(affine.inverse(first), found)
 
     def select(self, place: int) -> None:
@@ -200,6 +204,11 @@ class Frames:
         if self.control.setup.offsets:
             raise Unread("$P_UIFR", "the set-up sheet says where the offsets are: remove them there, or this here")
         self.control.findings.assumed("the first settable offset that the program writes is the origin of the part")
+        moves = len(self.control.moves)
+        if not self.settable:
+            self.moves_before = moves
+        elif self.origin is None and moves > self.moves_before:
+            self.origin = next(iter(self.settable.values()))
         if len(index) < 2:
             self.settable[place] = _frame("$P_UIFR[n]", value)
             return

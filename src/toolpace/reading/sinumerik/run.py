@@ -28,6 +28,6 @@ class Run:
         self.frames = Frames(control, self.state)
         self.motion = Motion(control, self.state, self.frames)
         self.tooling = Tooling(control, self.state, options)
-        self.memory = Store(options.setup.variables, System(control, self.state, self.frames).read)
+        self.memory = Store(options.setup.variables, System(control, self.state, self.frames, self.motion).read)
         self.modal: Modal | None = None
         """What MCALL asked for, with its arguments."""

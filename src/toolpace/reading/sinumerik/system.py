@@ -7,6 +7,7 @@ import math
 from toolpace.reading.control.control import Control
 from toolpace.reading.coordinates.setup import Tool
 from toolpace.reading.sinumerik.frames import Frames
+from toolpace.reading.sinumerik.motion import Motion
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, whole
 from toolpace.units import DEGREE
@@ -19,8 +20,8 @@ _CURE = "what the control holds there is not known: put it on the set-up sheet a
 class System:
     """Reads $ variables as they stand at a block."""
 
-    def __init__(self, control: Control, state: State, frames: Frames) -> None:
-        self.control, self.state, self.frames = control, state, frames
+    def __init__(self, control: Control, state: State, frames: Frames, motion: Motion) -> None:
+        self.control, self.state, self.frames, self.motion = control, state, frames, motion
 
     def read(self, name: str, index: tuple[Value, ...]) -> Value:
         """The value of a variable. Raises Unread."""
@@ -61,6 +62,8 @@ class System:
         unit = self.state.unit_of_control() if slot < 3 else DEGREE
         if name != "$P_EP" and self.control.stage is not None:
             raise Unread(f"{name}[{letter}]", "the radius is compensated here: read it behind G40 and a motion")
+        if name == "$P_EP" and slot in self.motion.shifted():
+            raise Unread(f"$P_EP[{letter}] behind a change of frames", "in which it is is not told: read it before")
         if name in ("$P_EP", "$AA_IW"):
             return self.control.words[slot] / unit
         control = self.control
