@@ -6,7 +6,7 @@ from toolpace.reading.sinumerik.flow.memory import Store
 from toolpace.reading.sinumerik.flow.routines import Routine
 from toolpace.reading.sinumerik.flow.stack import Frame, Stack, times_of
 from toolpace.reading.sinumerik.syntax.blocks import Flow
-from toolpace.reading.sinumerik.syntax.values import Compiled, Value, ValueFault, above, equal, real, whole
+from toolpace.reading.sinumerik.syntax.values import Compiled, Row, Value, ValueFault, above, equal, real, whole
 
 
 class Jumps:
@@ -138,5 +138,8 @@ class Jumps:
             if frame.defined.setdefault(name, index) != index:
                 raise ValueFault(f"{name} is defined twice (alarm 12170): remove one DEF of it")
             made = self.memory.define(name, kind, tuple(whole(size(self.memory)) for size in sizes if size is not None))
-            if start is not None and not sizes:
-                made.set((), start(self.memory), name)
+            if start is not None:
+                value = start(self.memory)
+                if sizes and not isinstance(value, Row):
+                    raise ValueFault(f"is the value of {name} for all elements, or for the first? Write REP() or SET()")
+                made.set((0,) * len(sizes), value, name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from toolpace.reading.coordinates.affine import Matrix
@@ -21,7 +22,15 @@ class Axis(NamedTuple):
         return self.name[0] if len(self.name) == 1 or self.name[1:].isdigit() else self.name
 
 
-Value = float | int | bool | str | Axis | Matrix
+@dataclass(frozen=True)
+class Row:
+    """Values of several elements of an array: SET(1, 2, 3), or REP(5) for all from an element on."""
+
+    values: tuple[Value, ...]
+    repeated: bool = False
+
+
+Value = float | int | bool | str | Axis | Matrix | Row
 
 
 class Memory(Protocol):
@@ -81,6 +90,8 @@ def shown(value: Value) -> str:
         return f"axis {value.name}"
     if isinstance(value, str):
         return f'"{value[:30]}"'
+    if isinstance(value, Row):
+        return "several values"
     return f"{value:g}" if isinstance(value, (float, int)) else "a frame"
 
 
