@@ -29,8 +29,8 @@ def read(parser: Parser) -> Flow | None:
     if reading is None:
         return None
     parser.take()
-    if kind == "RET" and parser.sign("("):
-        parser.arguments()
+    if kind == "RET" and parser.sign("(") and parser.arguments():
+        raise SyntaxFault("RET with a block to go on at, or with levels, is not read: write RET, and jump behind the call")
     return reading(parser, kind)
 
 
