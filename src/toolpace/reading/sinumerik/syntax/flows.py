@@ -30,7 +30,7 @@ def read(parser: Parser) -> Flow | None:
         return None
     parser.take()
     if kind == "RET" and parser.sign("(") and parser.arguments():
-        raise SyntaxFault("RET with a block to go on at, or with levels, is not read: write RET, and jump behind the call")
+        raise SyntaxFault("RET with a block to go on at, or with levels: write RET alone, and a jump behind the call")
     return reading(parser, kind)
 
 
