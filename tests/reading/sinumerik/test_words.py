@@ -166,3 +166,8 @@ def test_signs_of_sinumerik(line):
 @pytest.mark.parametrize("line", FOREIGN)
 def test_other_languages_have_no_sign_of_it(line):
     assert weight(re.sub(r"\(.*?\)", "", line)) == 0.0
+
+
+def test_the_radius_of_rotary_axes_for_f_is_said_to_be_passed_over():
+    assert any("FGREF is passed over" in said for said in read("FGREF[C]=10\nG1 X5", "xyzac-trunnion").assumed)
+    assert not any("FGREF" in said for said in read("G1 X5", "xyzac-trunnion").assumed)

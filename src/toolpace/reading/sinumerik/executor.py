@@ -25,6 +25,7 @@ from toolpace.units import DEGREE
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
 OTHER_PLANES = ("G18", "G19")
+FGREF = "FGREF is passed over: where F is the speed of rotary axes, a degree counts as a millimetre (radius 57.3 mm)"
 POLES = ("G110", "G111", "G112")
 OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
 
@@ -280,6 +281,8 @@ class Executor:
             if address in words:
                 unit = self.state.unit if name == "tip" else DEGREE
                 self.control.moves.ask(**{name: bounded(words[address], address) * unit})
+        if "FGREF" in words:
+            self.findings.assumed(FGREF)
 
     def _left(self, address: str, value: Value) -> None:
         """A word that nothing in its block took: of a spindle by its number it moves nothing, but for M1=6, M1=30."""

@@ -167,7 +167,7 @@ class Motion:
         control = self.control
         target, named = list(control.words), 0
         slots = control.slots
-        shifted = () if self.programmed is control.words else self.shifted()
+        unsure = self.unsure | (set() if self.programmed is control.words else self.shifted())
         for address in [address for address in words if len(address) == 1 and address in LETTERS]:
             slot = slots.get(address)
             if slot is None:
@@ -175,14 +175,14 @@ class Motion:
             target[slot] = self._coordinate(address, slot, words.pop(address))
             if slot < 3:
                 named |= 1 << slot
-            self.unsure.discard(slot)
+            unsure.discard(slot)
         if "AP" in words or "RP" in words:
             polar = end_by_pole(self.state, words, target)
             if polar & named:
                 raise ValueFault("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
             named |= polar
-            self.unsure.difference_update(circles.AXES[self.state.plane])
-        self.unsure.update(slot for slot in shifted if target[slot] == control.words[slot])
+            unsure.difference_update(circles.AXES[self.state.plane])
+        self.unsure = unsure
         return target, named
 
     def _coordinate(self, address: str, slot: int, given: Given) -> float:
