@@ -11,7 +11,7 @@ from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.holes import KINDS, Holes
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
+from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 from toolpace.units import INCH, MILLIMETRE
 
 
@@ -50,10 +50,20 @@ class Modes:
             "exact stop": self._set("stop_here", True),
             "machine coordinates": self._set("in_machine", True),
             "dwell": self._dwell,
+            "settings": self._settings,
             **{meaning: self._motion(meaning) for meaning in ("rapid", "feed", *ARCS)},
             **{meaning: self._cycle(meaning) for meaning in KINDS},
             "end cycle": self._end_cycle,
         }
+
+    def _settings(self, numbers: Numbers, word: str) -> None:
+        """MillPlus G27, G28: I3= to I7= tell how ways follow each other."""
+        for letter in [letter for letter in numbers if letter[0] == "I"]:
+            del numbers[letter]
+        if numbers.keys() & set("XYZABC"):
+            numbers.clear()
+            raise RefusedError(f"{word} with axes", "write the motion in a block of its own")
+        self.control.findings.ignored(word)
 
     def _unit(self, unit: float) -> Handler:
         def set_unit(numbers: Numbers, word: str) -> None:

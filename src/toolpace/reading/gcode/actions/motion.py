@@ -22,6 +22,14 @@ from toolpace.units import DEGREE
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
 TOOL_VECTOR = ("I1", "J1", "K1")
 """The tool's direction under G141 of MillPlus."""
+PLANE_AXES = (2, 1, 0)
+"""The axis across each plane."""
+STILL = 1e-9
+"""Ways [m, rad] that are none."""
+RAPID = (
+    "G0 along the tool and aside in one block is taken to be straight; by its positioning logic the control may go "
+    "along the tool first or last"
+)
 _USES = {
     "P": "dwells, calls or arcs (turns)",
     "Q": "cycles",
@@ -44,6 +52,8 @@ class MotionReader:
         self.stated: list[float] = []
         """(3,) X, Y, Z of the block as stated [m]."""
         self.corners = Corners(control, "it is read between two straight lines of the plane: write the corner out")
+        self.rapids_vary = controller.option("rapids_vary", False)
+        """Whether the control may go along the tool before or after it goes aside."""
         self.start_is_rapid = controller.option("starts_with_rapid", False)
 
     def execute(self, numbers: dict[str, float], number: float | None, line: int) -> None:
@@ -52,7 +62,7 @@ class MotionReader:
         motion = self._motion()
         arc_words = {}
         if motion in ARCS:
-            arc_words = {letter: numbers.pop(letter) for letter in "IJKRP" if letter in numbers}
+            arc_words = {letter: numbers.pop(letter) for letter in (*"IJKRP", "B5") if letter in numbers}
         if self.fanuc and state.vectors and any(letter in numbers for letter in "ABC"):
             raise WordError("a rotary word under G43.5 stops with an alarm (PS5421): write I, J, K, or use G43.4")
         vector = {letter: numbers.pop(letter, 0.0) for letter in "IJK"} if self._has_vector(numbers) else None
@@ -82,9 +92,18 @@ class MotionReader:
                 if motion == "rapid" and self.fanuc:
                     self.corners.refuse()
                 self.corners.before(target, state.plane)
+            if motion == "rapid" and self.rapids_vary:
+                self._say_of_rapid(before, target)
             control.straight(target, named, rapid=motion == "rapid", number=number)
         if corner is not None:
             self.corners.put(*corner, before if motion == "feed" else [])
+
+    def _say_of_rapid(self, before: list[float], target: list[float]) -> None:
+        """Say how a rapid is taken that goes along the tool and aside in one block."""
+        along = PLANE_AXES[self.state.plane]
+        ways = [abs(a - b) > STILL for a, b in zip(before, target)]
+        if len(self.control.moves) and ways[along] and sum(ways) > 1:
+            self.control.findings.assumed(RAPID)
 
     def _corner(self, numbers: dict[str, float]) -> tuple[str, str, float] | None:
         """Name, kind and size [m] of the corner that a block asks for at its end."""
