@@ -62,6 +62,7 @@ WORD_ADDRESS: dict[str, Kind] = {
     "whole_numbers": ("as written", "least increment"),
 }
 SINUMERIK: dict[str, Kind] = {
+    **dict.fromkeys(("arc_radii_mm", "arc_radii_percent"), NUMBER),
     "base_unit": ("program", "mm", "inch"),
     "feed_turning": TURNING,
     "strict_cycles": SWITCH,

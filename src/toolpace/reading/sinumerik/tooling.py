@@ -10,6 +10,10 @@ from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Axis, ValueFault, shown
 from toolpace.units import INCH, MINUTE
 
+LENGTH_STAYS = (
+    "the length of the tool stays along Z under G18 and G19, as posts count on it (SD42940 = 17; else it is along Y, X)"
+)
+
 
 class Tooling:
     """The tool that is selected, the one in the spindle, and what of them counts."""
@@ -56,11 +60,11 @@ class Tooling:
         if spindle is not None:
             self.control.feed.spindle = spindle / MINUTE
 
-    def change(self) -> None:
-        """Put the selected tool into the spindle; its first edge counts then."""
+    def change(self, *, edge_told: bool = False) -> None:
+        """Put the selected tool into the spindle; its first edge counts then, unless D stands in the block."""
         self._refuse_within("a change of the tool")
         self.control.change_tool(self.selected)
-        if self.edge == 0:
+        if self.edge == 0 and not edge_told:
             self.edge = 1
             self.control.set_length("")
 
@@ -75,3 +79,8 @@ class Tooling:
             return 0.0
         found = self.control.setup.tools.get(self.control.tool)
         return None if found is None else found.radius
+
+    def plane_changed(self) -> None:
+        """Say where the length of the tool lies under G18 and G19."""
+        if self.state.plane and self.edge and not self.control.coordinates.tip_mode:
+            self.control.findings.assumed(LENGTH_STAYS)
