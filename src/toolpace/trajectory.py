@@ -43,6 +43,22 @@ class OpenPlace:
     """Block of the program at its start; 0 where there is none."""
 
 
+@dataclass(frozen=True)
+class Skipped:
+    """A stretch of the path that the tip leaves out where a replanned motion comes back onto it."""
+
+    start: float
+    end: float
+    """Parameters of the run, as `replan` takes one to rejoin at."""
+    length: float
+    """Of the path between [m]; without a machine of the joints' way."""
+    off: float
+    """How far the path is from the way of the tip there, at most [m]: more than the 10 um that are no leaving out."""
+    first_block: int
+    last_block: int
+    """Blocks of the program at both ends; 0 where there is none."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """Motion along an AxisPath: one time law a run, with the dwells between them. It can judge itself."""
@@ -62,6 +78,8 @@ class Trajectory:
     """Where most of the gap between duration and lower bound lies, in the order of time."""
     notes: tuple[str, ...] = ()
     """Sentences on the runs whose duration was far from its bound: why, and what came of another try."""
+    skipped: tuple[Skipped, ...] = ()
+    """What a replan leaves out of the path, in its order; empty where it follows all of it."""
     mesh_points: int = 0
     solve_seconds: float = 0.0
     found_usage: Usage | None = None
@@ -87,6 +105,7 @@ class Trajectory:
             counted(blocks, "block") if blocks else "",
             f"gap {self.gap * 100.0:.2g} % on its mesh" if self.lower_bound > 0.0 else "",
             f"planner {self.planner}",
+            f"leaves out {sum(each.length for each in self.skipped):.3g} m of the path" if self.skipped else "",
         )
 
     @property
