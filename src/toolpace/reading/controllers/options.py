@@ -44,6 +44,7 @@ WORD_ADDRESS: dict[str, Kind] = {
     "compensation_corners": ("lines", "arcs"),
     "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),
+    "arc_without_centre": ("refused", "straight"),
     "extended_offsets": ("", "G54.1", "G154"),
     "first_offset": TEXT,
     "lengths_move": ("", "with the block", "refused"),
