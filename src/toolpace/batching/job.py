@@ -56,6 +56,8 @@ class BatchJob:
     lenient: bool = False
     compensation: str = ""
     max_blocks: int | None = None
+    columns: str = ""
+    units: str = ""
     """How the program is read: as the options of the commands."""
     model: str | None = None
     """Of `time`: how the control is thought to work, in place of what its file says."""

@@ -35,6 +35,10 @@ class ReadOptions:
     """"program": under G41, G42, RL and RR the centre follows the programmed contour; "": beside it, by the radius."""
     most_blocks: int | None = None
     """Blocks that are executed: more is taken for a loop without end; None: as the length of the program explains."""
+    columns: str = ""
+    """Names of the columns of a table whose header does not tell them: "x,y,z,i,j,k"."""
+    units: str = ""
+    """Unit of its lengths, where its header names none: "mm"; feeds are in it per minute, dwells in seconds."""
     default_feed: float | None = None
     """Speed of motions for which the program gives no F [m/s]; None makes that an error."""
 
@@ -48,6 +52,8 @@ class ReadOptions:
         compensation: str = "",
         max_blocks: int | None = None,
         lenient: bool = False,
+        columns: str = "",
+        units: str = "",
     ) -> ReadOptions:
         """Options as people give them: names and files are loaded. Raises UsageError."""
         if isinstance(controller, (str, Path)):
@@ -70,6 +76,8 @@ class ReadOptions:
             block_delete=block_delete,
             compensation=compensation,
             most_blocks=max_blocks,
+            columns=columns,
+            units=units,
         )
 
     def check(self, machine: Kinematics | None) -> None:
