@@ -18,6 +18,7 @@ from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
 from toolpace.setpoints import SetPoints, refuse_too_many
+from toolpace.units import SECONDS, ask_about_unit
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -26,6 +27,8 @@ BINDING = 0.995
 """Share of a limit from which it counts as what holds the motion back."""
 CHUNK = 100_000
 """Times that are worked out at once, to keep memory low."""
+LONGEST_STEP = 0.2
+"""Between set-points [s] that is not asked about: more is a time in ms."""
 INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
 """Note of a motion that was loaded."""
 
@@ -219,6 +222,7 @@ class Trajectory:
         Raises UsageError where they would not fit into memory.
         """
         dt = number(dt, "set-points: time step dt", least=0.0, above=True, unit="s")
+        ask_about_unit(dt, LONGEST_STEP, "set-points: time step dt", SECONDS)
         refuse_too_many(self.duration, dt, len(self.joints))
         t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
         motion, block = self._motion_in_pieces(t)

@@ -11,9 +11,12 @@ from toolpace.deflect.standing import Standing
 from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.trajectory import Trajectory
+from toolpace.units import RADIANS, refuse_other_unit
 
 SAME_AXIS = 1e-5
 """Angle between two tool axes up to which they are the same: below what is measured, above rounding [rad]."""
+COARSEST_AXIS = 0.1
+"""Most that counts as the same axis [rad]."""
 UNIT = 1e-2
 """By how much the length of a unit vector may be off: what figures of three digits leave."""
 
@@ -56,6 +59,7 @@ def pose_at(
         return tip
     q = standing.state()[:1]
     axis_tolerance = number(axis_tolerance, "deflection: axis_tolerance", least=0.0, unit="rad")
+    refuse_other_unit(axis_tolerance, COARSEST_AXIS, "deflection: axis_tolerance", RADIANS)
     rotary = (
         q[:, machine.rotary] if axis is None else rotary_near(machine, q[:, machine.rotary], axis, time, axis_tolerance)
     )
