@@ -81,13 +81,12 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tp.program_time(MACHINE, __file__), "Machine in place of the path|machine is"  # type: ignore[arg-type]
     ),
     "apply_feed: a factor": (lambda: tp.apply_feed(program(), 1.2), "with its unit"),  # type: ignore[arg-type]
-    "ToolPath: feeds in mm/min": (lambda: tool_path(feed=np.array([np.inf, 3000.0])), "3000 mm/min is 0.05"),
     "ToolPath: axes not of length 1": (lambda: tool_path(axis=np.array([[0.0, 0.0, 90.0]] * 2)), "divide it by"),
     "ToolPath.with_tool: a length in mm": (lambda: program().with_tool(120), "120 mm is 0.12"),
     "Tool: a length in mm": (lambda: tp.Tool(120.0), "120 mm is 0.12"),
     "Tool: a radius in mm": (lambda: tp.Tool(0.12, 5.0), "tool: radius is 5"),
     "SetUp: an offset in mm": (lambda: tp.SetUp(offsets={"G54": {"X": -120.0}}), "X of G54 is -120"),
-    "Path.fit: a program for its tool path": (lambda: tp.Path.fit(PROGRAM, machine=MACHINE), "a program is read"),  # type: ignore[arg-type]
+    "Path.fit: a program for its tool path": (lambda: tp.Path.fit(PROGRAM), "str in place of a tool path"),  # type: ignore[arg-type]
     "Path.fit: a machine for the tolerance": (lambda: tp.Path.fit(program(), MACHINE), "tip_tolerance is"),  # type: ignore[arg-type]
     "Path.fit: limits for the machine": (
         lambda: tp.Path.fit(program(), machine=MACHINE.limits), "Limits in place of a machine"  # type: ignore[arg-type]
@@ -99,10 +98,12 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "plan: path and machine changed over": (lambda: tp.plan(MACHINE, path()), "in place of a machine"),  # type: ignore[arg-type]
     "plan: limits for the machine": (lambda: tp.plan(path(), MACHINE.limits), "needs a machine"),
     "plan: a number for the start": (lambda: tp.plan(path(), MACHINE, start=0.1), "give an EndState"),  # type: ignore[arg-type]
-    "plan_program: a program for its tool path": (lambda: tp.plan_program(PROGRAM, MACHINE), "a program is read"),  # type: ignore[arg-type]
+    "plan_program: a program for its tool path": (
+        lambda: tp.plan_program(PROGRAM, MACHINE), "str in place of a tool path"  # type: ignore[arg-type]
+    ),
     "prove: a gap in percent": (lambda: tp.prove(planned(), gap=1.0), "0.01 percent is 1e-4"),
     "prove: a time below zero": (lambda: tp.prove(planned(), within=-1.0), "within is -1"),
-    "verify: a program for its tool path": (lambda: tp.verify(planned(), MACHINE, PROGRAM), "a program is read"),  # type: ignore[arg-type]
+    "verify: a program for its tool path": (lambda: tp.verify(planned(), MACHINE, PROGRAM), "str in place of a tool path"),  # type: ignore[arg-type]
     "verify: limits for the machine": (
         lambda: tp.verify(planned(), MACHINE.limits, program()), "judged on a Machine"
     ),
@@ -136,7 +137,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "Follower: trajectory and machine changed over": (lambda: tp.Follower(MACHINE, planned()), "what plan returns"),  # type: ignore[arg-type]
     "Follower: a period in ms": (lambda: tp.Follower(planned(), MACHINE, period=1), "a time from 1e-05 to 0.1 s"),
     "Follower: max_correction in mm": (lambda: tp.Follower(planned(), MACHINE, max_correction=0.3), "0.3 mm is 0.3e-3"),
-    "Follower: deadband in mm": (lambda: tp.Follower(planned(), MACHINE, deadband=0.001), "less than max_correction"),
+    "Follower: deadband in mm": (lambda: tp.Follower(planned(), MACHINE, deadband=0.001), "2 um is 2e-6"),
     "Follower: believable in mm": (lambda: tp.Follower(planned(), MACHINE, believable=3.0), "200 times that"),
     "Follower: wait in mm": (lambda: tp.Follower(planned(), MACHINE, wait=0.05), "at most twice max_correction"),
     "Follower: filter in ms": (lambda: tp.Follower(planned(), MACHINE, filter=5.0), "a time from 0 to 2 s"),
@@ -201,13 +202,16 @@ ASKED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: tp.Path.arc([0, 0, 0], [0.1, 0, 0], [0, 0, 1], 90.0), "90 deg is 1.571"  # type: ignore[arg-type]
     ),
     "ToolPath: points in mm": (lambda: tool_path(tip=np.array([[0.0, 0, 0], [100.0, 0, 0]])), "120 mm is 0.12"),
+    "ToolPath: feeds in mm/min": (lambda: tool_path(feed=np.array([np.inf, 3000.0])), "3000 mm/min is 0.05"),
     "Limits.scaled: percents": (lambda: MACHINE.limits.scaled(120), "120 percent is 1.2"),
     "AxisPath.from_waypoints: degrees": (
         lambda: tp.AxisPath.from_waypoints([[0.0, 0.0], [90.0, 45.0], [180.0, 90.0]]), "are these mm or degrees"
     ),
 }  # fmt: skip
 SAID: dict[str, tuple[Callable[[], Any], Callable[[Any], bool]]] = {
-    "Follower.step: a vector for the tip": (lambda: shown(tp.Measurement(0.0, tip=[6e-6, 0, 0])), lambda s: "ABSURD" in s),
+    "Follower.step: a vector for the tip": (
+        lambda: shown(tp.Measurement(0.0, tip=[6e-6, 0, 0])), lambda s: "ABSURD" in s
+    ),
     "Follower.step: a position for the deflection": (
         lambda: shown(tp.Measurement(0.0, deflection=planned().tip(0.0)[0])), lambda s: "ABSURD" in s
     ),
@@ -221,7 +225,9 @@ SAID: dict[str, tuple[Callable[[], Any], Callable[[Any], bool]]] = {
 }  # fmt: skip
 UNSEEN: dict[str, tuple[Callable[[], Any], Callable[[Any], bool]]] = {
     "Trajectory.at: times in ms": (lambda: planned().at(500.0).qd, lambda v: not v.any()),
-    "Machine.forward: degrees": (lambda: MACHINE.forward([0, 0, 0, 45.0, 90.0])[0], lambda p: bool(np.isfinite(p).all())),
+    "Machine.forward: degrees": (
+        lambda: MACHINE.forward([0, 0, 0, 45.0, 90.0])[0], lambda p: bool(np.isfinite(p).all())
+    ),
     "Machine.joints_at: tips in mm": (lambda: MACHINE.joints_at([100.0, 0, 0], [0.0, 0.0]), lambda q: q[0] == 100.0),
     "ToolPath: rotary joints in degrees": (
         lambda: tool_path(rotary=np.array([[0.0, 0.0], [45.0, 90.0]]), rotary_joints=("A", "C")), lambda t: len(t) == 2

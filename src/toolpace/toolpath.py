@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -150,7 +149,7 @@ class ToolPath(ByValue):
         if n:
             ask_about_unit(float(np.abs(tip).max()), FARTHEST_PART, "tool path: a coordinate of tip", METRES)
             fastest = float(feed[np.isfinite(feed)].max(initial=0.0))
-            refuse_other_unit(fastest, FASTEST_FEED, "tool path: feed", METRES_PER_SECOND)
+            ask_about_unit(fastest, FASTEST_FEED, "tool path: feed", METRES_PER_SECOND)
         taken = {"tip": tip, "axis": axis, "feed": feed}
         for name in ("least_time", "dwell"):
             taken[name] = numbers(getattr(self, name), f"tool path: {name}", (n,), unit="s")
@@ -252,6 +251,4 @@ def check_toolpath(toolpath: object, asks: str) -> None:
     """Raise UsageError where something else is given in place of a tool path; `asks` is who asks for it."""
     if isinstance(toolpath, ToolPath):
         return
-    if isinstance(toolpath, str | os.PathLike):
-        raise UsageError(f"{asks}: a program is read first; give what tp.read(path, machine) returns")
-    raise UsageError(f"{asks}: {type(toolpath).__name__} in place of a tool path; give what read returns")
+    raise UsageError(f"{asks}: {type(toolpath).__name__} in place of a tool path; give what tp.read returns")

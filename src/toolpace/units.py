@@ -76,14 +76,14 @@ METRES = "give metres: 120 mm is 0.12"
 RADIANS = "give radians: 90 deg is 1.571"
 METRES_PER_SECOND = "give m/s: 3000 mm/min is 0.05"
 SECONDS = "give seconds: 1 ms is 1e-3"
-LONGEST_TOOL = 3.0
+LONGEST_TOOL = 4.0
 """Of a tool from the spindle nose to its tip [m]: more is a length in mm."""
 WIDEST_TOOL = 0.5
 """Diameter of a tool, and depth of a cut [m]."""
 FARTHEST_PART = 30.0
 """From the machine's zero [m]: the longest gantries have less."""
-FASTEST_FEED = 20.0
-"""[m/s]: ten times what machine tools cut at."""
+FASTEST_FEED = 300.0
+"""[m/s]: a hundred times what machine tools cut at; programs ask for as fast as can be by large figures."""
 
 
 def refuse_other_unit(value: float, most: float, name: str, cure: str) -> None:

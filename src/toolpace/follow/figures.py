@@ -77,7 +77,6 @@ class Figures:
                 self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
         most = self.max_correction
         for name, least, limit, why in (
-            ("deadband", 0.0, most, "less than max_correction: nothing would be corrected"),
             ("believable", 0.5 * most, 200.0 * most, "half of max_correction to 200 times that"),
             ("wait", 0.0, 2.0 * most, "at most twice max_correction: a correction is never that late"),
         ):
@@ -121,6 +120,7 @@ RANGES = {
     "max_correction": (1e-9, 0.02, "a length above 0, at most 0.02 m: 0.3 mm is 0.3e-3"),
     "max_turn": (0.0, 0.5, "an angle from 0 to 0.5 rad"),
     "fade": (1e-6, math.inf, "a time above 0"),
+    "deadband": (0.0, 5e-4, "a length from 0 to 0.5e-3 m: 2 um is 2e-6"),
     "believable": (1e-9, math.inf, "a length above 0"),
     "axis_tolerance": (0.0, 0.02, "an angle from 0 to 0.02 rad: 0.05 deg is 0.9e-3"),
     "filter": (0.0, 2.0, "a time from 0 to 2 s"),

@@ -55,19 +55,19 @@ class Source:
         if not isinstance(path, str | os.PathLike):
             raise UsageError(f"read: {type(path).__name__} in place of the path of a program")
         name = str(path)
-        if "\n" in name:
-            raise UsageError("read: this is the text of a program, and no path; tp.read_text(text, machine) reads it")
         name = "standard input" if name in STANDARD_INPUT else name
         path = Path(path)
         try:
             data = _bytes(path, name)
         except FileNotFoundError:
+            _refuse_text(name)
             near = _similar(path)
             hint = f"; did you mean {near}?" if near else "; check the path"
             raise ProgramError(f"no such file{hint}", source=name) from None
         except IsADirectoryError:
             raise ProgramError("this is a folder; name the program file in it", source=name) from None
         except (OSError, ValueError) as error:
+            _refuse_text(name)
             reason = getattr(error, "strerror", None) or str(error)
             raise ProgramError(f"cannot be opened ({reason}); check the path and its rights", source=name) from None
         return Source.from_bytes(data, name)
@@ -139,6 +139,12 @@ def _similar(path: Path) -> str:
         return ""
     near = difflib.get_close_matches(path.name, names, n=1)
     return near[0] if near else ""
+
+
+def _refuse_text(name: str) -> None:
+    """Raise UsageError where a name that no file has is the text of a program."""
+    if "\n" in name:
+        raise UsageError("read: this is no path, but text; tp.read_text(text, machine) reads that of a program")
 
 
 def _is_file(name: str) -> bool:

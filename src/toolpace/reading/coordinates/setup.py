@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from toolpace.units import FARTHEST_PART, LONGEST_TOOL, METRES, SECONDS, WIDEST_TOOL, refuse_other_unit
+from toolpace.units import FARTHEST_PART, LONGEST_TOOL, METRES, SECONDS, refuse_other_unit
 
 Position = Mapping[str, float]
 """Machine coordinates by axis letter [m, rad]; an axis that is not there is not known."""
@@ -39,7 +39,7 @@ class Tool:
         refuse_other_unit(self.length, LONGEST_TOOL, "tool: length", METRES)
         for name in ("radius", "corner_radius"):
             if (figure := getattr(self, name)) is not None:
-                refuse_other_unit(figure, WIDEST_TOOL / 2.0, f"tool: {name}", METRES)
+                refuse_other_unit(figure, LONGEST_TOOL, f"tool: {name}", METRES)
 
     def figures(self) -> dict[str, float]:
         """What is known of it, by the key of the sheet [m]."""
