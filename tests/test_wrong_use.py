@@ -103,7 +103,9 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "prove: a gap in percent": (lambda: tp.prove(planned(), gap=1.0), "0.01 percent is 1e-4"),
     "prove: a time below zero": (lambda: tp.prove(planned(), within=-1.0), "within is -1"),
-    "verify: a program for its tool path": (lambda: tp.verify(planned(), MACHINE, PROGRAM), "str in place of a tool path"),  # type: ignore[arg-type]
+    "verify: a program for its tool path": (
+        lambda: tp.verify(planned(), MACHINE, PROGRAM), "str in place of a tool path"  # type: ignore[arg-type]
+    ),
     "verify: limits for the machine": (
         lambda: tp.verify(planned(), MACHINE.limits, program()), "judged on a Machine"
     ),
@@ -138,8 +140,8 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "Follower: a period in ms": (lambda: tp.Follower(planned(), MACHINE, period=1), "a time from 1e-05 to 0.1 s"),
     "Follower: max_correction in mm": (lambda: tp.Follower(planned(), MACHINE, max_correction=0.3), "0.3 mm is 0.3e-3"),
     "Follower: deadband in mm": (lambda: tp.Follower(planned(), MACHINE, deadband=0.001), "2 um is 2e-6"),
-    "Follower: believable in mm": (lambda: tp.Follower(planned(), MACHINE, believable=3.0), "200 times that"),
-    "Follower: wait in mm": (lambda: tp.Follower(planned(), MACHINE, wait=0.05), "at most twice max_correction"),
+    "Follower: believable in mm": (lambda: tp.Follower(planned(), MACHINE, believable=3.0), "0.3 mm is 0.3e-3"),
+    "Follower: wait in mm": (lambda: tp.Follower(planned(), MACHINE, wait=0.05), "0.3 mm is 0.3e-3"),
     "Follower: filter in ms": (lambda: tp.Follower(planned(), MACHINE, filter=5.0), "a time from 0 to 2 s"),
     "Follower: axis_tolerance in degrees": (
         lambda: tp.Follower(planned(), MACHINE, axis_tolerance=0.05), "0.05 deg is 0.9e-3"

@@ -16,6 +16,8 @@ from toolpace.units import refuse_other_unit
 CAUSES = ("bending", "displaced")
 FINEST, COARSEST = 1e-5, 0.1
 """Shortest and longest period that a follower is for [s]."""
+MOST_BELIEVABLE, MOST_WAIT = 0.2, 5e-3
+"""Deflection that may be believed, and lag of a correction [m]."""
 SOFTEST = 1e-3
 """Most compliance of a tool [m/N]."""
 MOST_RESERVE = 0.5
@@ -75,14 +77,8 @@ class Figures:
         for each in fields(self):
             if each.name not in ("cause", "compliance"):
                 self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
-        most = self.max_correction
-        for name, least, limit, why in (
-            ("believable", 0.5 * most, 200.0 * most, "half of max_correction to 200 times that"),
-            ("wait", 0.0, 2.0 * most, "at most twice max_correction: a correction is never that late"),
-        ):
-            figure = getattr(self, name)
-            if not least <= figure <= limit and math.isfinite(figure):
-                raise UsageError(f"follower: {name} is {figure:g} m, max_correction {most:g} m; give {why}")
+        for name, most in (("believable", MOST_BELIEVABLE), ("wait", MOST_WAIT)):
+            refuse_other_unit(getattr(self, name), most, f"follower: {name}", "give metres: 0.3 mm is 0.3e-3")
         late = self.delay + self.dead_time
         if late > (LOOK_BACK - 10) * self.period:
             what = "a delay" if self.dead_time == 0.0 else "delay and dead_time together"
