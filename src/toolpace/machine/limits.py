@@ -70,5 +70,6 @@ class Limits(ByValue):
     def scaled(self, velocity: float = 1.0, acceleration: float = 1.0, jerk: float = 1.0) -> Limits:
         """The same limits times a factor of each kind."""
         for name, factor in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
-            ask_about_unit(float(np.max(factor)), MOST_SCALED, f"limits: factor of {name}", "give a factor: 120 percent is 1.2")
+            cure = "give a factor: 120 percent is 1.2"
+            ask_about_unit(float(np.max(factor)), MOST_SCALED, f"limits: factor of {name}", cure)
         return Limits(self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints)
