@@ -71,5 +71,7 @@ class Limits(ByValue):
         """The same limits times a factor of each kind."""
         for name, factor in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
             cure = "give a factor: 120 percent is 1.2"
-            ask_about_unit(float(np.max(factor)), MOST_SCALED, f"limits: factor of {name}", cure)
+            # factors of each joint are no percents
+            if np.ndim(factor) == 0:
+                ask_about_unit(factor, MOST_SCALED, f"limits: factor of {name}", cure)
         return Limits(self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints)
