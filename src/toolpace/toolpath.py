@@ -10,6 +10,15 @@ from toolpace.arrays import Bools, Floats, Ints, integers, marks, numbers
 from toolpace.description import counted, one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError
+from toolpace.units import (
+    FARTHEST_PART,
+    FASTEST_FEED,
+    LONGEST_TOOL,
+    METRES,
+    METRES_PER_SECOND,
+    ask_about_unit,
+    refuse_other_unit,
+)
 
 UNIT = 1e-6
 """By how much the length of a tool axis may differ from 1."""
@@ -137,6 +146,10 @@ class ToolPath(ByValue):
         if not (feed > 0.0).all():
             at = int(np.argmin(feed > 0.0))
             raise UsageError(f"tool path: feed {at} is {feed[at]:g} m/s; give feeds above zero, inf for rapids")
+        if n:
+            ask_about_unit(float(np.abs(tip).max()), FARTHEST_PART, "tool path: a coordinate of tip", METRES)
+            fastest = float(feed[np.isfinite(feed)].max(initial=0.0))
+            ask_about_unit(fastest, FASTEST_FEED, "tool path: feed", METRES_PER_SECOND)
         taken = {"tip": tip, "axis": axis, "feed": feed}
         for name in ("least_time", "dwell"):
             taken[name] = numbers(getattr(self, name), f"tool path: {name}", (n,), unit="s")
@@ -214,6 +227,7 @@ class ToolPath(ByValue):
 
         Ways of other tools are not straight for it where the tool turns: this is for what asks for joints at points.
         """
+        refuse_other_unit(length, LONGEST_TOOL, "tool path: tool length", METRES)
         other = np.where(np.isnan(self.tool_length), 0.0, self.tool_length - length)
         if not other.any():
             return self
@@ -231,3 +245,10 @@ class ToolPath(ByValue):
         source = self.source if len(self.source) <= 40 else f"...{self.source[-37:]}"
         count = counted(len(self), "point")
         return one_line(self, f"{source}: {count}" if source else count, counted(self.blocks, "block"), given)
+
+
+def check_toolpath(toolpath: object, asks: str) -> None:
+    """Raise UsageError where something else is given in place of a tool path; `asks` is who asks for it."""
+    if isinstance(toolpath, ToolPath):
+        return
+    raise UsageError(f"{asks}: {type(toolpath).__name__} in place of a tool path; give what tp.read returns")

@@ -208,6 +208,19 @@ def test_frames_of_fanuc(body, wanted):
     assert tips("fanuc", START + body + "\nM30") == wanted
 
 
+@pytest.mark.parametrize("name", ["fanuc", "haas", "mazak", "linuxcnc", "iso"])
+def test_a_block_without_a_centre_behind_an_arc_is_no_straight_way_unless_the_machine_says_so(name):
+    """Alarm 022 of Fanuc's list. A parameter of the machine may let it go straight, at the feed that is in force."""
+    body = f"{START}G2 X10 Y0 I5 J0\nG43 Z4 H1\nG1 X20\nM30"
+    sheet = SetUp(tools={"1": Tool(MACHINE.tool_length)})
+    with pytest.raises(ProgramError, match=r"lacks its centre: .* for a straight way G0 or G1, since G2"):
+        read_for(name, body, MACHINE, setup=sheet)
+    path = read_for(with_options(name, arc_without_centre="straight"), body, MACHINE, setup=sheet)
+    np.testing.assert_allclose(ends(path)[-2:], [[10.0, 0.0, 4.0], [20.0, 0.0, 4.0]], atol=1e-9)
+    np.testing.assert_allclose(path.feed[-2:], 0.01, rtol=1e-12)
+    assert not path.rapid[-2:].any()
+
+
 @pytest.mark.parametrize(("plane", "words", "wanted"), [
     ("G17", "X2. Y0 Z0", [0, 2, 0]), ("G17", "X0 Y2. Z0", [-2, 0, 0]), ("G17", "X0 Y0 Z2.", [0, 0, 2]),
     ("G18", "X0 Y0 Z2.", [2, 0, 0]), ("G18", "X2. Y0 Z0", [0, 0, -2]), ("G18", "X0 Y2. Z0", [0, 2, 0]),

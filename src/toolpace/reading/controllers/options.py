@@ -46,6 +46,7 @@ WORD_ADDRESS: dict[str, Kind] = {
     "compensation_corners": ("lines", "arcs"),
     "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),
+    "arc_without_centre": ("refused", "straight"),
     "boring_shift": ("first", "first negative", "second", "second negative"),
     "extended_offsets": ("", "G54.1", "G154"),
     "first_offset": TEXT,

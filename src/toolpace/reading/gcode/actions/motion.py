@@ -46,6 +46,7 @@ class MotionReader:
         self.rotary = controller.option("rotary", "as written")
         self.rotary_varies = controller.option("rotary_varies", False)
         self.arcs = ArcReader(control, state, controller)
+        self.straight_without_centre = controller.option("arc_without_centre", "refused") == "straight"
         self.by_radius = controller.option("inverse_time_by_radius", False)
         self.fanuc = controller.option("fanuc_checks", False)
         """Whether blocks are refused that Fanuc stops with an alarm."""
@@ -64,6 +65,8 @@ class MotionReader:
         arc_words = {}
         if motion in ARCS:
             arc_words = {letter: numbers.pop(letter) for letter in (*"IJKRP", "B5") if letter in numbers}
+            if self.straight_without_centre and not arc_words:
+                motion = "feed"
         if self.fanuc and state.vectors and any(letter in numbers for letter in "ABC"):
             raise WordError("a rotary word under G43.5 stops with an alarm (PS5421): write I, J, K, or use G43.4")
         vector = {letter: numbers.pop(letter, 0.0) for letter in "IJK"} if self._has_vector(numbers) else None
