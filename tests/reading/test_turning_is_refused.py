@@ -1,4 +1,4 @@
-"""Programs of lathes are refused: X is a diameter there and F counts by revolution, so that none of it would be true."""
+"""Programs of lathes are refused: X is a diameter there and F counts by revolution, so that none of it is true here."""
 
 from __future__ import annotations
 

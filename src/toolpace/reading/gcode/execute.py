@@ -87,6 +87,7 @@ class Executor:
                 "modal macro off": self.calls.modal_off,
                 "only off": self._only_off,
                 "limits": self._limits,
+                "no motion": self._no_motion,
                 "call program": self.calls.program,
                 "call here": self.calls.here,
                 "return": self.calls.back,
@@ -256,6 +257,14 @@ class Executor:
     def _limits(self, numbers: Numbers, word: str) -> None:
         """Fanuc G22: X, Y, Z, I, J, K are corners of a zone that the axes may not enter."""
         numbers.clear()
+        self.control.findings.ignored(word)
+
+    def _no_motion(self, numbers: Numbers, word: str) -> None:
+        """A word that moves nothing on one control, and with axes moves on another (G8 of Fagor is an arc)."""
+        if not numbers.keys().isdisjoint("XYZABCUVW"):
+            numbers.clear()
+            raise RefusedError(f"{word} beside axes", "some controls move by it otherwise: give --controller NAME")
+        numbers.pop("P", None)
         self.control.findings.ignored(word)
 
     def _only_off(self, numbers: Numbers, word: str) -> None:

@@ -20,6 +20,7 @@ Handler = Callable[[Numbers, str], None]
 """Carries out a word: takes what belongs to it out of the numbers of the block."""
 
 
+NO_EXPONENT = "E has no meaning here: numbers have no exponent (write 0.00001), and extruders of printers are not read"
 LARGEST = 1e21
 """Most of a number: more is a slip, and would end as infinity; the tangent of 90 degrees is less."""
 

@@ -181,7 +181,7 @@ class Transforms:
         """G50; with S it limits the spindle of a lathe."""
         if "S" in numbers:
             numbers.clear()
-            raise RefusedError(f"{word} S", "it limits the spindle of lathes, and turning is not read: on a mill leave it out")
+            raise RefusedError(f"{word} S", "it limits the spindle of lathes, and turning is not read: leave it out")
         self._need_inside(word, "turned coordinates (G68)", self.scaled is not None and self.turned is not None)
         self.scaled = None
 
