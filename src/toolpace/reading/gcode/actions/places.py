@@ -40,7 +40,7 @@ class Places:
             if letter in given and not self._moves(letter):
                 raise RefusedError(
                     f"{word} {letter}",
-                    "the machine has no such axis; on lathes it counts X or Z on, and turning is not read: leave it out",
+                    "the machine has no such axis; on lathes it counts on X or Z, and turning is not read: remove it",
                 )
         slots = self.control.slots
         absent = [letter for letter, value in given.items() if letter not in slots]
