@@ -37,15 +37,18 @@ class RefusedError(WordError):
         super().__init__(f"{word} is not read: {cure}")
 
 
-def without_comments(line: str, nested: bool = False) -> str:
+def without_comments(line: str, nested: bool = False, closed: bool = False) -> str:
     """The block in capitals, without `( )` and `;` comments and outer blanks.
 
     nested: comments may hold comments, and one that is open at the end of the line ends there.
+    closed: that one is an error. Raises WordError.
     """
     if "(" in line or ")" in line or ";" in line:
         semicolon = line.find(";")
         if semicolon >= 0 and "(" not in line[:semicolon]:
             line = line[:semicolon]
+        if closed and line.rfind("(") > line.rfind(")"):
+            raise WordError("the comment is open at the end of its line, and may hide all up to the next ): close it")
         if nested:
             line = _outside(line)
         else:
