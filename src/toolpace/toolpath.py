@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -213,7 +214,7 @@ class ToolPath(ByValue):
         """The points from `first` to `last` as a path of their own, which begins and ends at rest."""
         n, kept = len(self), slice(first, last + 1)
         told = {column.name: getattr(self, column.name) for column in fields(self) if column.name != "numbered"}
-        columns = {
+        columns: dict[str, Any] = {
             name: value[kept] for name, value in told.items() if isinstance(value, np.ndarray) and len(value) == n
         }
         stop = columns["stop"].copy()
