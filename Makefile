@@ -65,4 +65,4 @@ bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks.reading
 
 clean:  ## remove what was made
-	rm -rf $(VENV) out docs/gallery build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) out docs/gallery $(filter-out docs/benchmarks/index.md,$(wildcard docs/benchmarks/*.md)) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

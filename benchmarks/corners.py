@@ -9,7 +9,6 @@ thousandth of it). Ruckig goes from corner to corner, and stops at each. Writes 
 from __future__ import annotations
 
 import argparse
-import datetime
 import itertools
 import math
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from pathlib import Path as File
 
 import numpy as np
 
-from benchmarks.machine import RESULTS
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.run import run_program
@@ -173,7 +172,7 @@ def main() -> None:
     whose = "our model of it (within a thousandth)" if given.model else "the real one, LinuxCNC 2.9, headless"
     head = (
         "# Corners\n\n"
-        f"Written by `python -m benchmarks.corners` on {datetime.date.today().isoformat()}: once round a square of"
+        f"{written_by('python -m benchmarks.corners')}\n\nOnce round a square of"
         f" {SIDE:g} mm from the middle of a side,\nat {FEED:g} mm/min on `{MACHINE}`"
         " (20 mm/s, 300 mm/s², 3000 mm/s³; 30, 300 and 3000 degrees), so at 4 s by the feed\nalone. With five axes the"
         " tilt goes from -15 to -25 degrees and back from corner to corner while the tip is held, and\nturns round at"

@@ -11,6 +11,7 @@ against the shortest that ruckig finds, without feed and travel, from the same s
 
 from __future__ import annotations
 
+import datetime
 import json
 import platform
 import sys
@@ -237,7 +238,8 @@ def main(count: int = 1000, seed: int = 2026, repeats: int = 10000) -> None:
     rows.append(of_all.told())
     result = {
         "toolpace": tp.__version__, "python": platform.python_version(), "ruckig": ruckig.__version__,
-        "machine": f"{platform.machine()}, {processor()}", "seed": seed, "rows": rows,
+        "machine": f"{platform.machine()}, {processor()}", "seed": seed,
+        "date": datetime.date.today().isoformat(), "rows": rows,
     }  # fmt: skip
     out = RESULTS / "deflections.json"
     out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")

@@ -8,17 +8,14 @@ to four decimals, read, fitted and planned. Prints the tables and writes roundin
 
 from __future__ import annotations
 
-import datetime
 import math
-import os
-import platform
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path as File
 
 import numpy as np
 
-from benchmarks.machine import RESULTS
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from toolpace.arrays import Floats
 from toolpace.axispath.axispath import AxisPath
@@ -202,9 +199,8 @@ def main() -> None:
     picture(exact, figures, out / "rounding.png")
     head = (
         "# Rounded programs beside exact curves\n\n"
-        f"Written by `python -m benchmarks.rounding {count}` on {datetime.date.today().isoformat()}:"
-        f" {platform.system()} {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()},"
-        f" machine `{MACHINE}`, feed {1e3 * FEED:g} mm/s, tolerance {1e6 * TIP:g} µm and"
+        f"{written_by(f'python -m benchmarks.rounding {count}')}\n\n"
+        f"Machine tool `{MACHINE}`, feed {1e3 * FEED:g} mm/s, tolerance {1e6 * TIP:g} µm and"
         f" {math.degrees(AXIS):g} degrees.\nDurations do not depend on the computer.\n"
         f"Worst of {fair} programs: **{worst:.4f}** times the duration on the exact curve (asked: at most {MOST}).\n"
         f"Programs marked * are not counted: their chords leave the curve by more than {FAIR * TIP * 1e6:g} µm. They"

@@ -9,10 +9,8 @@ of a few repetitions is kept. Prints the table and writes scaling.md and scaling
 
 from __future__ import annotations
 
-import datetime
 import json
 import os
-import platform
 import subprocess
 import sys
 import time
@@ -21,7 +19,7 @@ from pathlib import Path as File
 from typing import Any
 from unittest.mock import patch
 
-from benchmarks.machine import RESULTS, most_memory
+from benchmarks.machine import RESULTS, most_memory, written_by
 from benchmarks.tables import Table
 from testbed.long_path import long_path
 from toolpace.planning.bound import pieces
@@ -168,8 +166,7 @@ def written(figures: dict[tuple[int, str], Figures], whole: dict[str, Figures], 
     picture(figures, out / "scaling.png")
     head = (
         "# Long paths: time a point and memory\n\n"
-        f"Written by `python -m benchmarks.scaling` on {datetime.date.today().isoformat()}: {platform.system()}"
-        f" {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. One random smooth run of"
+        f"{written_by('python -m benchmarks.scaling')}\n\nOne random smooth run of"
         " five joints from rest to rest, a feature for every 50 mesh cells (`testbed/long_path.py`), planned in one"
         " call with `mesh` fixed. Each time is the least of up to five. The machine was shared (mean load of the last"
         f" quarter of an hour: {os.getloadavg()[2]:.1f}): where CPU time is less than wall time, others had the"

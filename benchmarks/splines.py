@@ -11,7 +11,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from benchmarks.machine import RESULTS
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.peers import Outcome, failed, ours, usage
 from benchmarks.tables import Table, text
 from testbed.cases import Case, fan, flank, paper_arc, random_case
@@ -92,7 +92,8 @@ def main() -> None:
             cells = (q.duration, q.between, c.duration, c.between, g.duration)
             table.lines.append([case.name, str(n), *(text(v if np.isfinite(v) else None) for v in cells)])
     table.show()
-    (RESULTS / "splines.md").write_text(table.markdown())
+    head = f"# Quadratic and cubic splines\n\n{written_by('python -m benchmarks.splines')}\n\n"
+    (RESULTS / "splines.md").write_text(head + table.markdown())
 
 
 if __name__ == "__main__":

@@ -102,7 +102,7 @@ def write_tables(
     }  # fmt: skip
     print(json.dumps(figures, indent=1))
     text = f"# Random plans, judged from positions alone\n\n{written_by(command)}\n\n"
-    text += "".join(f"* {key}: {value}\n" for key, value in figures.items()) + "\n"
+    text += "".join(f"* {key}: {in_words(value)}\n" for key, value in figures.items()) + "\n"
     text += "\n".join(each.markdown() for each in tables)
     for head, lines in lists.items():
         text += f"\n## {head}: {len(lines)}\n\n" + "".join(f"* {line}\n" for line in lines[:NAMED])
@@ -110,6 +110,13 @@ def write_tables(
     (RESULTS / "sweep.md").write_text(text)
     slowest = Counter(row["family"] for row, said in zip(planned, causes) if said)
     (RESULTS / "sweep.json").write_text(json.dumps(figures | {"slow by family": dict(slowest)}, indent=1) + "\n")
+
+
+def in_words(value: object) -> str:
+    """A figure with seven digits, or those of a table one after the other: "feed 1.000068, velocity 1.00007"."""
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {in_words(each)}" for key, each in value.items())
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
 
 
 def table(title: str, rows: list[Row], of: Callable[[Row], str]) -> Table:

@@ -9,7 +9,6 @@ and axis tolerances of 0.02 to 5 degrees (tip 10 micrometres). Writes tolerances
 from __future__ import annotations
 
 import argparse
-import datetime
 import math
 import time
 from collections.abc import Callable
@@ -18,7 +17,7 @@ from pathlib import Path as File
 
 import numpy as np
 
-from benchmarks.machine import RESULTS
+from benchmarks.machine import RESULTS, written_by
 from benchmarks.rounding import curve, gcode, places
 from benchmarks.tables import Table
 from testbed.programs import contour, s_shape, tulsyan
@@ -145,7 +144,7 @@ def main() -> None:
         return
     head = (
         "# What tolerance buys, and that none costs\n\n"
-        f"Written by `python -m benchmarks.tolerances` on {datetime.date.today().isoformat()}: `plan_program` with its"
+        f"{written_by('python -m benchmarks.tolerances')}\n\n`plan_program` with its"
         f" default effort, machine `{MACHINE}`,\nprograms without feeds. The tip at an axis tolerance of {AXIS:g}"
         f" degree, the axis at {1e6 * TIP:g} µm.\nDurations do not depend on the computer, CPU times do.\n\n"
         f"Worst: a looser tolerance costs **{100.0 * (worst[0][0] - 1.0):.2f} percent** ({worst[0][1]}; at most"

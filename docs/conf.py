@@ -6,6 +6,7 @@ Everything comes from this repository and from installed packages: no step asks 
 from __future__ import annotations
 
 import importlib.util
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,15 @@ for page in (HERE / "gallery").glob("[0-9]*.rst"):
     if not (HERE.parent / "examples" / f"{page.stem}.py").exists():
         page.unlink()
 
+# Each result of a benchmark is a page; one that is gone would stay.
+RESULTS = HERE.parent / "benchmarks" / "results"
+for page in (HERE / "benchmarks").glob("*.md"):
+    if page.stem != "index":
+        page.unlink()
+for result in RESULTS.glob("*.md"):
+    text = f"```{{include}} ../../benchmarks/results/{result.name}\n:relative-images:\n```\n"
+    (HERE / "benchmarks" / result.name).write_text(text, encoding="utf-8")
+
 html_theme = "pydata_sphinx_theme"
 html_title = "toolpace"
 html_static_path = ["_static"]
@@ -112,8 +122,9 @@ def copy_mathjax(app: Sphinx, error: Exception | None) -> None:
 
 
 def links_within_the_site(app: Sphinx, page: str, text: list[str]) -> None:
-    """Notes and results link each other by their places in the repository; here they are pages of one site."""
-    text[0] = text[0].replace("](../../benchmarks/results/", "](../benchmarks/")
+    """Pages name results by their places in the repository; here these are pages of the site."""
+    up = "../" * page.count("/")
+    text[0] = re.sub(r"\]\((?:\.\./)+benchmarks/results/(?=[\w-]+\.md)", f"]({up}benchmarks/", text[0])
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

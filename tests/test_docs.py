@@ -10,10 +10,15 @@ import pytest
 
 import toolpace as tp
 from toolpace import demo
+from tools import pages
 
-DOCS = Path(__file__).parents[1] / "docs"
+TOP = Path(__file__).parents[1]
+DOCS = TOP / "docs"
 BLOCK = re.compile(r"^```(python|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NOTES = sorted((DOCS / "design").glob("*.md"))
+NOTES = sorted(page for folder in ("design", "notebook") for page in (DOCS / folder).glob("*.md"))
+LONGEST = 250
+"""Lines of a page of the design."""
+LONGEST_README = 120
 PEERS = ("toppra", "ruckig")
 HERE = {name for name in PEERS if importlib.util.find_spec(name)}
 """Peers that are installed; where there is none for a machine, what is theirs on the pages is left out."""
@@ -52,14 +57,16 @@ def test_every_public_name_is_in_the_reference():
     assert public <= entries
 
 
-def test_every_result_of_the_benchmarks_is_a_page():
-    written = {page.stem for page in (DOCS.parent / "benchmarks" / "results").glob("*.md")}
-    assert written == {page.stem for page in (DOCS / "benchmarks").glob("*.md")} - {"index"}
+@pytest.mark.parametrize("folder", ["design", "notebook"])
+def test_every_note_is_in_the_contents(folder):
+    contents = (DOCS / folder / "index.md").read_text(encoding="utf-8").split()
+    assert {page.stem for page in (DOCS / folder).glob("*.md")} - {"index"} <= set(contents)
 
 
-def test_every_design_note_is_in_the_contents():
-    contents = (DOCS / "design" / "index.md").read_text(encoding="utf-8").split()
-    assert {page.stem for page in (DOCS / "design").glob("*.md")} - {"index"} <= set(contents)
+def test_pages_are_short():
+    lines = {page.name: len(page.read_text(encoding="utf-8").splitlines()) for page in (DOCS / "design").glob("*.md")}
+    assert {page: count for page, count in lines.items() if count > LONGEST} == {}
+    assert len((TOP / "README.md").read_text(encoding="utf-8").splitlines()) <= LONGEST_README
 
 
 @pytest.mark.parametrize("page", sorted(page.stem for page in (DOCS / "tutorial").glob("*.md")))
@@ -72,12 +79,25 @@ def test_tutorial_runs(page, tmp_path, monkeypatch):
             exec(compile(code, f"{page}.md", "exec"), names)
 
 
-@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", *(f"docs/design/{p.name}" for p in NOTES)])
+@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", *(str(page.relative_to(TOP)) for page in NOTES)])
 def test_files_that_a_document_names_exist(document):
     """Named from the top of the project, from the package, from the results of the benchmarks, or from beside it."""
-    text = (DOCS.parent / document).read_text(encoding="utf-8")
+    text = (TOP / document).read_text(encoding="utf-8")
     named = set(re.findall(r"`([\w./-]+/[\w.-]+\.(?:py|md|json|toml))`|\]\(((?!http)[\w./-]+)\)", text))
-    top = DOCS.parent
-    places = (top, top / "src" / "toolpace", (top / document).parent)
+    places = (TOP, TOP / "src" / "toolpace", (TOP / document).parent)
     missing = [name for pair in named for name in pair if name and not any((at / name).exists() for at in places)]
     assert not missing
+
+
+def test_tables_are_those_of_the_results():
+    stale = [path.name for path in pages.pages() if pages.written(path) != path.read_text(encoding="utf-8")]
+    assert not stale, "python tools/pages.py writes them"
+    assert len(pages.pages()) >= 3
+
+
+def test_peers_by_the_other_file_of_the_same_run():
+    """planner.json through our medians; planner.md has those that the benchmark itself worked out."""
+    lines = (TOP / "benchmarks" / "results" / "planner.md").read_text(encoding="utf-8").splitlines()
+    told = [line.strip("|").split("|") for line in lines if line.startswith("| IPOPT | 1000 | 27 |")]
+    ours = next(line for line in pages.peers("").splitlines() if line.startswith("| IPOPT")).strip("|").split("|")
+    assert [float(word) for word in told[0][4:8]] == [float(word) for word in ours[1:5]]

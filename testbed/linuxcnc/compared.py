@@ -10,6 +10,7 @@ through HAL's streamer and limit3, set just above the limits of the machine.
 from __future__ import annotations
 
 import argparse
+import datetime
 import re
 import tempfile
 from collections.abc import Callable
@@ -156,8 +157,9 @@ def page(rows: list[Row]) -> str:
     """The page of the results (Markdown)."""
     return f"""# LinuxCNC's own runs, and our plans of the same programs
 
-`python -m testbed.linuxcnc.compared`: LinuxCNC 2.9 runs each program headless, its joints are logged each servo
-cycle of 1 ms; the same program is planned by `toolpace plan` for the same machine, and the plan is played through
+`python -m testbed.linuxcnc.compared` on {datetime.date.today().isoformat()}: LinuxCNC 2.9 runs each program
+headless, its joints are logged each servo cycle of 1 ms;
+the same program is planned by `toolpace plan` for the same machine, and the plan is played through
 HAL's streamer and limit3, which is set 0.05 percent above the machine's velocities and 0.3 above its
 accelerations: what passes them it would change. Usage is the largest velocity and acceleration of a joint over its
 limit, by differences of one cycle. LinuxCNC holds neither the joints' limits where it holds the tip, nor jerk; the

@@ -56,6 +56,17 @@ def test_catches_a_velocity_that_is_passed_in_a_shorter_last_step_alone(speed, w
     assert not wrong or found["velocity"].time == t[-1]
 
 
+@pytest.mark.parametrize(("over", "wrong"), [(1.0002, True), (1.00005, False)])
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_limit_is_held_to_a_ten_thousandth_of_itself(order, over, wrong):
+    """A power of time, whose difference of that order is its derivative exactly."""
+    kind = ("velocity", "acceleration", "jerk")[order - 1]
+    t = 0.01 * np.arange(60)
+    limits = {name: [1e9] for name in ("velocity", "acceleration", "jerk")} | {kind: [1.0 / over]}
+    found = failed(joint(t, t**order / (1.0, 2.0, 6.0)[order - 1]), Limits(**limits, joints=("X",)))
+    assert (kind in found) == wrong
+
+
 def test_position_noise_is_the_rounding_of_a_position_and_of_its_time():
     random = np.random.default_rng(1)
     for speed in (1e-3, 1.0, 50.0):

@@ -33,6 +33,6 @@ def test_no_rung_lies_above_the_promise_or_within_the_limit(name):
 
 def test_readme_promises_what_is_kept():
     words = re.sub(r"\s+", " ", README.read_text(encoding="utf-8"))
-    promise = re.search(r"No axis passes its velocity, acceleration or jerk limit, .{,80} by more than (\S+) of", words)
+    promise = re.search(r"No axis exceeds its velocity, acceleration or jerk limit, .{,80} more than (\S+) of", words)
     assert promise is not None
     assert 1.0 + float(promise[1]) == guarantee.PROMISED

@@ -1,4 +1,4 @@
-"""What reading promises, each held by a case that a small change of the code would break (see design/mutation.md)."""
+"""What reading promises, each held by a case that a small change of code would break (docs/notebook/mutation.md)."""
 
 from __future__ import annotations
 
