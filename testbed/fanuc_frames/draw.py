@@ -101,6 +101,8 @@ class Program:
         """The word that ends the plane in force, where it is not the usual one."""
         self.vectors = False
         """Whether words tell the direction of the tool."""
+        self.follows = False
+        """Whether tip mode is on in the plane in force."""
         self._head()
         for _ in range(MOST):
             if not self._statement():
@@ -456,12 +458,17 @@ class Program:
             above = self.number(5.0, 80.0) if self.chance(0.4) else 0.0
             word += f" {self.word('R', above)}" if above else ""
         nearest = self.truth.nearest(normal)
-        self.say(word)
+        if nearest is not None and not self.follows and self.chance(0.2):
+            self.say(f"G0 {self.words(self.letters, nearest - self.truth.shift()[1])}")
+            above = None
+        else:
+            self.say(word)
         self.note(normal=normal, nearest=nearest, above=above)
         if nearest is None:
             return STOPS
         self._stood(nearest, above)
         if self.chance(0.3) and self.by.name != "haas":
+            self.follows = True
             self.say(f"G43.4 H{self.truth.tool}")
             self.truth.length = self.truth.tool
         self._go(full=True, turn=False)
@@ -478,7 +485,22 @@ class Program:
         named = {letter: np.radians([value]) for letter, value in zip(self.letters, rotary)}
         truth.q = truth.chain.joints(tip[None] * 1e-3, named, truth.reckoned() * 1e-3)[0]
 
+    def _turn_in_plane(self):
+        """Rotary words alone: nothing follows them, or in tip mode the tip keeps its place."""
+        truth = self.truth
+        words, _ = truth.words()
+        angles = self._rotary_words()
+        self.say(f"G0 {self.words(self.letters, angles)}")
+        if self.follows:
+            truth.move(words, angles)
+        else:
+            truth.q = truth.joints(truth.linear(), angles + truth.shift()[1])
+        self.note()
+
     def _end_plane(self):
+        if self.chance(0.4):
+            self._turn_in_plane()
+        self.follows = False
         self.say(self.plane_off or self.by.plane_off)
         self.plane_off = ""
         self.truth.plane = None

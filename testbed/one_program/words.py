@@ -63,6 +63,8 @@ class Words(Writer):
             "chip_break_mm": clearance,
             "turning": self.turning,
             "tip_frame_where_switched": self.fixed_where_switched,
+            # numbers have more digits here than the increment system keeps
+            "values_are_rounded": False,
         }
 
     # Numbers

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.controllers import read_for
+from tests.support.heidenhain import read as klartext
 from toolpace.errors import ProgramError
 from toolpace.reading.controllers.controller import Controller
 
@@ -67,3 +68,17 @@ def test_a_file_of_a_controller_tells_another_tolerance():
     """As parameter 3410 of Fanuc does, or CENTER_ARC_RADIUS_TOLERANCE_MM in the INI file of a LinuxCNC."""
     own = Controller.from_toml('name = "own"\nlike = "fanuc"\nnote = "ours"\n[options]\narc_radii_mm = 0.5\n')
     assert len(read_for(own, f"{HEAD['mm']}G0 X10 Y0 Z0\nG3 X-10.4 Y0 I-10 J0\nM30\n")) > 10
+
+
+@pytest.mark.parametrize(("unit", "most"), [("MM", 0.016), ("INCH", 0.016 / 25.4)])
+@pytest.mark.parametrize("radius", [1.0, 100.0])
+def test_radii_of_klartext_may_differ_by_sixteen_micrometres(unit, most, radius):
+    """"Input tolerance: up to 0.016 mm (selected through the circleDeviation machine parameter)" (TNC 320
+    Conversational, "Circular path C"; MP7431 of iTNC 530): at any radius, in millimetres."""
+    text = f"CC X+0 Y+0\nL X+{radius} F100\nC X-{{:.7f}} Y+0 DR+"
+    path = klartext(text.format(radius + 0.98 * most), unit=unit)
+    assert any(SAID in said for said in path.assumed)
+    assert not any(SAID in said for said in klartext(text.format(radius + 0.1 * most), unit=unit).assumed)
+    for words in (text, text.replace("C X-", "CP PA+180 DR+\nC X-").replace("Y+0 DR+", "Y+0.5 DR+")):
+        with pytest.raises(ProgramError, match=r"off its circle .*at most 0\.016 mm"):
+            klartext(words.format(radius + 1.02 * most), unit=unit)

@@ -128,6 +128,81 @@ def test_a_back_bore_goes_below_and_feeds_up():
     assert got == [[0, 0, 10], [5, 0, 10], [5, 0, -8], [5, 0, -2], [5, 0, 10]]
 
 
+Q_ALONG = {"first": (0.5, 0), "first negative": (-0.5, 0), "second": (0, 0.5), "second negative": (0, -0.5)}
+
+
+@pytest.mark.parametrize("direction", Q_ALONG)
+def test_a_fine_bore_goes_out_beside_the_axis_of_the_hole(direction):
+    """Fanuc 0i, 13.1.4 "Fine boring cycle": stop at the bottom, aside by Q, out, back to the axis; the direction is
+    that of parameters 5101#4 and #5, and said."""
+    path = read_for(with_options("fanuc", boring_shift=direction), START + "G99 G76 X5. Y6. Z-3. R2. Q0.5\nG80\nM30")
+    x, y = Q_ALONG[direction]
+    assert (np.round(path.tip * 1e3, 6) + 0.0).tolist() == [
+        [0, 0, 10], [5, 6, 10], [5, 6, 2], [5, 6, -3], [5 + x, 6 + y, -3], [5 + x, 6 + y, 2], [5, 6, 2],
+    ]  # fmt: skip
+    assert path.rapid.tolist() == [True, True, True, False, True, True, True] and path.stop[3]
+    assert any("Q shifts a boring tool along" in said for said in path.assumed)
+
+
+@pytest.mark.parametrize(("controller", "words", "x", "y"), [
+    ("fanuc", "G87 Q0.5", 0.5, 0.0), ("haas", "G77 Q0.5", 0.5, 0.0), ("haas", "G77 I-0.3 J0.4", -0.3, 0.4),
+])  # fmt: skip
+def test_a_back_bore_goes_in_and_out_beside_the_axis_of_the_hole(controller, words, x, y):
+    """Fanuc 0i, 13.1.10 "Back boring cycle": aside, down to R, to the axis, up to Z, aside, out, to the axis. Haas NGC,
+    G77: Q, or where it is not told I and J."""
+    path = read_for(controller, START + f"G98 {words} X5. Y0. Z-2. R-8.\nG80\nM30")
+    assert (np.round(path.tip * 1e3, 6) + 0.0).tolist() == [
+        [0, 0, 10], [5, 0, 10], [5 + x, y, 10], [5 + x, y, -8], [5, 0, -8], [5, 0, -2], [5 + x, y, -2], [5 + x, y, 10],
+        [5, 0, 10],
+    ]  # fmt: skip
+    assert np.flatnonzero(~path.rapid).tolist() == [5]
+
+
+def test_the_shift_of_a_bore_in_turned_coordinates_is_refused():
+    """The spindle is oriented in the machine, and no manual at hand says whether the shift is turned."""
+    with pytest.raises(ProgramError, match="the shift of an oriented tool in turned, scaled or mirrored"):
+        tips("fanuc", START + "G68 X0 Y0 R30.\nG76 X5. Y0 Z-3. R2. Q0.5\nG80\nM30")
+    with pytest.raises(ProgramError, match="Q is the shift of a boring tool and has no sign"):
+        tips("haas", START + "G76 X5. Y0 Z-3. R2. Q-0.5\nG80\nM30")
+
+
+def test_a_back_bore_of_another_plane_begins_over_its_hole():
+    """G18 bores along Y: Z goes to the hole with X."""
+    got = tips("fanuc", START + "G0 Y9.\nG18 G87 X5. Z4. Y-2. R-8.\nG80\nM30")
+    assert got[2:] == [[5, 9, 4], [5, -8, 4], [5, -2, 4], [5, 9, 4]]
+
+
+def test_a_tap_with_pecks_breaks_chips_at_feed():
+    """Fanuc 0i, "Peck rigid tapping cycle": by Q, and back by parameter 5213 at feed where parameter 5200#5 is 0."""
+    path = read_for(with_options("fanuc", chip_break_mm=0.5), START + "G99 G84 X0 Z-5. R1. Q2. F500\nG80\nM30")
+    assert [round(z, 6) for z in path.tip[1:, 2] * 1e3] == [1, -1, -0.5, -3, -2.5, -5, 1]
+    assert not path.rapid[2:].any() and any("a tap with Q" in said for said in path.assumed)
+
+
+def test_the_other_letter_of_repeats_is_said_or_refused():
+    """Where holes go on by a distance, K and L are other places."""
+    assert any("L of a cycle counts holes" in said for said in
+               read_for("fanuc", START + "G91 G81 X4. Z-5. R-8. L2\nG80\nM30").assumed)  # fmt: skip
+    with pytest.raises(ProgramError, match="K2 of a cycle is not read"):
+        tips("mazak", START + "G91 G81 X4. Z-5. R-8. K2\nG80\nM30")
+
+
+@pytest.mark.parametrize("controller", ["fanuc", "haas", "mazak", "iso"])
+def test_a_unit_within_a_cycle_is_refused(controller):
+    """Its words would count in another unit than they were written in."""
+    with pytest.raises(ProgramError, match="a change of the unit within a cycle"):
+        tips(controller, START + "G81 X4. Z-5. R2.\nG20 X1.\nG80\nM30")
+
+
+@pytest.mark.parametrize("words", ["I-10. J30. K15.", "I10. J30. K-15."])
+def test_holes_on_an_arc_go_clockwise_where_radius_or_step_is_below_zero(words):
+    """Haas 96-8000, G71: I is the radius, "+CCW/-CW", and J its first angle."""
+    got = tips("haas", START + f"G99 G81 Z-1. R2. L0\nG71 {words} L3\nG80\nM30")
+    holes = np.array([row[:2] for row in got if row[2] == -1])
+    angles = np.radians([30.0, 15.0, 0.0])
+    assert holes == pytest.approx(10.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1), abs=1e-6)
+
+
 def test_the_drill_axis_is_the_normal_of_the_plane():
     """LinuxCNC, "Canned Cycles", in-plane words: under G18 the cycle drills along Y."""
     got = tips("linuxcnc", "G90 G21 G94 F100\nG0 X0 Y10 Z0\nG18 G99 G81 X3 Z4 Y-1 R2\nG80\nM2")
@@ -189,3 +264,20 @@ def test_a_cycle_of_millplus_is_defined_and_then_run_from_a_surface():
     assert got == [
         [0, 0, 20], [4, 0, 20], [4, 0, 12], [4, 0, 5], [4, 0, 15], [6, 0, 15], [6, 0, 12], [6, 0, 5], [6, 0, 15],
     ]  # fmt: skip
+
+
+def test_i_j_k_of_pecks_are_what_each_control_says():
+    """Haas: the first peck, by how much each is shorter, the least. Posts for Mazak: K is a clearance. Fanuc: none."""
+    body = START + "G99 G83 X0 Z-9. R1. {}\nG80\nM30"
+    haas = [row[2] for row in tips("haas", body.format("I4. J1. K2."))]
+    assert haas == [10, 1, -3, 1, -1.73, -6, 1, -4.73, -8, 1, -6.73, -9, 1]
+    mazak = read_for("mazak", body.format("Q5. K.5"))
+    assert [round(z, 6) for z in mazak.tip[1:, 2] * 1e3] == [1, -4, 1, -3.5, -9, 1]
+    assert any("K of pecks" in said for said in mazak.assumed)
+    with pytest.raises(ProgramError, match="I, J, K of pecks is not read"):
+        tips("fanuc", body.format("Q3. I1. J1."))
+
+
+def test_haas_scales_by_one_factor():
+    with pytest.raises(ProgramError, match="G51 with I, J, K is not read"):
+        tips("haas", START + "G51 X0 Y0 I2. J3.\nG1 X1.\nM30")

@@ -97,7 +97,7 @@ def test_wrong_files_are_one_line(text, words):
         ("[options]\nsystem_variables_from = inf\n", "option system_variables_from = inf must be from 0 to 10000"),
         ("[options]\ndwell_whole_s = -1.0\n", "option dwell_whole_s = -1 must be from 0 to 10000"),
         ("[options]\npeck_clearence_mm = 1.0\n", "did you mean 'peck_clearance_mm'?"),
-        ("[options]\nbase_unit = true\n", "option base_unit is not known: known: arc_centre, "),
+        ("[options]\nbase_unit = true\n", "option base_unit is not known: known: angles_to_360, "),
         ('[options]\nunits = "inches"\n', "option units = 'inches': use one of 'mm', 'inch'"),
         ("[options]\nunits = 1\n", "option units = 1: use one of 'mm', 'inch'"),
         ("[options]\nnested_comments = 1\n", "option nested_comments = 1 must be true or false"),

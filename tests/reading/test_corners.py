@@ -64,3 +64,13 @@ def test_other_words_behind_a_comma_and_corners_of_other_controls_stay_refused()
     for controller, word in (("fanuc", ",A5."), ("linuxcnc", ",R5")):
         with pytest.raises(ProgramError, match="let the CAM system write the corner out"):
             read_for(controller, START + f"G1 X40 {word}\nY30\nM30")
+
+
+@pytest.mark.parametrize(
+    ("controller", "word", "change"),
+    [("fanuc", ",R2.", "G52 X90."), ("haas", ",C2.", "G52 X90."), ("sinumerik", "RND=2", "TRANS X90")],
+)
+def test_a_corner_over_a_change_of_coordinates_is_refused(controller, word, change):
+    """The way before was taken in the new coordinates, and the corner lay beside its lines."""
+    with pytest.raises(ProgramError, match="is not read: it is read between two straight lines of the plane"):
+        path_of(controller, f"G1 X10 {word}\n{change}\nG1 Y20\nM30")

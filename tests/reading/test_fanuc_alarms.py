@@ -45,6 +45,8 @@ FANUC = [
     ("PS0031", "G10 L20 P301 X1.", "is no offset"),
     ("PS0046", "G30 P5 Z0.", "no reference point"),
     ("PS0051", "G1 X10. ,R2.\nG4 P100\nM8", ",R is not read"),
+    ("PS0051 and a function", "G1 X10. Y0 ,R2.\nM8\nY10.", ",R is not read"),
+    ("PS0051 and a dwell", "G1 X10. Y0 ,C2.\nG4 P100\nY10.", ",C is not read"),
     ("PS0052", "G1 X10. ,R2.\nG0 X10. Y10.", ",R is not read"),
     ("PS0053", "G1 X10. ,R2. ,C3.\nY10.", ",C is not known here"),
     ("PS0055", "G1 X10. ,R20.\nX11. Y1.", "takes"),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.support.growth import order_of_growth
+from toolpace import read_text
+from toolpace.errors import ProgramError
 from toolpace.reading.controllers.recognise import recognise
 from toolpace.reading.source import Source
 
@@ -32,6 +34,16 @@ from toolpace.reading.source import Source
 def test_signs_tell_the_controller_and_the_reason_is_said(text, name, why):
     found, reason, _ = recognise(Source.from_text(text))
     assert found.name == name and why in reason
+
+
+@pytest.mark.parametrize("first", ["%NEU G71 *", "%NEU G70", "\n%3803 G71*"])
+@pytest.mark.parametrize("controller", [None, "fanuc"])
+def test_din_iso_of_heidenhain_is_told_and_refused(first, controller):
+    """There G54 X Y is a shift of the datum: it was run as a motion."""
+    text = f"{first}\nN10 G00 G90 X+0 Y+0 Z+100\nN20 G54 X+10 Y+5\nN30 G01 X+5 F100\nN40 M30\n"
+    with pytest.raises(ProgramError, match=r"DIN/ISO for Heidenhain's controls .*post it as Klartext"):
+        read_text(text, name="part.nc", controller=controller)
+    assert len(read_text(text.replace(first, "%").replace("G54 ", ""), name="part.nc", controller=controller)) > 1
 
 
 @pytest.mark.parametrize(

@@ -373,6 +373,20 @@ def test_rotary_words_are_as_written_or_the_shorter_way():
     assert np.degrees(np.ptp(path.rotary[:, 1])) == pytest.approx(20)
 
 
+@pytest.mark.parametrize("controller", ["fanuc", "haas", "mazak"])
+def test_p_of_an_arc_is_refused_where_it_counts_no_turns(controller):
+    """It does to LinuxCNC ("P", G2 and G3); to these it is no word of an arc."""
+    with pytest.raises(ProgramError, match="P2 of an arc is not read"):
+        read_for(controller, START + "G2 X10. I5. P2\nM30")
+
+
+@pytest.mark.parametrize("words", ["X10.", "Y30."])
+def test_polar_words_begin_with_radius_and_angle(words):
+    """B-63944EN gives no example without either: zero, or that of where the tool is."""
+    with pytest.raises(ProgramError, match="G16 without a radius or an angle"):
+        read_for("fanuc", START + f"G0 X5. Y5.\nG16 {words}\nM30")
+
+
 # --- tools ------------------------------------------------------------------------------------------------------
 
 
@@ -380,6 +394,16 @@ def test_a_tool_change_is_an_operation_and_t_before_it_the_tool():
     """Fanuc: T preselects, M6 changes; a T behind it is of the next change."""
     path = read_for("fanuc", START + "T8\nM6\nT9\nG1 X1.\nM6\nG1 X2.\nM30")
     assert [path.operations[k].tool for k in path.operation[1:]] == ["8", "9"] and path.stop[1]
+
+
+@pytest.mark.parametrize(("controller", "home", "said"), [
+    ("haas", "", True), ("fanuc", "", True), ("haas", "G53 Z0\n", False), ("haas", "G91 G28 Z0\nG90\n", False),
+    ("linuxcnc", "", False),
+])  # fmt: skip
+def test_a_change_of_the_tool_that_may_go_elsewhere_is_said(controller, home, said):
+    """Haas, M06: Z goes to its zero first; LinuxCNC's axes stay."""
+    path = read_for(controller, START + f"{home}T2 M6\nG1 X1. Y0 Z0\nM30", MACHINE)
+    assert any("M6 leaves the axes where they are" in sentence for sentence in path.assumed) is said
 
 
 def test_compensation_with_a_radius_of_zero_is_the_programmed_contour():

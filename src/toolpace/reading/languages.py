@@ -9,6 +9,7 @@ from typing import Protocol
 
 from toolpace.errors import UsageError
 from toolpace.reading.control.control import Control
+from toolpace.reading.controllers import din_iso
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
 from toolpace.reading.dialect import CONTROLS, dialect_of
@@ -46,6 +47,7 @@ class Recognised:
 
 def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Recognised:
     """What a program is: as named, else by its content. Raises ProgramError, UsageError."""
+    din_iso.refuse(source)
     if options.controller is not None:
         told = dialect_of(source, dialect or CONTROLS)
         if told.dialect != CONTROLS:

@@ -40,7 +40,7 @@ def refused(text: str, control: str, sheet: SetUp = SHEET) -> str:
         ("fanuc", "G41 D2 G1 X0 Y0 F500\nY50\nG40 X9\n", "radius"),
         ("fanuc", "G41 D9 G1 X0 Y0 F500\nY50\nG40 X9\n", "radius"),
         ("fanuc", "G10 L12 P1 R3\nG41 D1 G1 X0 Y0 F500\nY50\nG40 X9\n", "G10 tells its radius"),
-        ("fanuc", "G51 X0 Y0 P2.\nG41 D1 G1 X0 Y0 F500\nY50\nG40 X9\n", "scaled"),
+        ("fanuc", "G51 X0 Y0 P2000\nG41 D1 G1 X0 Y0 F500\nY50\nG40 X9\n", "scaled"),
         ("fanuc", "G93\nG41 D1 G1 X0 Y0 F5\nY50 F5\nG40 X9 F5\n", "G93"),
         ("fanuc", "G41 D1 G1 X0 Y0 F500\nG40 X9\n", "before it has followed a contour"),
         ("haas", "G18 G41 D1 G1 X0 Z0 F500\nZ50\nG40 X9\n", "alarm 344"),

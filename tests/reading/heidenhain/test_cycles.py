@@ -155,6 +155,22 @@ def test_cycle_parameters_are_q_parameters_too_and_may_be_written_with_them():
     assert tips(ABOVE + cycle(200, "Q202=+50") + "\nL X+Q203 F100")[-1, 0] == pytest.approx(10)
 
 
+GENERAL = "GLOBAL DEF 100 GENERAL ~\nQ200=+2 ~\nQ204=+50 ~\nQ253=+750 ~\nQ208=+999\n"
+TAKEN = cycle(201, "Q211=+0 ~\nQ208=PREDEF").replace("Q200=+2", "Q200=PREDEF").replace("Q204=+50", "Q204= PREDEF")
+
+
+def test_values_that_cycles_take_from_global_def():
+    """TNC 640 Cycle Programming, "Program defaults for cycles": PREDEF takes the value of GLOBAL DEF."""
+    written = cycle(201, "Q211=+0 ~\nQ208=+999")
+    (heights, path), (expected, other) = levels(GENERAL + TAKEN), levels(written)
+    assert heights == expected and path.feed.tolist() == other.feed.tolist()
+    with pytest.raises(ProgramError, match="Q200=PREDEF takes the value of GLOBAL DEF, which tells none"):
+        read(ABOVE + TAKEN)
+    (late,) = findings(ABOVE + GENERAL + TAKEN + "\n" + GENERAL).refusals
+    assert late.word == "GLOBAL DEF behind a cycle with PREDEF"
+
+
+POLAR = "CYCL DEF 220 POLAR ~\nQ216=+0 ~\nQ217=+0 ~\nQ244=+20 ~\nQ245=+0 ~\nQ246=+360 ~\nQ247=+0 ~\nQ241=+4"
 CALLS = {
     "L X+1 Y+2 FMAX M99\nL X+3 Y+4 FMAX M99": [(1, 2), (3, 4)],
     "L X+1 Y+2 FMAX\nCYCL CALL\nL X+3 FMAX": [(1, 2)],
@@ -170,9 +186,7 @@ CALLS = {
     ],
     "PATTERN DEF CIRC1 (X+0 Y+0 D+20 START+90 NUM4 Z+0)\nCYCL CALL PAT FMAX": [(0, 10), (-10, 0), (0, -10), (10, 0)],
     "PATTERN DEF PITCHCIRC1 (X+0 Y+0 D+20 START+0 STEP+90 NUM2 Z+0)\nCYCL CALL PAT FMAX": [(10, 0), (0, 10)],
-    "CYCL DEF 220 POLAR ~\nQ216=+0 ~\nQ217=+0 ~\nQ244=+20 ~\nQ245=+0 ~\nQ246=+360 ~\nQ247=+0 ~\nQ241=+4": [
-        (10, 0), (0, 10), (-10, 0), (0, -10),
-    ],
+    POLAR: [(10, 0), (0, 10), (-10, 0), (0, -10)],
     "CYCL DEF 220 POLAR ~\nQ216=+0 ~\nQ217=+0 ~\nQ244=+20 ~\nQ245=+0 ~\nQ246=+90 ~\nQ247=+0 ~\nQ241=+2": [
         (10, 0), (0, 10),
     ],
@@ -204,6 +218,33 @@ def test_between_holes_at_the_first_clearance_where_q301_says_so():
         assert points[-1, 2] == pytest.approx(top)
 
 
+def test_between_the_places_of_a_pattern_at_the_height_of_the_call_where_it_is_higher():
+    """CYCL CALL PAT: "depending on which is greater", the height at the call or the second clearance; 60 here."""
+    for height, between in ((100, 100), (30, 60)):
+        head = f"L Z+{height} FMAX\nCYCL DEF 200 DRILLING ~\n{LEVELS}Q202=+50\n"
+        for feed in ("FMAX", "F500"):
+            points = tips(f"{head}PATTERN DEF POS1 (X+10 Y+0 Z+0) POS2 (X+20 Y+0 Z+0)\nCYCL CALL PAT {feed}")
+            aside = np.flatnonzero(np.diff(points[:, 0]) > 5.0)
+            assert points[aside[-1], 2] == pytest.approx(between) and points[-1, 2] == pytest.approx(60)
+
+
+def test_the_feed_of_a_call_holds_for_its_way_only():
+    """CYCL CALL POS: "applies only for traverse to the start position programmed in this block"."""
+    head = f"L Z+100 F300\nCYCL DEF 200 DRILLING ~\n{LEVELS}Q202=+50\n"
+    path = read(f"{head}CYCL CALL POS X+30 Y+0 Z+0 F500\nL Y+50")
+    aside = np.flatnonzero(np.diff(path.tip[:, 0]) > 0.02)[0] + 1
+    assert path.feed[[aside, -1]] * 6e4 == pytest.approx([500, 300])
+
+
+@pytest.mark.parametrize("feed", ["FMAX", "F500"])
+def test_a_call_from_below_goes_up_before_it_goes_aside(feed):
+    """CYCL CALL POS: from below the surface along the tool axis first, then in the plane."""
+    head = f"L Z-50 FMAX\nCYCL DEF 200 DRILLING ~\n{LEVELS}Q202=+50\n"
+    points = tips(f"{head}CYCL CALL POS X+30 Y+0 Z+5 {feed}")
+    assert points[(points[:, 0] > 0.0) & (points[:, 0] < 30.0)].size == 0
+    assert points[np.flatnonzero(points[:, 0] > 0.0)[0] - 1].tolist() == pytest.approx([0, 0, 17])
+
+
 def test_the_tool_axis_is_the_axis_of_holes():
     points = tips("TOOL CALL 2 X S100\nL X+100 FMAX\n" + cycle(200, "Q202=+50").replace("L X+30", "L Z+30"))
     assert points[:, 0].min() == pytest.approx(-10) and np.allclose(points[-1], (60, 40, 30))
@@ -224,6 +265,7 @@ def test_a_cycle_of_depth_zero_is_not_executed():
         ("CYCL DEF 251 POCKET ~\nQ200=+2\nL X+1 F100 M99\nCYCL CALL", ["CYCL DEF 251"]),
         ("CYCL DEF 208 BORE MILLING ~\nQ200=+2\nL X+1 F100 M99", ["CYCL DEF 208"]),
         (cycle(205, "Q202=+12 ~\nQ257=+5"), ["CYCL DEF 205 with Q257 that does not divide Q202"]),
+        (f"CYCL DEF 200 DRILLING ~\n{LEVELS}Q202=+50\n{POLAR} ~\nQ365=+1", ["CYCL DEF 220 with Q365=1"]),
         (cycle(240, "Q343=+1"), ["CYCL DEF 240 with Q343=1"]),
         (cycle(200, "Q202=+5 ~\nQ395=+1"), ["CYCL DEF 200 with Q395=1"]),
         (cycle(200, "Q202=+5").replace("Q201=-20", "Q201=+20"), ["CYCL DEF 200 with Q201 above zero"]),
@@ -237,6 +279,10 @@ def test_what_is_refused(text, words):
     ("text", "message"),
     [
         ("CYCL CALL", "no cycle is defined"),
+        (cycle(200, "Q202=+5").replace("Q200=+2", "Q200=-2"), "Q200 of CYCL DEF 200 is -2, and its least is zero"),
+        ("TOOL CALL 1 Z S9\n" + cycle(207, "Q239=+0"), "Q239 of CYCL DEF 207, the pitch, is zero"),
+        (cycle(200, "Q202=-5"), "Q202 of CYCL DEF 200 is -5"),
+        (cycle(203, "Q202=+5 ~\nQ208=0 ~\nQ256=-1 ~\nQ213=1"), "Q256 of CYCL DEF 203 is -1"),
         ("CYCL DEF 200 DRILLING ~\nQ200=+2\nCYCL CALL", "lacks Q202"),
         (cycle(200, "Q202=+5").replace("Q206=+150", "Q206=+0"), "Q206 of CYCL DEF 200 is a feed"),
         (cycle(200, "Q202=+0.0001"), "strokes"),

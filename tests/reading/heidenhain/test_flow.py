@@ -61,6 +61,19 @@ def test_a_subprogram_that_calls_itself_is_one_error():
         read("L X+1 F100\nCALL LBL 1\nM30\nLBL 1\nCALL LBL 1\nLBL 0")
 
 
+def test_a_repeated_section_that_a_jump_leaves_is_said_where_it_is_entered_again():
+    """No manual says whether its repetitions begin anew."""
+    section = "LBL 1\nL IX+1 F100\nFN 9: IF +Q1 EQU +{} GOTO LBL 9\nQ1 = Q1 + 1\nCALL LBL 1 REP 3\nL Y+5\nM30\n"
+    out = "Q1 = 0\n" + section + "LBL 9\nL IY+1\nQ1 = 7\nFN 9: IF +0 EQU +0 GOTO LBL 1"
+    said = "goes on counting where it was"
+    left, through = (read(out.format(at)) for at in (2, 9))
+    assert any(said in each for each in left.assumed) and not any(said in each for each in through.assumed)
+    assert through.tip[-1].tolist() == [0.004, 0.005, 0.0]
+    inside = "Q1 = 0\nLBL 1\nL IX+1 F100\nQ1 = Q1 + 1\nFN 9: IF +Q1 EQU +2 GOTO LBL 2\nL IY+1\nLBL 2\nCALL LBL 1 REP 3"
+    path = read(inside)
+    assert path.tip[-1].tolist() == [0.004, 0.003, 0.0] and not any(said in each for each in path.assumed)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -89,6 +102,8 @@ def test_a_parameter_without_a_value_is_named_and_not_those_that_hang_on_it():
     assert last(text, skip_unknown=True) == (0, 5, 0)
     system = findings("FN 18: SYSREAD Q1 = ID270 NR1 IDX1\nL X+Q1 F100\nL X+5")
     assert [each.word for each in system.refusals] == ["FN 18"]
+    # values that a program hands to the one that called it
+    assert [each.word for each in findings("QL1 = 5\nFN 37: EXPORT QL1\nL X+QL1 F100").refusals] == ["FN 37"]
 
 
 def test_a_loop_that_hangs_on_a_parameter_without_a_value_is_gone_through_once():
@@ -155,4 +170,11 @@ def test_a_fault_in_a_called_program_names_its_file(tmp_path):
 def test_programs_that_call_each_other_are_one_error(tmp_path):
     (tmp_path / "part.h").write_text("BEGIN PGM PART MM\nCALL PGM MAIN\nEND PGM PART MM\n")
     with pytest.raises(ProgramError, match="within each other"):
+        program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()
+
+
+def test_m30_in_a_called_program_is_refused(tmp_path):
+    """"The called program must not contain M2 or M30": what stands behind the call was passed over."""
+    (tmp_path / "part.h").write_text("BEGIN PGM PART MM\nL X+1 F100 M30\nEND PGM PART MM\n")
+    with pytest.raises(ProgramError, match=r"main\.h:5: M2 or M30 in a called program is not read: end it with END"):
         program(tmp_path, "main.h", MAIN.format("PART")).executed().toolpath()

@@ -145,6 +145,25 @@ def test_a_preset_is_an_offset_of_the_set_up_sheet_and_ends_shifts():
     machine_zero = read(text.format(1), MACHINE, setup=setup).tip[-1]
     assert np.allclose(far - near, (0.1, 0.2, 0)) and np.allclose(near, machine_zero)
     assert np.allclose(read("PRESET SELECT #2\nL X+1 Y+1 Z+1 F100", MACHINE, setup=setup).tip[-1], far)
+    shift = "CYCL DEF 7.0\nCYCL DEF 7.1 X+20\n"
+    ends = "PRESET SELECT #2{}\nL X+1 Y+1 Z+1 F100"
+    kept = read(shift + ends.format(" KEEP TRANS WP"), MACHINE, setup=setup).tip[-1]
+    assert np.allclose(kept, far + np.array([0.02, 0.0, 0.0]))
+    assert np.allclose(read(shift + ends.format(" WP"), MACHINE, setup=setup).tip[-1], far)
+
+
+def test_a_reset_in_a_plane_over_a_shift_before_it_is_refused():
+    """Whether TRANS DATUM RESET ends the shift before the plane too, no manual says; it was ended."""
+    text = "TRANS DATUM AXIS X+10\nPLANE SPATIAL SPA+0 SPB+0 SPC+90 STAY\n{}TRANS DATUM RESET\nL X+1 Y+0 F100"
+    (refusal,) = findings(text.format("")).refusals
+    assert refusal.word == "TRANS DATUM RESET in a plane over a shift"
+    assert last(text.format("PLANE RESET STAY\n")) == (1, 0, 0)
+
+
+def test_a_preset_in_a_plane_leaves_it():
+    path = read("PLANE SPATIAL SPA+0 SPB+0 SPC+90 STAY\nCYCL DEF 247 Q339=+1\nL X+1 Y+0 F100")
+    assert np.allclose(path.tip[-1], (0, 0.001, 0))
+    assert any("leaves the plane in force" in said for said in path.assumed)
 
 
 def test_the_datum_table_is_refused_with_its_cure():

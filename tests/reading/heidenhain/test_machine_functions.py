@@ -221,9 +221,29 @@ def test_m140_mb_max_goes_to_the_end_of_travel():
 
 
 def test_functions_without_motion_are_counted_and_the_builders_are_said():
-    found = findings("L X+1 F100 M3 M8\nM57\nM120 LA5\nL X+2 M118 Z1\nM138 C")
+    found = findings("L X+1 F100 M3 M8\nM57\nM120 LA5\nL X+2 M118 Z1\nM138")
     assert {"M3", "M8", "M57", "M120", "M118", "M138"} <= set(found.skipped)
     assert any("M57" in said for said in found.assumptions) and not found.refusals
+
+
+@pytest.mark.parametrize(("axes", "refused"), [("C", True), ("A C", False), ("", False)])
+def test_m138_with_some_of_the_axes_is_refused(axes, refused):
+    """"Selecting tilting axes: M138": planes and M128 count with the axes that it names only."""
+    found = findings(f"L Z+100 FMAX M138 {axes}\nL A+10 C+20 F100 M128", MACHINE).refusals
+    assert [each.word for each in found] == ["M138 with some of the rotary axes"] * refused
+
+
+@pytest.mark.parametrize("words", ["AXIS SPACE", "F TCP AXIS POS REFPNT TIP", "PATHCTRL", "F TCP X"])
+def test_words_that_tcpm_does_not_have(words):
+    with pytest.raises(ProgramError, match="has a word that FUNCTION TCPM does not have"):
+        read(f"FUNCTION TCPM {words}\nL X+1 F100", MACHINE)
+
+
+def test_a_path_that_is_the_contour_is_refused_where_normals_are_told():
+    """"Interpretation of the programmed path": the tool is led beside it by the whole radius, along the normal."""
+    line = "LN X+10 Y+0 Z+5 NX+0 NY+0.6 NZ+0.8 F100"
+    found = findings(f"FUNCTION PROG PATH IS CONTOUR\n{line}\nFUNCTION PROG PATH IS OFF\n{line}").refusals
+    assert [(each.word, each.line) for each in found] == [("NX NY NZ under FUNCTION PROG PATH IS CONTOUR", 5)]
 
 
 def test_functions_that_may_move_are_refused():

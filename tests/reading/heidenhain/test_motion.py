@@ -248,3 +248,64 @@ def test_corners_between_other_elements_are_refused(text):
 def test_a_corner_that_does_not_fit():
     with pytest.raises(ProgramError, match="takes 50 mm of both lines"):
         read("L X+40 F600\nRND R50\nL Y+90")
+
+
+# Between blocks that hang together
+
+
+CHANGES = {
+    "shift": "CYCL DEF 7.0\nCYCL DEF 7.1 X+90", "turn": "CYCL DEF 10.0\nCYCL DEF 10.1 ROT+90",
+    "mirror": "CYCL DEF 8.0\nCYCL DEF 8.1 Y", "plane": "PLANE SPATIAL SPA+0 SPB+0 SPC+45 STAY",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_tangent_arc_or_corner_over_a_change_of_coordinates_is_refused(change):
+    """The way before was taken in the new coordinates: a tangent arc began backwards, a corner lay beside the lines."""
+    before, words = f"L X+10 F100\n{{}}{CHANGES[change]}\n", ["a tangent arc behind a change of coordinates"]
+    assert [each.word for each in findings(before.format("") + "CT X+20 Y+10").refusals] == words
+    assert [each.word for each in findings(before.format("RND R2\n") + "L Y+20").refusals] == ["RND"]
+    same = CHANGES["shift"].replace("+90", "+0")
+    arc = tips(f"L X+10 F100\n{same}\nCT X+20 Y+10")
+    assert circle_of(arc[1:], (10, 10), 10)
+
+
+def test_a_pole_before_a_change_of_coordinates_is_said():
+    said = "a CC before a change of coordinates keeps the figures"
+    path = read(f"CC X+10 Y+0\n{CHANGES['shift']}\nLP PR+5 PA+90 F100")
+    assert any(said in each for each in path.assumed) and np.allclose(path.tip[-1], (0.1, 0.005, 0.0))
+    assert not any(said in each for each in read("CC X+10 Y+0\nLP PR+5 PA+90 F100").assumed)
+
+
+@pytest.mark.parametrize("words", ["PR+10 IPA+30", "PR+10", "IPR+5"])
+def test_a_polar_block_from_the_pole_itself_needs_its_angle(words):
+    with pytest.raises(ProgramError, match="from the pole itself a polar block needs the angle of its end"):
+        read(f"L X+25 Y+25 F100\nCC\nLP {words}")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("CP IPA+0 IZ+5 DR+", "IPA of CP is zero"), ("CP PA+90 IPA+90 DR+", "PA or IPA, and PR or IPR"),
+        ("LP PR+5 IPR+1 PA+0", "PA or IPA, and PR or IPR"),
+    ],
+)  # fmt: skip
+def test_faults_of_polar_blocks(words, message):
+    """The first was a whole turn of a helix, of the others one word was passed over."""
+    with pytest.raises(ProgramError, match=message):
+        read(f"CC X+0 Y+0\nL X+10 F100\n{words}")
+
+
+def test_a_radius_that_is_too_short_by_some_micrometres_is_said():
+    said = "a CR whose R is shorter than half the way to its end"
+    for radius, there in ((4.99, True), (4.999, False), (5.01, False)):
+        assert any(said in each for each in read(f"CR X+10 Y+0 R+{radius} DR+ F100").assumed) == there
+    with pytest.raises(ProgramError, match="is too small"):
+        read("CR X+10 Y+0 R+4.98 DR+ F100")
+
+
+def test_what_a_polar_block_leaves_out_is_said_where_the_last_motion_was_no_polar_one():
+    said, begin = "takes the distance and the angle of the place where the tool is", "CC X+0 Y+0\nLP PR+10 PA+0 F100\n"
+    path = read(begin + "L X+20 Y+0\nLP PA+90")
+    assert any(said in each for each in path.assumed) and np.allclose(path.tip[-1], (0.0, 0.02, 0.0))
+    assert not any(said in each for each in read(begin + "LP IPA+30\nLP PR+20\nCP IPA+40 DR+").assumed)

@@ -127,6 +127,56 @@ def test_cycle_19_tilts_and_does_not_turn():
     assert np.allclose(path.tip[-1], (0.003, 0, 0), atol=1e-12)
 
 
+def test_an_angle_that_cycle_19_leaves_out_stays_as_it_was():
+    """iTNC 530 Cycle Programming, cycle 19: "nonprogrammed rotary axis values are interpreted as unchanged"."""
+    turn, then = "CYCL DEF 19.1 A+30 B+0 C+40\n", "L X+10 Y+0 Z+5 FMAX"
+    expected = turned(2, 40) @ turned(0, 10) @ (10, 0, 5)
+    assert last(turn + "CYCL DEF 19.1 A+10\n" + then) == pytest.approx(expected, abs=1e-6)
+    ended = turn + "CYCL DEF 19.1\nCYCL DEF 19.1 A+10\n"
+    assert last(ended + then) == pytest.approx(turned(0, 10) @ (10, 0, 5), abs=1e-6)
+    after = "PLANE SPATIAL SPA+0 SPB+0 SPC+20 STAY\nCYCL DEF 19.1 A+10\n"
+    with pytest.raises(ProgramError, match=r"behind PLANE leaves an angle out.*write A, B and C"):
+        read(after + then)
+
+
+def test_cycle_19_takes_the_position_near_the_zero_of_the_axes():
+    """The same section: "the shorter path from the zero position of the rotary axes"; PLANE counts from where they
+    stand."""
+    far = "L A+30 C+180 FMAX\n"
+    cycle = read(far + "CYCL DEF 19.1 A+30 B+0 C+0\nL A+Q120 C+Q122 FMAX\nL X+1 F100", MACHINE)
+    plane = read(far + "PLANE SPATIAL SPA+30 SPB+0 SPC+0 TURN FMAX\nL X+1 F100", MACHINE)
+    assert np.allclose(cycle.rotary[-1] / DEGREE, (-30, 0)) and np.allclose(plane.rotary[-1] / DEGREE, (30, 180))
+
+
+@pytest.mark.parametrize("name", ["xyzac-trunnion", "xyzbc-table", "xyzbc-millturn"])
+@pytest.mark.parametrize("angle", [30, -120, 180])
+def test_table_rot_of_a_plane_that_is_not_tilted_turns_the_table(name, angle):
+    """COORD ROT turns the coordinates only, TABLE ROT the table: X of the plane is then the machine's X."""
+    machine = Machine.load(name)
+    text = f"PLANE SPATIAL SPA+0 SPB+0 SPC{angle:+} TURN FMAX {{}} ROT\nL X+10 Y+0 Z+5 F100\nL X+20"
+    table, coordinates = (read(text.format(word), machine) for word in ("TABLE", "COORD"))
+    joints = machine.joints_at(table.tip, table.rotary, table.tool_length)
+    xyz = [machine.joints.index(letter) for letter in "XYZ"]
+    before = np.flatnonzero(table.block == 5)[-1]
+    assert np.allclose(joints[-1, xyz] - joints[before, xyz], (0.01, 0, 0), atol=1e-12)
+    assert np.allclose(table.tip[-1], coordinates.tip[-1]) and np.allclose(coordinates.rotary, 0.0)
+    assert np.allclose(table.tip[-1] * 1e3, turned(2, angle) @ (20, 0, 5))
+
+
+def test_table_rot_without_a_table_that_turns_about_the_tool_is_refused():
+    text = "PLANE SPATIAL SPA+0 SPB+0 SPC+30 TURN FMAX TABLE ROT\nL X+1 F100"
+    (found,) = findings(text, Machine.load("xyzab-table")).refusals
+    assert found.word == "TABLE ROT of a plane that is not tilted" and "COORD ROT" in found.cure
+
+
+def test_the_feed_of_a_plane():
+    """MOVE and TURN take F, FMAX or FAUTO, the F of TOOL CALL; without one that is said."""
+    text = "TOOL CALL 2 Z S1000 F600\nPLANE SPATIAL SPA+30 SPB+0 SPC+0 TURN {}\nL X+1 F100"
+    auto, none = (read(text.format(word), MACHINE) for word in ("F AUTO", ""))
+    assert auto.least_time[auto.block == 5].sum() == pytest.approx(3.0) and none.rapid[none.block == 5].all()
+    assert any("without F turn the axes at rapid" in said for said in none.assumed)
+
+
 def test_axial_planes_where_tables_tilt():
     """PLANE AXIAL: the angles are those of the axes."""
     path = read("PLANE AXIAL A+30 C+0 TURN FMAX\nL X+0 Y+0 Z+1 F100", MACHINE)
@@ -219,7 +269,6 @@ def test_a_shift_in_a_tilted_plane_is_along_its_axes_and_said():
     [
         ("PLANE PROJECTED PROPR+24 PROMIN+24 ROT+30 STAY", "PLANE PROJECTED"),
         ("PLANE PROJECTED PROPR+24 PROMIN+24 PROROT+30 STAY", "PLANE PROJECTED"),
-        ("PLANE SPATIAL SPA+0 SPB+0 SPC+20 TURN FMAX TABLE ROT", "TABLE ROT of a plane that is not tilted"),
         ("CYCL DEF 19.1 A+30 F1000 ABST50", "CYCL DEF 19 with a feed"),
         ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CENTER-CENTER", "FUNCTION TCPM REFPNT CENTER-CENTER"),
         ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT TIP-CENTER", "FUNCTION TCPM REFPNT TIP-CENTER"),

@@ -24,7 +24,7 @@ from toolpace.reading.coordinates.orientation import Orientation
 from toolpace.reading.coordinates.placement import Datum, Placement
 from toolpace.reading.coordinates.setup import OFFSETS_UNSAID, ZERO_UNSAID, Position
 from toolpace.reading.coordinates.tool_lengths import NO_SHEET, NO_TOOL, NOT_LISTED, ONLY_TOOL
-from toolpace.reading.curves.arcs import Arc
+from toolpace.reading.curves.arcs import SPIRAL, SPIRAL_SAID, Arc
 from toolpace.reading.curves.beziers import Bezier
 from toolpace.reading.effort import Effort
 from toolpace.reading.findings import Findings
@@ -89,6 +89,8 @@ class Control:
         self.tool = ""
         self.coordinates = Coordinates(self.datum, (0.0,) * rotary)
         self.placement = self.coordinates.placement(self.tool)
+        self.moved_in = self.placement
+        """In which coordinates the last motion was."""
         if self.setup.start and machine is not None:
             self._start(self.setup.start)
 
@@ -271,6 +273,8 @@ class Control:
         if not len(self.moves):
             self.source.fail("an arc cannot be the first motion, its start is not known: position with G0", self.line)
         self.findings.arcs += 1
+        if abs(arc.r1 - arc.r0) > SPIRAL_SAID:
+            self.findings.assumed(SPIRAL)
         frame = self.placement.matrix
         if frame is not affine.IDENTITY and not affine.keeps_circle(frame, arc):
             self.source.fail(
@@ -308,6 +312,7 @@ class Control:
         kind = RAPID if rapid else FEED
         rate = Rate() if rapid else self._rate(words, number, None if arc is None else arc.length())
         start, self.words, self.named = self.words, words, self.named | named
+        self.moved_in = self.placement
         if self.stage is not None:
             self.stage.move(start, words, arc, rate, kind)
         else:

@@ -46,6 +46,8 @@ def lay(control: Control, corner: Corner, target: list[float], plane: int) -> bo
     before, at = corner.came_from, control.words
     if corner.moves != len(control.moves) or not before or len(control.moves) < 2:
         return False  # something else has moved in between
+    if control.moved_in != control.placement:
+        return False  # where the last motion began is told in other coordinates
     first, second = AXES[plane]
     others = [k for k in range(len(at)) if k not in (first, second)]
     if any(abs(at[k] - before[k]) > SAME or abs(at[k] - target[k]) > SAME for k in others):

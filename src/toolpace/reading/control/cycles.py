@@ -167,3 +167,30 @@ def bore_backwards(control: Control, cycle: Drilling, hole: list[float], aside: 
     along(control, hole, axis, [Stroke(bottom, rapid=False, stop=True)])
     along(control, aside, axis, [Stroke(bottom), Stroke(cycle.back)])
     along(control, hole, axis, [Stroke(cycle.back)])
+
+
+def fine_bore(control: Control, cycle: Drilling, hole: list[float], beside: list[float]) -> None:
+    """Bore a hole, and go out beside its axis so that the tool does not mark it.
+
+    B-63944EN-2, "Fine boring cycle (G76)": at the bottom the spindle stops oriented, and the tool goes aside
+    at rapid. beside: the place (3 + rotary) of the way out.
+    """
+    down = Stroke(cycle.bottom, rapid=False, stop=True, dwell=cycle.dwell)
+    along(control, hole, cycle.axis, [_over(control, cycle), Stroke(cycle.top), down])
+    along(control, beside, cycle.axis, [Stroke(cycle.bottom), Stroke(cycle.back)])
+    along(control, hole, cycle.axis, [Stroke(cycle.back)])
+
+
+def back_bore(control: Control, cycle: Drilling, hole: list[float], beside: list[float]) -> None:
+    """Bore from `top`, which lies below, up to `bottom`; in and out the tool goes beside the axis of the hole.
+
+    B-63944EN-2, "Back boring cycle (G87)": over the hole, oriented and shifted, down to R, back to the axis, up to Z at
+    feed, oriented and shifted again, out to the initial level, back to the axis.
+    """
+    present = control.words[cycle.axis]
+    along(control, hole, cycle.axis, [Stroke(present, stop=True)])
+    along(control, beside, cycle.axis, [Stroke(present), Stroke(cycle.top)])
+    up = Stroke(cycle.bottom, rapid=False, stop=True, dwell=cycle.dwell)
+    along(control, hole, cycle.axis, [Stroke(cycle.top, stop=True), up])
+    along(control, beside, cycle.axis, [Stroke(cycle.bottom), Stroke(cycle.back)])
+    along(control, hole, cycle.axis, [Stroke(cycle.back)])

@@ -15,6 +15,12 @@ SAG = 0.45e-6
 
 ONE_RAY = 1e-6
 """Angle [rad] up to which ends are on one ray from the centre, as in LinuxCNC's trajectory planner (CIRCLE_FUZZ)."""
+SPIRAL = (
+    "where the radius of an arc at its end is another than at its start, within what the control allows, it changes "
+    "evenly with the angle"
+)
+SPIRAL_SAID = 5e-6
+"""Difference of radii [m] from which that is said: more than decimals explain."""
 
 Vector = Sequence[float]
 

@@ -26,17 +26,22 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
 from toolpace.reading.gcode.program.expressions import value_of
 from toolpace.reading.gcode.program.flow import Flow
+from toolpace.reading.gcode.program.increments import LENGTHS, increment
 from toolpace.reading.gcode.program.meanings import GROUP_OF
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
+from toolpace.reading.gcode.whole_numbers import count_increments, round_values
 from toolpace.reading.options import ReadOptions
-from toolpace.units import INCH, MILLIMETRE
 
+AS_WRITTEN = (
+    "numbers without a decimal point are whole millimetres, inches or degrees "
+    '(whole_numbers = "least increment" in the controller\'s file counts them otherwise)'
+)
+SHIFTED_BY_TABLES = (
+    "it shifts by tables of the control, which no set-up sheet has: let the CAM system shift the path, or remove it "
+    "where they are zero"
+)
 SMOOTHNESS = "G187"
 """Of Haas: E tells how far corners may be rounded, none that it is as the control's settings say."""
-LENGTHS = frozenset("XYZABCUVWIJRQ")
-"""Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
-LEAST_ANGLE, LEAST = 0.001, {MILLIMETRE: 0.001, INCH: 0.0001}
-"""Least increment of an angle, and of a length by its unit."""
 WHOLE = frozenset("HLT")
 """Letters of which LinuxCNC takes what is next to a whole number for it."""
 WAYS = ("rapid", "feed", *ARCS)
@@ -57,6 +62,10 @@ class Executor:
         self.modes = Modes(control, state, self.holes, by)
         self.calls = Calls(flow, by)
         self.least_increment = by.option("whole_numbers", "as written") == "least increment"
+        self.rounds = by.option("values_are_rounded", False)
+        """Whether values of expressions are rounded to the least increment of their word."""
+        self.variables.increment = lambda letter: increment(letter, state.unit)
+        self.variables.say = control.findings.assumed
         self.rs274 = by.option("rs274_checks", False)
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
@@ -104,7 +113,7 @@ class Executor:
         if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
             self.planes.need_whole()
         numbers = self._numbers(block)
-        moves = len(control.moves)
+        moves, corner = len(control.moves), self.motion.corners.waiting
         if self.rs274:
             self._refuse_unused(block, numbers)
             if control.stage is not None:
@@ -145,6 +154,8 @@ class Executor:
             if block.ignored:
                 self._idle(numbers)
             self._rest(numbers, number, bool(block.ignored or actions))
+        if corner is not None and actions and self.motion.corners.waiting is corner:
+            self.motion.corners.refuse()  # a block that does not move it stops with an alarm (051)
         if state.stop_here:
             control.stop()
         elif state.exact_stop:
@@ -176,26 +187,22 @@ class Executor:
 
     def _numbers(self, block: Block) -> Numbers:
         """The words of a block with their values."""
-        numbers = dict(block.fixed)
+        numbers, state = dict(block.fixed), self.state
         for letter, node in block.computed:
             value = value_of(node, self.variables)
             if value is not None:
                 numbers[letter] = bounded(value)
-        self.state.whole = block.whole
-        if block.whole and (self.least_increment or self.whole_varies):
-            self._whole_numbers(numbers, block.whole & LENGTHS)
+        if self.rounds and block.computed:
+            round_values(numbers, block, state)
+        state.whole = block.whole
+        if block.computed or state.reckoned:
+            state.reckoned = frozenset(letter for letter, _ in block.computed)
+        if block.whole and self.least_increment:
+            count_increments(numbers, block, state, self.holes.repeats)
+        elif self.whole_varies and block.whole & LENGTHS:
+            self.control.findings.assumed(AS_WRITTEN)
         numbers.pop("N", None)
         return numbers
-
-    def _whole_numbers(self, numbers: Numbers, letters: frozenset[str]) -> None:
-        if self.least_increment:
-            for letter in letters:
-                numbers[letter] *= LEAST_ANGLE if letter in "ABC" else LEAST[self.state.unit]
-        elif letters:
-            self.control.findings.assumed(
-                "numbers without a decimal point are whole millimetres, inches or degrees "
-                '(whole_numbers = "least increment" in the controller\'s file counts them otherwise)'
-            )
 
     def _rest(self, numbers: Numbers, number: float | None, free: bool) -> None:
         """What no word of the block has taken: the motion, and letters that mean nothing for it."""
@@ -272,7 +279,7 @@ class Executor:
         letter = "P" if "P" in numbers else "X"
         number = numbers.pop(letter, 0.0)
         if number:
-            raise RefusedError(f"{word} {letter}{number:g}", "what it shifts is data of the machine: remove it")
+            raise RefusedError(f"{word} {letter}{number:g}", SHIFTED_BY_TABLES)
         self.control.findings.ignored(word)
 
     def close(self) -> None:

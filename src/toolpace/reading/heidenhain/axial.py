@@ -11,6 +11,7 @@ from toolpace.arrays import Floats
 from toolpace.reading.control.control import Control
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
+from toolpace.reading.coordinates.orientation import near
 from toolpace.reading.heidenhain.klartext.parameters import BlockError
 
 STILL = 1e-9
@@ -76,6 +77,21 @@ class AxialAngles:
         made = columns @ np.linalg.inv(zero) @ turned
         near = np.round(made)
         return affine.linear(np.where(np.abs(made - near) < 1e-13, near, made).tolist())
+
+    def turning_to(self, plane: Matrix) -> list[float] | None:
+        """Rotary words (rotary) [rad] at which a table turns the part so that a plane which is not tilted lies along X
+        and Y; None where no axis does. The whole turns are those that lead there the shortest way."""
+        angle, present = math.atan2(plane[1][0], plane[0][0]), self.control.words[3:]
+        poses, machine = self.control.poses, self.control.poses.machine
+        assert machine is not None
+        for column, joint in enumerate(poses.rotary):
+            for turned in (angle, -angle):
+                there = near(turned, present[column], *map(float, machine.travel[joint]))
+                words = [0.0 if there is None or k != column else there for k in range(len(poses.rotary))]
+                made = self.plane(words)
+                if there is not None and made is not None and np.allclose(made, plane, atol=STILL):
+                    return words
+        return None
 
     def _of_head(self, head: list[float]) -> Floats | None:
         """Rotation (3, 3) of a tool along z by positions of the axes of the head [rad]."""

@@ -30,6 +30,10 @@ LONGEST_DWELL = 3600.0
 """[s] (TNC 640, "Input format and unit of TNC functions")."""
 LINES = ("7", "8", "9", "10", "11", "19", "26", "32")
 """Cycles that are written in lines 7.0, 7.1, ... and act at once."""
+PLANE_STAYS = "a preset that comes in force in a tilted plane leaves the plane in force, about the new preset"
+PREDEF = "PREDEF"
+ONE_LINE = ("8", "10", "11")
+"""Those of one line behind their title; a second one would take the place of the first."""
 CURE = "export this operation as motions (L and C blocks), or drill with cycles 200 to 207, 240 and 241"
 
 
@@ -52,6 +56,10 @@ class Cycles:
         self.axial = controller.option("cycle_19_angles", "spatial") == "axes"
         self.in_plane = controller.option("cycle_11_axes", "all") == "plane"
         self.state = tilting.machine.state
+        self.general: Items = {}
+        """Values of GLOBAL DEF by number."""
+        self.takes_general = False
+        """Whether the last cycle that was defined took any of them."""
         self.lines: dict[str, Callable[[str], Step]] = {
             "7": self.shift,
             "8": self.mirror,
@@ -71,6 +79,8 @@ class Cycles:
         number, line, rest = head[1], int(head[2] or 0), text[head.end() :]
         findings = self.control.findings
         if number in self.lines:
+            if line > 1 and number in ONE_LINE:
+                raise BlockError(f"CYCL DEF {number} has one line of figures, {number}.1: write all of them there")
             # the title of cycle 19 resets nothing: its angles do
             return self.lines[number](rest) if line else (lambda: None)
         if number == "1":
@@ -107,21 +117,44 @@ class Cycles:
         return found
 
     def evaluated(self, items: dict[int, Value | str]) -> Items:
-        """Their figures as they are now; the control keeps them in the parameters of their names."""
+        """Their figures as they are now; the control keeps them in the parameters of their names. PREDEF is the one of
+        GLOBAL DEF. Raises BlockError, UnsetError."""
         found: Items = {}
-        for number, value in items.items():
+        self.takes_general = PREDEF in items.values()
+        for number, given in items.items():
+            value = self.general.get(number) if given == PREDEF else given
+            if value is None:
+                raise BlockError(f"Q{number}=PREDEF takes the value of GLOBAL DEF, which tells none: write it there")
             found[number] = value if isinstance(value, str) else evaluate(value)
             figure = found[number]
             if isinstance(figure, float):
                 self.parameters.set(f"Q{number}", figure)
         return found
 
-    def preset(self, items: Items) -> None:
-        """247: a preset of the table; shifts and turns of the program end with it."""
+    def define_general(self, text: str) -> Step:
+        """GLOBAL DEF 100 to 125: values that cycles take by PREDEF. Raises BlockError."""
+        head = _HEAD.match(text.removeprefix("DEF").strip())
+        if not text.startswith("DEF") or head is None:
+            raise BlockError("GLOBAL is followed by DEF and a number: write GLOBAL DEF 100")
+        items = self.items(text.removeprefix("DEF").strip()[head.end() :])
+
+        def run() -> None:
+            if self.takes_general:
+                cure = "write it before CYCL DEF: whether the cycle takes the new values is not read"
+                self.control.findings.refused("GLOBAL DEF behind a cycle with PREDEF", self.control.line, cure)
+            self.general |= {q: value if isinstance(value, str) else evaluate(value) for q, value in items.items()}
+
+        return run
+
+    def preset(self, items: Items, *, keeps: bool = False) -> None:
+        """247: a preset of the table; shifts and turns of the program end with it, but where it keeps them."""
         number = items.get(339)
         if not isinstance(number, float):
             raise BlockError("CYCL DEF 247 lacks Q339, the number of the preset: write it")
-        self.frames.new_preset()
+        if self.frames.plane is not None:
+            self.control.findings.assumed(PLANE_STAYS)
+        if not keeps:
+            self.frames.new_preset()
         self.control.set_offset(f"{number:g}")
         self.tilting.machine.check_preset()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from toolpace.reading.findings import Findings
 from toolpace.reading.heidenhain.klartext.parameters import BlockError, Parameters
@@ -12,6 +13,22 @@ from toolpace.reading.heidenhain.state import State
 MOST_LABELS, MOST_PROGRAMS = 19, 30
 """Calls of subprograms, and of programs, within each other: the most of any control (19 and 19 on TNC 640, 8 and 30 on
 iTNC 530; Klartext manuals, "Nesting depth")."""
+
+
+GOES_ON_COUNTING = (
+    "a section that a jump left before its last repetition goes on counting where it was, when it is entered again"
+)
+
+
+class Section(NamedTuple):
+    """A section that is being repeated."""
+
+    left: int
+    """How often its end still goes back."""
+    first: int = 0
+    """Index of its first block."""
+    left_early: bool = False
+    """Whether a jump led out of it since."""
 
 
 @dataclass
@@ -26,8 +43,8 @@ class Call:
     """Of the call, in the main program."""
     other: bool = False
     """Whether it called another program."""
-    repeats: dict[int, int] = field(default_factory=dict)
-    """How often blocks `CALL LBL .. REP` still jump back, by block, in the part that was called."""
+    repeats: dict[int, Section] = field(default_factory=dict)
+    """Sections that are being repeated in the part that was called, by their blocks `CALL LBL .. REP`."""
     local: dict[str, float] = field(default_factory=dict)
     units: tuple[float, float] = (0.0, 0.0)
     """Local parameters and units of the program that calls."""
@@ -44,7 +61,7 @@ class Flow:
         self.at = 0
         """Index of the next block."""
         self.calls: list[Call] = []
-        self.repeats: dict[int, int] = {}
+        self.repeats: dict[int, Section] = {}
         self.programs: dict[str, Program] = {program.source.name: program}
         self.passed: set[tuple[str, int]] = set()
         """Jumps that nothing decided, and that were passed."""
@@ -80,12 +97,22 @@ class Flow:
         """Go back to a label `times` more times, then go on."""
         repeats = self.calls[-1].repeats if self.calls else self.repeats
         block = self.at - 1
-        left = repeats.get(block, times)
-        if left > 0:
+        section = repeats.get(block) or Section(times)
+        if section.left_early:
+            self.findings.assumed(GOES_ON_COUNTING)
+        if section.left > 0:
             self.to(label)
-            repeats[block] = left - 1
+            repeats[block] = Section(section.left - 1, self.at)
         else:
             repeats.pop(block, None)
+
+    def jump(self, label: str) -> None:
+        """Go on behind a label, also out of sections that are not repeated to their end. Raises BlockError."""
+        self.to(label)
+        repeats = self.calls[-1].repeats if self.calls else self.repeats
+        for block, section in repeats.items():
+            if not section.first <= self.at <= block:
+                repeats[block] = section._replace(left_early=True)
 
     def call_program(self, name: str, line: int) -> None:
         """Run another file, and come back. Raises BlockError, ProgramError."""

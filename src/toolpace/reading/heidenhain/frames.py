@@ -126,7 +126,10 @@ class Frames:
         self.control.set_rotary_shift(tuple(self.rotary))
 
     def reset_shift(self) -> None:
-        """No shift of any axis."""
+        """No shift of any axis; refused in a plane over one before it, of which no manual says whether it ends."""
+        if self.plane is not None and "shift" in self.before.steps:
+            cure = "write PLANE RESET before, or CYCL DEF 7 with zeros in the plane"
+            self.control.findings.refused("TRANS DATUM RESET in a plane over a shift", self.control.line, cure)
         for level in (self.before, self.within):
             level.shifts = [0.0, 0.0, 0.0]
             level.put("shift", affine.IDENTITY)

@@ -14,9 +14,13 @@ from toolpace.reading.heidenhain.klartext.parameters import BlockError, Paramete
 from toolpace.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.reading.heidenhain.machine import MachineFunctions
 
+_TCPM = re.compile(
+    r"TCPM(?:\s+(?:F\s+(?:TCP|CONT)|AXIS\s+(?:POS|SPAT)|PATHCTRL\s+(?:AXIS|VECTOR)"
+    r"|REFPNT\s+(?:TIP-TIP|TIP-CENTER|CENTER-CENTER)|F\s*(?:MAX|" + VALUE + ")))*"
+)
 _DWELL = re.compile(r"DWELL\s+(TIME|REV)\s*(" + VALUE + ")")
-_PRESET = re.compile(r"SELECT\s*#?\s*(" + VALUE + r")(?:\s+KEEP TRANS)?(?:\s+WP)?")
-HARMLESS = ("MODE MILL", "S-PULSE", "COUNT", "FEED DWELL RESET", "RESET FEED", "RESET S-PULSE", "PROG PATH IS CONTOUR")
+_PRESET = re.compile(r"SELECT\s*#?\s*(" + VALUE + r")(\s+KEEP TRANS)?(?:\s+WP)?")
+HARMLESS = ("MODE MILL", "S-PULSE", "COUNT", "FEED DWELL RESET", "RESET FEED", "RESET S-PULSE")
 
 
 class ModeFunctions:
@@ -38,10 +42,17 @@ class ModeFunctions:
         if found := _DWELL.fullmatch(text):
             value, turns = signed(found[2], self.parameters), found[1] == "REV"
             return lambda: self.dwell(evaluate(value), turns)
+        if text in ("PROG PATH IS CONTOUR", "PROG PATH IS OFF"):
+            return lambda: self.path_is_contour(text.endswith("CONTOUR"))
         if text.startswith(HARMLESS):
             name = "FUNCTION " + text
             return lambda: self.control.findings.ignored(name)
         return self.refused(f"FUNCTION {text[:20]}", "leave it out if it moves nothing, or export for milling")
+
+    def path_is_contour(self, on: bool) -> None:
+        """LN is the surface itself from here on, or again where the tool goes."""
+        self.machine.state.path_is_contour = on
+        self.control.findings.ignored("FUNCTION PROG PATH")
 
     def dwell(self, value: float, turns: bool) -> None:
         """Wait for seconds or turns of the spindle."""
@@ -52,7 +63,9 @@ class ModeFunctions:
         self.control.dwell(value)
 
     def tip_mode(self, text: str) -> Step:
-        """FUNCTION TCPM with what it chooses."""
+        """FUNCTION TCPM with what it chooses. Raises BlockError."""
+        if _TCPM.fullmatch(text) is None:
+            raise BlockError(f"'{text[:60]}' has a word that FUNCTION TCPM does not have: check its spelling")
         if "REFPNT TIP-CENTER" in text:
             return self.refused(
                 "FUNCTION TCPM REFPNT TIP-CENTER",
@@ -96,12 +109,12 @@ class ModeFunctions:
         return self.refused(f"TRANS {text[:20]}", "write TRANS DATUM AXIS with the shift of each axis")
 
     def preset(self, text: str) -> Step:
-        """PRESET SELECT: as cycle 247."""
+        """PRESET SELECT: as cycle 247; with KEEP TRANS what the program shifts, mirrors, turns and scales stays."""
         found = _PRESET.fullmatch(text)
         if found is None:
             return self.refused(f"PRESET {text[:20]}", "write PRESET SELECT #1, or CYCL DEF 247 with Q339")
-        value = signed(found[1], self.parameters)
-        return lambda: self.cycles.preset({339: evaluate(value)})
+        value, keeps = signed(found[1], self.parameters), found[2] is not None
+        return lambda: self.cycles.preset({339: evaluate(value)}, keeps=keeps)
 
     def refused(self, word: str, cure: str) -> Step:
         """A step that notes a refused word."""

@@ -22,7 +22,7 @@ MOST_REPEATS = 65534
 """Of a program section (TNC 640, "Input format and unit of TNC functions")."""
 ALARM = 14
 RAISED = "the program stops itself with this error: correct what it tests before"
-MESSAGES = (15, 16, 19, 20, 29, 37, 38)
+MESSAGES = (15, 16, 19, 20, 29, 38)
 """FN that print, send, and wait for the machine: no motion."""
 
 
@@ -148,6 +148,6 @@ class Jumps:
             if (test == "EQU" and a == b) or (test == "NE" and a != b) or (test == "GT" and a > b) or (
                 test == "LT" and a < b
             ):  # fmt: skip
-                self.flow.to(self.target(name))
+                self.flow.jump(self.target(name))
 
         return run

@@ -12,7 +12,9 @@ from toolpace.reading.control.joint_moves import straight_in_machine
 from toolpace.reading.control.retract import retract
 from toolpace.reading.control.tool_axis import direction_on_part
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.heidenhain import tilting_axes
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.reading.heidenhain.flow import Flow
 from toolpace.reading.heidenhain.frames import Frames
 from toolpace.reading.heidenhain.holes.drilling import Holes
 from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
@@ -49,10 +51,17 @@ class MachineFunctions:
     """Compiles M functions by their meanings."""
 
     def __init__(
-        self, control: Control, state: State, motion: Motion, frames: Frames, holes: Holes, controller: Controller
+        self,
+        control: Control,
+        state: State,
+        motion: Motion,
+        frames: Frames,
+        holes: Holes,
+        flow: Flow,
+        controller: Controller,
     ) -> None:
         self.control, self.state, self.motion, self.frames = control, state, motion, frames
-        self.holes, self.controller = holes, controller
+        self.holes, self.flow, self.controller = holes, flow, controller
         self.builder = controller.option("builder_functions", "ignored")
         self.at_start: dict[str, Callable[[Function], Step]] = {
             "tip mode on": lambda _: lambda: self.tip_mode(True),
@@ -61,6 +70,7 @@ class MachineFunctions:
             "reduce rotary": self.reduced,
             "retract": self.retracted,
             "noted": self.noted,
+            "tilting axes": lambda function: lambda: tilting_axes.take(control, function.words),
         }
         self.at_end: dict[str, Callable[[Function], Step]] = {
             "tip mode off": lambda _: lambda: self.tip_mode(False),
@@ -190,7 +200,10 @@ class MachineFunctions:
         self.control.feed.set_mode(PER_REVOLUTION if per_revolution else PER_MINUTE)
 
     def end(self) -> None:
-        """M2, M30."""
+        """M2, M30; not in a program that another calls (TNC 640 Klartext, "Any NC program as a subprogram")."""
+        if self.flow.program is not self.flow.main:
+            cure = "end it with END PGM, and pass over its subprograms with FN 9: IF +0 EQU +0 GOTO LBL 99"
+            self.control.findings.refused("M2 or M30 in a called program", self.flow.line(self.control.line), cure)
         self.state.ended = True
 
     def call(self) -> None:

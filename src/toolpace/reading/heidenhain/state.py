@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from toolpace.reading.control.corners import Corner
+from toolpace.reading.coordinates.placement import Placement
 from toolpace.reading.curves.arcs import Arc
 from toolpace.units import MILLIMETRE
 
@@ -43,6 +44,8 @@ class State:
     """How far above its tip the point of the tool is that X, Y, Z name [m]: REFPNT CENTER-CENTER."""
     oversize: bool = False
     """Whether the tool was called with DL, DR or DR2 that is not zero."""
+    path_is_contour: bool = False
+    """Whether LN is the surface itself, which the control then leaves by the radii of the tool (FUNCTION PROG PATH)."""
     calls_everywhere: bool = False
     """Whether each positioning block calls the cycle (M89)."""
     side: str = "R0"
@@ -54,6 +57,10 @@ class State:
     pole_across: int | None = None
     """The axis across which the plane of the last CC lies, where its two coordinates tell; None: the tool axis."""
     pole_known: bool = False
+    pole_in: Placement | None = None
+    """The coordinates in which CC told it."""
+    polar_end: list[float] = field(default_factory=list)
+    """In its plane, where the last polar block ended, and its pole [m]; empty where there was none."""
     pole_in_space: bool = False
     """Whether a CC has named the coordinate along the tool axis too, as NX does for arcs across another axis."""
     came_from: list[float] = field(default_factory=list)

@@ -55,7 +55,7 @@ class Statements:
         polar, surface = Polar(circles), SurfaceLines(control, state, motion)
         self.approaches = approaches = Approaches(circles, polar)
         self.holes = holes = Holes(control, state)
-        self.machine = machine = MachineFunctions(control, state, motion, frames, holes, controller)
+        self.machine = machine = MachineFunctions(control, state, motion, frames, holes, flow, controller)
         self.patterns = patterns = Patterns(control, holes, motion, parameters)
         tilting = Tilting(control, frames, machine, parameters)
         cycles = Cycles(control, frames, tilting, holes, patterns, parameters, controller)
@@ -86,6 +86,7 @@ class Statements:
             "SEL": jumps.select,
             "TOOL": self.tool(Tools(control, state, frames, parameters)),
             "CYCL": self.cycle(cycles),
+            "GLOBAL": cycles.define_general,
             "PATTERN": lambda text: patterns.compile(text),
             "PLANE": tilting.compile,
             "FUNCTION": functions.function,
@@ -208,7 +209,7 @@ class Statements:
             if text.startswith("CALL"):
                 return tools.compile(text[4:])
             if text.startswith("DEF"):
-                return lambda: self.findings.ignored("TOOL DEF")
+                return lambda: tools.defined(text[3:])
             raise BlockError("TOOL is followed by CALL or DEF: write one of both")
 
         return made

@@ -6,12 +6,10 @@ import math
 import re
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.joint_moves import turn_joints
 from toolpace.reading.control.retract import turn_about
-from toolpace.reading.control.tool_axis import plane_axis, rotary_for
+from toolpace.reading.control.tool_axis import plane_axis
 from toolpace.reading.coordinates import affine
 from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.heidenhain.axial import HEAD, AxialAngles
@@ -75,6 +73,8 @@ class Tilting:
         self.axes = AxialAngles(control)
         self.positions: list[float] | None = None
         """Rotary words that the plane in force was told by [rad]; None where it was told otherwise."""
+        self.of_cycle_19: dict[str, float] | None = {}
+        """Angles of cycle 19 in force [deg], those of value zero may be missing; None where PLANE tilted since."""
 
     def compile(self, text: str) -> Step:
         """PLANE and what stands behind it. Raises BlockError."""
@@ -104,6 +104,7 @@ class Tilting:
     def run(self, form: str, asked: Asked) -> None:
         """Tilt, and turn the rotary axes as asked."""
         self.positions = None
+        self.of_cycle_19 = {} if form == "RESET" else None
         if form == "RESET":
             self.reset(asked)
         elif not self.hindered(by_axes=form == "AXIAL"):
@@ -172,20 +173,25 @@ class Tilting:
         words = asked.words
         if "MB" in asked.values or "MB" in words or "MAX" in words:
             distance = asked.value("MB") * self.machine.state.unit if "MB" in asked.values else None
+            if distance is not None and distance < 0.0:
+                raise BlockError("MB of PLANE is the length of the way back, from zero on: correct it")
             self.machine.back(distance, None)
         pivot = asked.value("DIST", asked.value("ABST", 0.0)) * self.machine.state.unit
+        if pivot < 0.0:
+            raise BlockError("DIST of PLANE is a distance from zero on: correct it")
         sign = 1 if words & {"SEQ+", "SYM+"} else -1 if words & {"SEQ-", "SYM-"} else 0
         moves = bool(words & {"MOVE", "TURN"})
         if control.poses.machine is None and not moves:
             return
-        straight = reset
+        straight, turned = reset, None
         if "TABLEROT" in words and self.positions is None and upright(plane_axis(control)):
             # the table turns to the angle of the plane, which is told without its axis where it is zero
-            straight = np.allclose(self.frames.plane or affine.IDENTITY, affine.IDENTITY, atol=STRAIGHT)
-            if not straight:
-                control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, "write COORD ROT")
-        if straight:
-            wanted = [0.0] * len(control.poses.rotary)
+            turned = self.axes.turning_to(self.frames.plane or affine.IDENTITY)
+            if turned is None:
+                cure = "no table of the machine turns about the tool: write COORD ROT"
+                control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, cure)
+        if straight or turned is not None:
+            wanted = turned or [0.0] * len(control.poses.rotary)
         elif self.positions is not None:
             wanted = self.positions  # SEQ, TABLE ROT and COORD ROT do nothing with PLANE AXIAL
         else:
@@ -197,27 +203,42 @@ class Tilting:
             cure = "write MOVE, or M129 before: whether the tip stays or the linear axes do is not known here"
             control.findings.refused("PLANE .. TURN under M128", control.line, cure)
             return
-        rapid = "F" not in asked.values
-        with control.feed.held(*((1.0, 1.0) if rapid else self.machine.motion.speed_of(asked.value("F")))):
+        feed = self.feed(asked)
+        rapid = feed is None
+        with control.feed.held(*((1.0, 1.0) if feed is None else self.machine.motion.speed_of(feed))):
             if "MOVE" in words:
                 turn_about(control, wanted, pivot, rapid=rapid)
             else:
                 turn_joints(control, wanted, rapid=rapid)
 
-    def rotary(self, sign: int) -> list[float]:
+    def feed(self, asked: Asked) -> float | None:
+        """F of MOVE or TURN; None at rapid. Raises BlockError."""
+        if "F" in asked.values:
+            return asked.value("F")
+        if "FAUTO" in asked.words:
+            return self.machine.motion.automatic()
+        if "FMAX" not in asked.words:
+            self.control.findings.assumed("PLANE .. MOVE and TURN without F turn the axes at rapid")
+        return None
+
+    def rotary(self, sign: int, *, from_zero: bool = False) -> list[float]:
         """Rotary words [rad] of the plane: the nearer solution, or that with the master axis below or above zero.
 
         Of two that are as near the one above zero: from A+0 C+0 the manual's table has A+45 C+90, not A-45 C-90
-        (TNC 640 Klartext, "Selection of tilting possibilities SEQ +/-").
+        (TNC 640 Klartext, "Selection of tilting possibilities SEQ +/-"). from_zero: near to the zero of the axes, not
+        to where they stand.
         """
         control, axis = self.control, plane_axis(self.control)
-        found = rotary_for(control, axis, sign)
-        above, fault = control.orientation.rotary(axis, control.placement.place(control.words)[3:], 1)
-        if sign or fault:
-            return found
-        shift, present = control.placement.shift or (0.0,) * len(found), control.words[3:]
-        other = [a - b for a, b in zip(above, shift)]
-        return other if math.dist(other, present) < math.dist(found, present) + STRAIGHT else found
+        stands = control.placement.place(control.words)[3:]
+        start = [0.0] * len(stands) if from_zero else stands
+        nearer, fault = control.orientation.rotary(axis, start, sign)
+        if fault:
+            control.source.fail(fault, control.line)
+        above, out_of_travel = control.orientation.rotary(axis, start, 1)
+        if not sign and not out_of_travel and math.dist(above, start) < math.dist(nearer, start) + STRAIGHT:
+            nearer = above
+        shift = control.placement.shift or (0.0,) * len(nearer)
+        return [a - b for a, b in zip(nearer, shift)]
 
     def note(self, wanted: list[float]) -> None:
         """Set Q120, Q121, Q122 to the angles [deg] of A, B and C."""
@@ -227,8 +248,19 @@ class Tilting:
             self.parameters.set(f"Q{120 + k}", angle)
 
     def cycle_19(self, angles: dict[str, float], *, axial: bool) -> None:
-        """CYCL DEF 19: tilt without turning the axes; all angles zero: not at all."""
+        """CYCL DEF 19: tilt without turning the axes; all angles zero, or none named: not at all.
+
+        An angle that is left out stays as it was ("nonprogrammed rotary axis values are interpreted as unchanged"), and
+        of two solutions Q120 to Q122 have the one nearer to the zero of the axes ("the shorter path from the zero
+        position of the rotary axes"; iTNC 530 Cycle Programming, "Working plane (cycle 19)").
+        """
         self.positions = None
+        if angles and self.of_cycle_19 is None and len(angles) < len(ANGLES) and not axial:
+            raise BlockError(
+                "CYCL DEF 19 behind PLANE leaves an angle out, and what it was is not known here: write A, B and C"
+            )
+        angles = {**(self.of_cycle_19 or {}), **angles} if angles and not axial else angles
+        self.of_cycle_19 = angles
         if not any(angles.values()):
             self.axes.reset()
             self.frames.tilt(None)
@@ -246,7 +278,7 @@ class Tilting:
         if self.positions is not None:
             self.note(self.positions)
         elif self.control.poses.machine is not None:
-            self.note(self.rotary(0))
+            self.note(self.rotary(0, from_zero=True))
 
 
 def upright(axis: list[float]) -> bool:

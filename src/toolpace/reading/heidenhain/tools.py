@@ -16,6 +16,8 @@ from toolpace.units import MINUTE
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
+_FIGURES = re.compile(r"\s[LR]\s*" + VALUE)
+DEFINED = "L and R of TOOL DEF are passed over: lengths and radii of tools are those of the set-up sheet"
 DELTAS = ("DL", "DR", "DR2")
 MOST_DELTA, MOST_TOOL = 999.9999, 32767.9
 """Of an oversize (TNC7; 99.9999 on older ones), and of a tool's number ("Input format and unit of TNC functions")."""
@@ -66,6 +68,12 @@ class Tools:
                 self.control.feed.set(figures["F"], self.state.feed_unit, self.control.line)
 
         return run
+
+    def defined(self, text: str) -> None:
+        """TOOL DEF: which tool is next moves nothing; what it tells of a tool is on the set-up sheet here."""
+        self.control.findings.ignored("TOOL DEF")
+        if _FIGURES.search(text):
+            self.control.findings.assumed(DEFINED)
 
     def axis(self, letter: str) -> None:
         """The tool axis; it sets the plane of arcs, turns and cycles."""

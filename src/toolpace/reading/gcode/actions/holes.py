@@ -7,17 +7,25 @@ from dataclasses import dataclass
 
 from toolpace.commanded import EXACT_PATH
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.cycles import FEED_BACK, FEED_OUT, RAPID_OUT, Drilling, bore_backwards, drill
+from toolpace.reading.control.cycles import (
+    FEED_BACK,
+    FEED_OUT,
+    RAPID_OUT,
+    Drilling,
+    back_bore,
+    bore_backwards,
+    drill,
+    fine_bore,
+)
 from toolpace.reading.control.feed import INVERSE
 from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.gcode.actions.boring import PLANE, BoringShift
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import RefusedError, WordError
 from toolpace.units import DEGREE, MILLIMETRE
 
-PLANE = ((0, 1), (2, 0), (1, 2))
-"""First and second axis of the planes XY, ZX and YZ."""
 R_ALONE = "R in a block without an axis, under a cycle, drills nothing: it holds from the next hole on"
 MOST_HOLES = 100_000
 """Repeats of one block."""
@@ -49,6 +57,10 @@ KINDS = {
     "bore backwards": Kind(dwells=True, stops=True, needs="IJK"),
     "bore by hand": Kind(dwells=True, stops=True, needs="P"),
 }
+PECKS_OF_TAPS = Kind("break")
+PECKED_TAP = (
+    "a tap with Q goes back by chip_break_mm behind each peck, at feed (on Fanuc where parameter 5200#5 is 0, by 5213)"
+)
 TURNED = {"G74": ("M4",), "G84": ("M3",), "G86": ("M3", "M4"), "G87": ("M3", "M4"), "G88": ("M3", "M4")}
 """How the spindle has to turn for LinuxCNC's interpreter."""
 FED_BACK = ("tap", "bore and dwell")
@@ -63,24 +75,31 @@ class Holes:
         self.repeats = controller.option("repeats", "K")
         self.clearance = controller.option("peck_clearance_mm", 1.0) * MILLIMETRE
         self.chip_break = controller.option("chip_break_mm", 1.0) * MILLIMETRE
+        self.peck_words: str = controller.option("peck_words", "")
+        """What I, J, K of pecks are: "shorter", the first, by how much each is shorter, the least; K a "clearance"."""
         self.rs274 = controller.option("rs274_cycles", False)
         """Whether cycles are those of LinuxCNC's interpreter."""
         self.from_here = controller.option("cycle_without_r", False)
         """Whether R may be missing: the feed then begins where the tool is."""
+        self.shift = BoringShift(control, state, controller)
         self.words: dict[str, float] = {}
         self.absolute: dict[str, bool] = {}
         """Whether G90 was in force where a word was written: G91 behind a cycle places holes, and leaves depths."""
         self.level: float | None = None
         """Along the drill axis, where the cycle began [m]."""
+        self.unit = state.unit
+        """In which its words are written [m]."""
 
     def begin(self) -> None:
         """Forget the words of the cycle before."""
-        self.words, self.absolute, self.level = {}, {}, None
+        self.words, self.absolute, self.level, self.unit = {}, {}, None, self.state.unit
 
     def change(self) -> None:
-        """Another cycle follows without an end of the one before."""
+        """Another cycle follows without an end of the one before: Q stays, of a peck and of a shift (B-63944EN-2)."""
         if self.rs274:
             self.words = {}
+        for letter in "IJK":
+            self.words.pop(letter, None)
 
     def execute(self, numbers: dict[str, float], dwell: float | None) -> None:
         """A block under a cycle: its words, its repeats, and a hole where it names an axis.
@@ -92,12 +111,13 @@ class Holes:
             raise WordError("canned cycles need feeds per minute: write G94 before them")
         letter = "XYZ"[state.drill_axis]
         plane = [axis for axis in numbers if axis in control.slots and axis != letter]
-        # L is how they are repeated in the tape format of Fanuc's 15, and nothing else in cycles
-        repeats, fewest = numbers.pop(self.repeats, numbers.pop("L", 1.0)), int(self.rs274)
+        repeats, fewest = self._repeats(numbers), int(self.rs274)
         if repeats != int(repeats) or not fewest <= repeats <= MOST_HOLES:
             raise WordError(
                 f"{self.repeats}{repeats:g} counts holes: write a whole number from {fewest} to {MOST_HOLES}"
             )
+        if state.unit != self.unit:
+            raise WordError("a change of the unit within a cycle changes what its words mean: write G80 before it")
         if self.level is None:
             self.level = control.words[state.drill_axis]
         drills = bool(plane) or letter in numbers
@@ -125,15 +145,35 @@ class Holes:
             control.moves.join(Joining(EXACT_PATH))
         for _ in range(int(repeats)):
             target, _ = self.motion.target(dict(numbers))
-            if state.cycle == "bore backwards" and not self.rs274:
-                control.straight([*target[:2], control.words[2], *target[3:]], 7, rapid=True)
             if not self.rs274:
-                drill(control, cycle, target)
+                self._hole(cycle, target)
             elif state.cycle == "bore backwards":
                 bore_backwards(control, self._arriving(cycle), target, *self._aside(target, cycle.bottom))
             else:
                 drill(control, self._arriving(cycle), target)
         control.moves.join(joining)
+
+    def _repeats(self, numbers: dict[str, float]) -> float:
+        """How many holes a block drills, by K or L."""
+        if self.repeats == "L" and not self.rs274:
+            assert self.state.cycle is not None
+            if numbers.get("K", 1.0) != 1.0 and not KINDS[self.state.cycle].pecks:
+                raise RefusedError(f"K{numbers.pop('K'):g} of a cycle", "on Fanuc it counts holes: write L here")
+        elif "L" in numbers:
+            self.control.findings.assumed("L of a cycle counts holes, as in the tape format of Fanuc's 15")
+        return numbers.pop(self.repeats, numbers.pop("L", 1.0))
+
+    def _hole(self, cycle: Drilling, hole: list[float]) -> None:
+        """One hole of the cycle in force at a place (3 + rotary)."""
+        control, backwards = self.control, self.state.cycle == "bore backwards"
+        oriented = backwards or self.state.cycle == "bore and orient"
+        beside = self.shift.beside(hole, self.words) if oriented else None
+        if beside is not None:
+            (back_bore if backwards else fine_bore)(control, cycle, hole, beside)
+            return
+        if backwards:
+            control.straight([*hole[: cycle.axis], control.words[cycle.axis], *hole[cycle.axis + 1 :]], 7, rapid=True)
+        drill(control, cycle, hole)
 
     def _arriving(self, cycle: Drilling) -> Drilling:
         """The cycle with the level at which LinuxCNC's interpreter (`convert_cycle_xy`) has the tool over the hole.
@@ -174,13 +214,17 @@ class Holes:
     def on_circle(self, numbers: dict[str, float], *, each: bool) -> None:
         """Holes on a circle of radius I about the place at hand, the first at the angle J [deg], L of them.
 
-        each: K is the angle from one to the next; else they are evenly spaced (Haas mill operator's manual, G70, G71).
+        each: K is the angle from one to the next; else they are evenly spaced (Haas mill operator's manual, G70, G71:
+        a radius is "+CCW/-CW").
         """
         count = numbers.pop("L", 1.0)
         if count != int(count) or not 1 <= count <= MOST_HOLES:
             raise WordError(f"L{count:g} counts holes: write a whole number from 1 to {MOST_HOLES}")
         radius, first = numbers.pop("I") * self.state.unit, numbers.pop("J") * DEGREE
         step = numbers.pop("K", 0.0) * DEGREE if each else 2.0 * math.pi / count
+        if radius < 0.0 and step < 0.0:
+            raise RefusedError("I and K below zero", "either tells that the holes go clockwise: write one above zero")
+        radius, step = abs(radius), math.copysign(step, radius * step)
         centre, _ = self.motion.target(numbers)
         a, b = PLANE[self.state.plane]
         cycle = self._cycle("XYZ"[self.state.drill_axis])
@@ -188,7 +232,7 @@ class Holes:
             target = list(centre)
             target[a] += radius * math.cos(first + k * step)
             target[b] += radius * math.sin(first + k * step)
-            drill(self.control, cycle, target)
+            self._hole(cycle, target)
 
     def _is_absolute(self, name: str) -> bool:
         """Whether a level counts as under G90; LinuxCNC's interpreter asks what is in force at the hole."""
@@ -223,6 +267,9 @@ class Holes:
             out=FEED_BACK if self.rs274 and state.cycle in FED_BACK else kind.out,
             stops=kind.stops,
         )
+        if state.cycle == "tap" and words.get("Q") and not self.rs274:
+            self.control.findings.assumed(PECKED_TAP)
+            kind = PECKS_OF_TAPS
         return self._with_pecks(made, kind) if kind.pecks else made
 
     def _with_pecks(self, made: Drilling, kind: Kind) -> Drilling:
@@ -231,12 +278,18 @@ class Holes:
         if peck < 0.0:
             raise WordError("Q is the depth of a peck and has no sign: write it above zero")
         first, less, least = (words.get(name, 0.0) * unit for name in "IJK")
+        clearance, chip_break = self.clearance, self.chip_break
+        if self.peck_words == "clearance" and least:
+            self.control.findings.assumed("K of pecks is how far the tool goes back, or stops above the last depth")
+            clearance, chip_break, least = least, least, 0.0
+        if (first or less or least) and self.peck_words != "shorter":
+            raise RefusedError("I, J, K of pecks", "controls differ in what they mean: write Q alone")
         return made._replace(
             peck=peck or first,
             first_peck=first,
             peck_less=less,
             least_peck=least,
-            chip_break=self.chip_break if kind.pecks == "break" else 0.0,
-            clearance=self.clearance,
+            chip_break=chip_break if kind.pecks == "break" else 0.0,
+            clearance=clearance,
             over_top=self.rs274,
         )

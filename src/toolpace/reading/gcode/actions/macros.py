@@ -10,6 +10,8 @@ from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
 from toolpace.reading.gcode.program.words import RefusedError
 
+LENGTHS_OF_MACROS = frozenset("IJK").union(ARGUMENTS) - frozenset("DHMST")
+"""Arguments that are no whole numbers by their letter."""
 NO_MACRO = (
     "its blocks are neither in this file nor in one beside it: give them with the program; where it measures and comes "
     "back to where it began, --skip-unknown passes over it"
@@ -21,9 +23,12 @@ class Macros:
 
     def __init__(self, control: Control, state: Modal, motion: MotionReader, calls: Calls, by: Controller) -> None:
         self.control, self.state, self.motion, self.calls, self.controller = control, state, motion, calls, by
+        self.least_increment = by.option("whole_numbers", "as written") == "least increment"
 
     def call(self, block: Block, word: str, *, modal: bool) -> None:
         """G65 and G66. Raises RefusedError where what is called is not at hand, and moves in no way that is known."""
+        if self.least_increment and block.whole & LENGTHS_OF_MACROS:
+            raise RefusedError("arguments of a macro without a point", "what they count goes by their letter: write it")
         missing = (self.calls.modal_macro if modal else self.calls.macro)(block.arguments, word)
         if missing is None:
             return

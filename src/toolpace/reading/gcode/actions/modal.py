@@ -37,6 +37,8 @@ class Modal:
     """Whether this block moves along an arc."""
     whole: frozenset[str] = frozenset()
     """Letters of this block whose numbers have no point."""
+    reckoned: frozenset[str] = frozenset()
+    """Letters of this block whose values are expressions."""
     in_machine: bool = False
     """Machine coordinates in this block."""
     to_initial: bool = True
@@ -60,6 +62,8 @@ class Modal:
     """Whether machine coordinates (G28, G30, G53) have told Z last."""
     turned_plane: int | None = None
     """The plane that G68 turns."""
+    turned_in_plane: bool = False
+    """Whether the program has turned rotary axes since the tilted plane was laid."""
     scaled: bool = False
     """Whether G51 scales the coordinates."""
     next_tool: str = ""

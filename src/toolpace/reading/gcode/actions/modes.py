@@ -25,6 +25,8 @@ class Modes:
         self.rs274 = by.option("rs274_checks", False)
         self.dwell_whole: float = by.option("dwell_whole_s", 1.0)
         self.dwell_point: float = by.option("dwell_point_s", 1.0)
+        self.fanuc = by.option("fanuc_checks", False)
+        """Whether P of a dwell takes no point (alarm 007)."""
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -51,10 +53,20 @@ class Modes:
             "exact stop": self._set("stop_here", True),
             "machine coordinates": self._set("in_machine", True),
             "dwell": self._dwell,
+            "settings": self._settings,
             **{meaning: self._motion(meaning) for meaning in ("rapid", "feed", *ARCS)},
             **{meaning: self._cycle(meaning) for meaning in KINDS},
             "end cycle": self._end_cycle,
         }
+
+    def _settings(self, numbers: Numbers, word: str) -> None:
+        """MillPlus G27, G28: I3= to I7= tell how ways follow each other."""
+        for letter in [letter for letter in numbers if letter[0] == "I"]:
+            del numbers[letter]
+        if numbers.keys() & set("XYZABC"):
+            numbers.clear()
+            raise RefusedError(f"{word} with axes", "write the motion in a block of its own")
+        self.control.findings.ignored(word)
 
     def _unit(self, unit: float) -> Handler:
         def set_unit(numbers: Numbers, word: str) -> None:
@@ -140,7 +152,12 @@ class Modes:
 
     def seconds(self, value: float) -> float:
         """Time of a dwell's P [s]: in many controllers its unit goes by whether it has a point."""
-        return value * (self.dwell_whole if "P" in self.state.whole else self.dwell_point)
+        if "P" in self.state.whole or (self.fanuc and "P" in self.state.reckoned):
+            return value * self.dwell_whole
+        if value and self.dwell_whole != self.dwell_point and (self.fanuc or "P" in self.state.reckoned):
+            said = "whose value is reckoned" if "P" in self.state.reckoned else "with a point (alarm 007 of Fanuc)"
+            self.control.findings.assumed(f"P of a dwell {said} is in seconds")
+        return value * self.dwell_point
 
     def _dwell(self, numbers: Numbers, word: str) -> None:
         letter = next((letter for letter in ("P" if self.rs274 else "PXUF") if letter in numbers), None)

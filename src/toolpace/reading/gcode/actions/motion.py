@@ -15,6 +15,7 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates import affine
 from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
+from toolpace.reading.gcode.actions.frames.turned_in_plane import need_on_plane, refuse, turned_alone, turns
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.program.words import NO_EXPONENT, RefusedError, WordError
 from toolpace.units import DEGREE
@@ -22,6 +23,14 @@ from toolpace.units import DEGREE
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
 TOOL_VECTOR = ("I1", "J1", "K1")
 """The tool's direction under G141 of MillPlus."""
+PLANE_AXES = (2, 1, 0)
+"""The axis across each plane."""
+STILL = 1e-9
+"""Ways [m, rad] that are none."""
+RAPID = (
+    "G0 along the tool and aside in one block is taken to be straight; by its positioning logic the control may go "
+    "along the tool first or last"
+)
 _USES = {
     "P": "dwells, calls or arcs (turns)",
     "Q": "cycles",
@@ -44,6 +53,8 @@ class MotionReader:
         self.stated: list[float] = []
         """(3,) X, Y, Z of the block as stated [m]."""
         self.corners = Corners(control, "it is read between two straight lines of the plane: write the corner out")
+        self.rapids_vary = controller.option("rapids_vary", False)
+        """Whether the control may go along the tool before or after it goes aside."""
         self.start_is_rapid = controller.option("starts_with_rapid", False)
 
     def execute(self, numbers: dict[str, float], number: float | None, line: int) -> None:
@@ -52,7 +63,7 @@ class MotionReader:
         motion = self._motion()
         arc_words = {}
         if motion in ARCS:
-            arc_words = {letter: numbers.pop(letter) for letter in "IJKRP" if letter in numbers}
+            arc_words = {letter: numbers.pop(letter) for letter in (*"IJKRP", "B5") if letter in numbers}
         if self.fanuc and state.vectors and any(letter in numbers for letter in "ABC"):
             raise WordError("a rotary word under G43.5 stops with an alarm (PS5421): write I, J, K, or use G43.4")
         vector = {letter: numbers.pop(letter, 0.0) for letter in "IJK"} if self._has_vector(numbers) else None
@@ -62,9 +73,13 @@ class MotionReader:
         corner = self._corner(numbers)
         before = control.words
         start = self._stated() if state.stands else before
-        target, named = self.target(numbers)
+        target, named = self.target(numbers, alone=True)
         if vector is not None:
             target[3:] = self._rotary_of(vector)
+        if motion in ARCS and turns(control, target):
+            refuse()
+        if turned_alone(control, state, target, rapid=motion == "rapid"):
+            return
         if motion in ARCS:
             if self.fanuc and state.turned_plane not in (None, state.plane):
                 raise WordError("an arc in another plane than that of G68 stops with an alarm: write G69 before it")
@@ -82,9 +97,18 @@ class MotionReader:
                 if motion == "rapid" and self.fanuc:
                     self.corners.refuse()
                 self.corners.before(target, state.plane)
+            if motion == "rapid" and self.rapids_vary:
+                self._say_of_rapid(before, target)
             control.straight(target, named, rapid=motion == "rapid", number=number)
         if corner is not None:
             self.corners.put(*corner, before if motion == "feed" else [])
+
+    def _say_of_rapid(self, before: list[float], target: list[float]) -> None:
+        """Say how a rapid is taken that goes along the tool and aside in one block."""
+        along = PLANE_AXES[self.state.plane]
+        ways = [abs(a - b) > STILL for a, b in zip(before, target)]
+        if len(self.control.moves) and ways[along] and sum(ways) > 1:
+            self.control.findings.assumed(RAPID)
 
     def _corner(self, numbers: dict[str, float]) -> tuple[str, str, float] | None:
         """Name, kind and size [m] of the corner that a block asks for at its end."""
@@ -102,8 +126,11 @@ class MotionReader:
             motion = self.state.motion = "rapid"
         return motion
 
-    def target(self, numbers: dict[str, float]) -> tuple[list[float], int]:
-        """Words (3 + rotary) [m, rad] that a block moves to, and bits of the X, Y, Z that it names."""
+    def target(self, numbers: dict[str, float], *, alone: bool = False) -> tuple[list[float], int]:
+        """Words (3 + rotary) [m, rad] that a block moves to, and bits of the X, Y, Z that it names.
+
+        alone: whether rotary words may turn their axes alone, in a tilted plane.
+        """
         state, control = self.state, self.control
         slots, unit, absolute = control.slots, state.unit, state.absolute
         target = list(control.words)
@@ -138,6 +165,10 @@ class MotionReader:
         if state.stands or along or state.along:
             self.stated, state.along = target[:3], along
             target[:3] = self._moved(target)
+        if control.coordinates.tilted:
+            if not alone and turns(control, target):
+                refuse()
+            need_on_plane(control, state, target)
         return target, named
 
     def _need_both(self, named: int) -> None:
@@ -217,6 +248,10 @@ class MotionReader:
             raise WordError("a polar radius under G91 is not read: write it under G90")
         before = {} if state.absolute else state.pole
         state.pole |= {x: numbers[x] + before.get(x, 0.0) for x in (first, second) if x in numbers}
+        if first not in state.pole or second not in state.pole:
+            raise RefusedError(
+                "G16 without a radius or an angle", f"what is left out is not sure: write {first} and {second}"
+            )
         radius, angle = state.pole.get(first, 0.0), state.pole.get(second, 0.0) * DEGREE
         for letter, value in ((first, radius * math.cos(angle)), (second, radius * math.sin(angle))):
             slot = self.control.slots[letter]

@@ -6,6 +6,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.joint_moves import reference, straight_in_machine
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.frames.frames import Frames
+from toolpace.reading.gcode.actions.frames.turned_in_plane import turned_alone
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
@@ -73,8 +74,8 @@ class Places:
             control.findings.ignored(f"{word} of axes that the machine lacks" if any_named else f"{word} without axes")
             return
         if given:
-            target, named = self.motion.target(dict(given))
-            if target != control.words:
+            target, named = self.motion.target(dict(given), alone=True)
+            if not turned_alone(control, self.state, target, rapid=True) and target != control.words:
                 control.straight(target, named, rapid=True)
         self.state.between = list(control.words)
         self.state.level_by_machine |= not given or "Z" in given
@@ -82,6 +83,7 @@ class Places:
             self._reference_in_turned(number, list(given))
         else:
             reference(control, number, list(given))
+        self.state.turned_in_plane |= not given or not given.keys().isdisjoint("ABC")
         self.state.at_home = True
 
     def _reference_in_turned(self, number: int, letters: list[str]) -> None:
@@ -121,6 +123,7 @@ class Places:
         if places:
             self.state.along = 0.0
             self.state.level_by_machine |= "Z" in places
+            self.state.turned_in_plane |= not places.keys().isdisjoint("ABC")
             straight_in_machine(control, places, rapid=rapid)
 
     def machine_rapid(self, numbers: Numbers, word: str) -> None:

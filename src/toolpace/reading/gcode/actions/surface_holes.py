@@ -5,11 +5,14 @@ After the post-processors for MillPlus (Autodesk's, and what NX writes): no manu
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.actions.motion import MotionReader
 from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
+from toolpace.units import MINUTE
 
 
 class SurfaceHoles:
@@ -49,11 +52,11 @@ class SurfaceHoles:
         self.words["break"] = self.words.pop("J", 0.0)
 
     def tap(self, numbers: Numbers, word: str) -> None:
-        """G84: in, reverse, out at feed; J is the pitch."""
+        """G84: in, reverse, out; J is the pitch, by which the feed follows the spindle."""
         self._define(numbers, stops=True, out=FEED_OUT)
 
     def bore(self, numbers: Numbers, word: str) -> None:
-        """G85: in and out at feed."""
+        """G85: in and out at feed; F2= is that of the way out."""
         self._define(numbers, out=FEED_OUT)
 
     def bore_and_stop(self, numbers: Numbers, word: str) -> None:
@@ -81,7 +84,11 @@ class SurfaceHoles:
             chip_break=words.get("break", 0.0) * unit,
             dwell=words.get("X", 0.0),
             out=self.out,
+            out_speed=words.get("F2", 0.0) * unit / MINUTE,
             stops=self.stops,
         )
         control.findings.assumed(f"B of a cycle is how far the tool goes back above the clearance Y ({word})")
-        drill(control, cycle, target)
+        taps = self.stops and self.out == FEED_OUT
+        thread = words.get("J", 0.0) * unit * control.feed.spindle if taps else 0.0
+        with control.feed.held(thread) if thread > 0.0 else nullcontext():
+            drill(control, cycle, target)

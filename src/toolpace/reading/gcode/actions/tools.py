@@ -7,6 +7,10 @@ from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 
+WHERE_CHANGED = (
+    "M6 leaves the axes where they are: a Haas goes to Z zero before it, others as their builders chose (write G28 or "
+    "G53 before M6, and the way there is planned)"
+)
 STILL = 1e-9
 """Lengths [m] that are the same."""
 
@@ -18,6 +22,10 @@ class Tools:
         self.control, self.state = control, state
         self.h_stays = by.option("length_word_stays", True)
         self.with_tool = by.option("length_with_tool", False)
+        self.tip_in_planes = by.option("tip_mode_in_planes", False)
+        """Whether tool-centre-point mode may begin in a tilted plane."""
+        self.changes_elsewhere = by.option("changes_elsewhere", False)
+        """Whether M6 may go to the place where tools are changed."""
         self.rs274 = by.option("rs274_checks", False)
         """Whether number 0 of H and D, and a length without H, mean the tool in the spindle (LinuxCNC's manual)."""
         self.lengths_move: str = by.option("lengths_move", "")
@@ -55,6 +63,8 @@ class Tools:
         """M6: the tool that T named last."""
         numbers.pop("T", None)
         self.state.turning = ""
+        if self.changes_elsewhere and len(self.control.moves) and not self.state.level_by_machine:
+            self.control.findings.assumed(WHERE_CHANGED)
         self.control.change_tool(self.state.next_tool)
         if self.with_tool:
             self.control.set_length(self.state.next_tool)
@@ -172,6 +182,9 @@ class Tools:
 
     def tip_mode(self, numbers: Numbers, word: str) -> None:
         """G43.4: X, Y, Z are the tip."""
+        if self.control.coordinates.tilted and not self.tip_in_planes:
+            numbers.clear()
+            raise RefusedError(f"{word} in a tilted plane", "the control has either: write G255 or G269 before it")
         self._length(numbers, word)
         self._tip(self.state.switched_tip_mode, True)
         self.state.vectors = self.state.stands = False

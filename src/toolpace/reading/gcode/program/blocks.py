@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import partial
 
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.gcode.program import alarms
@@ -12,6 +13,7 @@ from toolpace.reading.gcode.program.expressions import Node, Parser, Reference
 from toolpace.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict, last_of_groups
 from toolpace.reading.gcode.program.statements import Statement, refuse_unknown_o_word, statement
 from toolpace.reading.gcode.program.words import (
+    ROUND_HANDED_OVER,
     WordError,
     bounded,
     decimal_comma,
@@ -19,6 +21,7 @@ from toolpace.reading.gcode.program.words import (
     near_whole,
     plain_words,
     without_comments,
+    words_behind,
 )
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
@@ -37,7 +40,7 @@ CORNER = "let the CAM system write the corner out as blocks"
 
 @dataclass(slots=True)
 class Block:
-    """One block. Words that are numbers are `fixed`, those with variables `computed`."""
+    """One block. Words that are numbers are `fixed`, those with variables or in brackets `computed`."""
 
     text: str = ""
     deleted: bool = False
@@ -81,6 +84,15 @@ class Compiler:
         self.blanks = controller.option("blanks_mean_nothing", False)
         self.bits = controller.option("logic_on_bits", False)
         self.letter = controller.option("variable_letter", "#")
+        self.parser = partial(
+            Parser,
+            bits=self.bits,
+            letter=self.letter,
+            strict=self.rs274,
+            whole_remainder=controller.option("remainder_of_whole_numbers", False),
+            to_360=controller.option("angles_to_360", False),
+        )
+        """Makes a parser of values in the controller's manner."""
         self.indexed = controller.option("indexed_words", False)
         self.last_rules = controller.option("last_of_group_rules", False)
         self.corners = controller.option("corner_words", False)
@@ -101,7 +113,7 @@ class Compiler:
         text = without_comments(line, self.nested, self.closed and not line.lstrip().startswith("/"))
         if self.rs274:
             block.alarms += alarms.of_line(line)
-        if self.semicolon_ends and ";" in line and _behind(line):
+        if self.semicolon_ends and ";" in line and words_behind(line):
             block.refused.append((";", "a block stands behind it: write each block on a line of its own"))
         if text.startswith("/"):
             block.deleted, text = True, text.lstrip("/0123456789 \t")
@@ -154,10 +166,6 @@ class Compiler:
         if self.rs274 and len(block.words) > 1:
             block.alarms += [alarm for alarm in alarms.of_codes(block.words) if alarm not in block.alarms]
         block.before_feed = sum(ORDER[action.meaning] <= self.last_before_feed for action in actions)
-
-    def parser(self, text: str, at: int = 0) -> Parser:
-        """A parser of values in the controller's manner."""
-        return Parser(text, at, bits=self.bits, letter=self.letter, strict=self.rs274)
 
     def assignments(self, text: str) -> list[tuple[Reference, Node]]:
         """What a text of assignments alone sets."""
@@ -229,18 +237,23 @@ class Compiler:
             elif letter == ",":
                 parser.at = at + 2
                 self._corner(block, text[at : at + 2], parser.value())
+                if text[at + 2 : parser.at].strip().isdigit():
+                    whole.append(text[at : at + 2])
             elif not ("A" <= letter <= "Z"):
                 raise WordError(fault(text[at:]))
             else:
                 key = letter if indexed is None else indexed[1] + indexed[2]
                 parser.at = at + 1 if indexed is None else indexed.end()
-                if indexed is None and _no_value(parser, self.letter):
+                if indexed is None and parser.lacks_value():
                     raise WordError(fault(text[at:]))
+                parser.address = "" if (macro := _calls_macro(block)) else key
                 node = parser.value() if indexed is None else parser.expression()
-                written = text[at + 1 : parser.at]
+                parser.address, written = "", text[at + 1 : parser.at]
+                if macro and self.bits and "ROUND" in written:
+                    block.refused.append(ROUND_HANDED_OVER)
                 if isinstance(node, float) and node and written.strip().lstrip("+-").isdigit():
                     whole.append(key)
-                self._word(block, key, node)
+                self._word(block, key, node, reckoned="[" in written)
         block.whole = frozenset(whole)
 
     def _corner(self, block: Block, word: str, size: Node) -> None:
@@ -265,7 +278,7 @@ class Compiler:
         if parser.peek()[1] in parser.operations:
             raise WordError(f"'{parser.text[parser.at :].strip()[:20]}' stands behind a value: write sums in [ ]")
 
-    def _word(self, block: Block, key: str, node: Node) -> None:
+    def _word(self, block: Block, key: str, node: Node, *, reckoned: bool = False) -> None:
         if key == "G" or (key == "M" and not _calls_macro(block)):
             if isinstance(node, float):
                 self.code(block, key, node)
@@ -274,7 +287,7 @@ class Compiler:
             return
         if key in block.fixed or any(letter == key for letter, _ in block.computed):
             self._twice(block, key)
-        elif isinstance(node, float):
+        elif isinstance(node, float) and not reckoned:
             block.fixed[key] = node
         else:
             block.computed.append((key, node))
@@ -285,15 +298,3 @@ def _calls_macro(block: Block) -> bool:
     """Whether what stands behind in the block is handed to a macro, M too ("G65 P L <argument>", M is #13)."""
     return any(action.meaning in ("macro call", "modal macro call") for action in block.actions)
 
-
-def _behind(line: str) -> bool:
-    """Whether there are words behind a `;`, which ends a block in listings of some controllers."""
-    rest = line.split(";", 1)[1].strip().upper()
-    return bool(rest and plain_words(rest))
-
-
-def _no_value(parser: Parser, letter: str) -> bool:
-    kind, text = parser.peek()
-    if kind == "name":
-        return "[" not in parser.text[parser.end : parser.end + 3] and text != letter
-    return not kind or text in ("]", "/", "*", "**", "<")

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
+from toolpace.reading.gcode.program.increments import rounded
 from toolpace.reading.gcode.program.operations import (
     BITS,
     FUNCTIONS,
@@ -18,6 +19,7 @@ from toolpace.reading.gcode.program.operations import (
     OPERATIONS,
     TOWARDS_ZERO,
     TRUTH,
+    WHOLE_REMAINDER,
     long_degrees,
 )
 from toolpace.reading.gcode.program.words import WordError, bounded
@@ -31,7 +33,9 @@ MOST_NESTED = 60
 """Brackets and signs within each other: more is no expression that anybody wrote."""
 EQUAL = 1e-4
 """Difference of two numbers that EQ takes for none (LinuxCNC, "Binary Operators")."""
-_TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<]))")
+ATAN_TO_360 = "ASIN and ATAN give angles from 0 to 360 degrees (parameter 6004#0 = 0 of Fanuc; with 1 below zero too)"
+ATAN_SIGNED = "ASIN and ATAN give angles from -180 to 180 degrees"
+_TOKEN = re.compile(r"[ \t]*+(?:([0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|([A-Z]++)|(\*\*|[-+*/\[\]#<,]))")
 _NAME = re.compile(r"(?:_(?:HAL|INI)\[[^>\[\]#]{1,100}\][^>\[\]#]{0,100}|[^>\[\]#]{1,200})>")
 
 
@@ -71,25 +75,34 @@ def value_of(node: Node, variables: Variables) -> float | None:
 
 
 def _function(node: Node) -> Callable[[Variables], float]:
-    if isinstance(node, float):
-        return lambda variables: node
-    return node
+    return (lambda variables: node) if isinstance(node, float) else node
 
 
 class Parser:
     """Reads values and expressions of one block from a place on."""
 
     def __init__(
-        self, text: str, at: int = 0, *, bits: bool = False, letter: str = "", strict: bool = False
+        self,
+        text: str,
+        at: int = 0,
+        *,
+        bits: bool = False,
+        letter: str = "",
+        strict: bool = False,
+        whole_remainder: bool = False,
+        to_360: bool = False,
     ) -> None:
         """bits: AND, OR and XOR work on bits and bind like * and + (Fanuc); else on truth, last of all (LinuxCNC).
 
         letter: with a number behind it it is a variable too (E254 of MillPlus). strict: expressions are
-        those of LinuxCNC's interpreter, whose ATAN takes two values.
+        those of LinuxCNC's interpreter, whose ATAN takes two values. whole_remainder: MOD takes whole numbers. to_360:
+        no angle that ASIN and ATAN of two values give is below zero.
         """
-        self.strict = strict
-        self.text, self.at, self.bits, self.letter = text, at, bits, letter
-        self.operations = OPERATIONS | (BITS if bits else TRUTH)
+        self.to_360 = to_360
+        self.address = ""
+        """The letter of the word whose value is read, to whose least increment ROUND then rounds (Custom Macro B)."""
+        self.text, self.at, self.bits, self.letter, self.strict = text, at, bits, letter, strict
+        self.operations = OPERATIONS | (BITS if bits else TRUTH) | (WHOLE_REMAINDER if whole_remainder else {})
         self.functions = FUNCTIONS | (TOWARDS_ZERO if bits else {}) | (LONG if strict else {})
         self.depth = 0
         self.end = at
@@ -111,6 +124,13 @@ class Parser:
         if self.peek() != ("mark", mark):
             raise WordError(f"'{mark}' is missing before '{self.text[self.at : self.at + 20]}': correct the expression")
         self.at = self.end
+
+    def lacks_value(self) -> bool:
+        """Whether no value begins here."""
+        kind, text = self.peek()
+        if kind == "name":
+            return "[" not in self.text[self.end : self.end + 3] and text != self.letter
+        return not kind or text in ("]", "/", "*", "**", "<")
 
     def value(self) -> Node:
         """A number, a variable, an expression in brackets, or a function of one, with signs before it."""
@@ -172,18 +192,8 @@ class Parser:
             number = self.value()
             assert isinstance(number, float)
             return Reference(whole(number, f"the number behind {name}"))
-        if name == "ATAN":
-            self.take("[")
-            first = self.expression()
-            self.take("]")
-            if self.peek() != ("mark", "/") and not self.strict:
-                return _applied(lambda a: math.degrees(math.atan(a)), first)
-            self.take("/")
-            self.take("[")
-            second = self.expression()
-            self.take("]")
-            degrees = long_degrees if self.strict else math.degrees
-            return _combined(lambda a, b: degrees(math.atan2(a, b)), first, second)
+        if name == "ATAN" or (name == "POW" and self.bits):
+            return self._of_two(name)
         if name == "EXISTS":
             self.take("[")
             self.take("#")
@@ -196,7 +206,45 @@ class Parser:
         self.take("[")
         inner = self.expression()
         self.take("]")
-        return _applied(function, inner)
+        if name == "ROUND" and self.bits and self.address:
+            letter, value = self.address, _function(inner)
+            return lambda variables: rounded(value(variables), variables.increment(letter))
+        return self._turned(_applied(function, inner), name) if name == "ASIN" else _applied(function, inner)
+
+    def _of_two(self, name: str) -> Node:
+        """ATAN[a]/[b], ATAN[a]; Fanuc has ATAN[a,b] and POW[a,b] too (B-64304EN, "Arithmetic and logic operation")."""
+        self.take("[")
+        first = self.expression()
+        inside = self.bits and (name == "POW" or self.peek() == ("mark", ","))
+        if inside:
+            self.take(",")
+        else:
+            self.take("]")
+            if self.peek() != ("mark", "/") and not self.strict:
+                return _applied(lambda a: math.degrees(math.atan(a)), first)
+            self.take("/")
+            self.take("[")
+        second = self.expression()
+        self.take("]")
+        if name == "POW":
+            return _combined(OPERATIONS["**"][1], first, second)
+        degrees = long_degrees if self.strict else math.degrees
+        return self._turned(_combined(lambda a, b: degrees(math.atan2(a, b)), first, second), name)
+
+    def _turned(self, node: Node, name: str) -> Node:
+        """The angle [deg] of a function, by the controller's range where it is below zero."""
+        if not self.bits:
+            return node
+        angle, shown = _function(node), ATAN_TO_360 if self.to_360 else ATAN_SIGNED
+
+        def within(variables: Variables) -> float:
+            found = angle(variables)
+            if found >= 0.0:
+                return found
+            variables.say(shown)
+            return found + 360.0 if self.to_360 else found
+
+        return within
 
     def _reference(self) -> Reference:
         """What stands behind #."""

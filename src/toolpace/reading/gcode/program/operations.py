@@ -65,7 +65,27 @@ TRUTH: dict[str, tuple[int, Callable[[float, float], float]]] = {
     "OR": (2, lambda a, b: float(a != 0.0 or b != 0.0)),
     "XOR": (2, lambda a, b: float((a != 0.0) != (b != 0.0))),
 }
+
+
+def _sure_remainder(a: float, b: float) -> float:
+    if a < 0.0 or b <= 0.0 or a != int(a) or b != int(b):
+        raise WordError(
+            f"{a:g} MOD {b:g}: controls differ in the remainder of what is below zero or not whole; write the value out"
+        )
+    return math.fmod(a, b)
+
+
+def _remainder_of_whole(a: float, b: float) -> float:
+    """Of both rounded to whole numbers, with the sign of the first (B-64304EN, "Arithmetic and logic operation")."""
+    whole = _half_away(b)
+    if whole == 0.0:
+        raise WordError("a remainder of a division by zero: check the expression and its variables")
+    return math.fmod(_half_away(a), whole)
+
+
+WHOLE_REMAINDER = {"MOD": (5, _remainder_of_whole)}
 BITS: dict[str, tuple[int, Callable[[float, float], float]]] = {
+    "MOD": (5, _sure_remainder),
     "AND": (5, _bits(lambda a, b: a & b)),
     "OR": (4, _bits(lambda a, b: a | b)),
     "XOR": (4, _bits(lambda a, b: a ^ b)),

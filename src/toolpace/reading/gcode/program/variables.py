@@ -50,6 +50,10 @@ class Variables:
             self.common[int(key) if key.isdecimal() else key] = value
         self.local: dict[Key, float | None] = {}
         """Of the call at hand."""
+        self.increment: Callable[[str], float] = lambda letter: 1.0
+        """Least increment of a word by its letter, in the unit it is written in."""
+        self.say: Callable[[str], None] = lambda sentence: None
+        """Notes what an expression takes for granted."""
 
     def text(self, key: Key) -> str:
         """A variable as it is written."""

@@ -23,6 +23,11 @@ Handler = Callable[[Numbers, str], None]
 NO_EXPONENT = (
     "E has no meaning here: write numbers without exponent, like 0.00001 (extruders of printers are not read)"
 )
+ROUND_HANDED_OVER = (
+    "ROUND in an argument of a macro",
+    "it may round to whole numbers or to least increments: set a variable to it in a block before",
+)
+"""A word that is refused, and the cure."""
 LARGEST = 1e21
 """Most of a number: more is a slip, and would end as infinity; the tangent of 90 degrees is less."""
 
@@ -96,6 +101,12 @@ def plain_words(block: str) -> list[tuple[str, str]] | None:
     if match is None or match.end() != len(block):
         return None
     return _WORD.findall(block)
+
+
+def words_behind(line: str) -> bool:
+    """Whether there are words behind a `;`, which ends a block in listings of some controllers."""
+    rest = line.split(";", 1)[1].strip().upper()
+    return bool(rest and plain_words(rest))
 
 
 def decimal_comma(text: str) -> str:

@@ -5,17 +5,21 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.curves.arcs import Arc, centre_of_radius, plane_arc
+from toolpace.reading.curves.arcs import SPIRAL_SAID, Arc, Tolerance, centre_of_radius, plane_arc
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.reading.heidenhain.klartext.words import PathWords
 from toolpace.reading.heidenhain.state import ARC_PLANE, OF_AXIS, State
+from toolpace.units import MILLIMETRE
 
 PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
 """Two of X, Y, Z as bits, to the axis across them."""
 SAME = 1e-9
 """Coordinates closer than this [m] are one."""
+
+SHORT = "a CR whose R is shorter than half the way to its end, within what the control allows, is half a circle"
+POLE_STAYS = "a CC before a change of coordinates keeps the figures that it was written with, in the new ones"
 
 
 class Circles:
@@ -23,6 +27,9 @@ class Circles:
 
     def __init__(self, control: Control, state: State, motion: Motion) -> None:
         self.control, self.state, self.motion = control, state, motion
+        option = control.controller.option
+        self.radii = Tolerance(option("arc_radii_mm", 0.016) * MILLIMETRE, 0.0)
+        """Of the radii at the ends of an arc, also in programs in inches."""
 
     def pole(self, words: PathWords) -> Step:
         """CC: no motion."""
@@ -41,7 +48,7 @@ class Circles:
                 self.control.findings.assumed("a CC of one coordinate keeps the other one of the CC before")
             for slot, _, _, _ in axes:
                 state.pole[slot] = target[slot]
-            state.pole_known = True
+            state.pole_known, state.pole_in = True, self.control.placement
             across = PAIRS.get(named)
             state.pole_across = None if across == state.tool_axis else across
             if named == 7:
@@ -63,6 +70,8 @@ class Circles:
         """Raises BlockError where no CC came before."""
         if not self.state.pole_known:
             raise BlockError("there is no CC before this block: write one, it is the centre and the pole")
+        if self.state.pole_in != self.control.placement:
+            self.control.findings.assumed(POLE_STAYS)
 
     def about_pole(self, words: PathWords) -> Step:
         """C: to a point about the pole."""
@@ -75,8 +84,8 @@ class Circles:
             rapid = self.begin(words)
             target, named = self.motion.target(axes)
             axis = self.across(target)
-            self.arc(plane_arc(self.control.words, target, self.state.pole, ARC_PLANE[axis], sense < 0), target,
-                     named, rapid)  # fmt: skip
+            start, pole, plane = self.control.words, self.state.pole, ARC_PLANE[axis]
+            self.arc(plane_arc(start, target, pole, plane, sense < 0, tolerance=self.radii), target, named, rapid)
 
         return run
 
@@ -89,7 +98,7 @@ class Circles:
         level = abs(start[state.tool_axis] - target[state.tool_axis]) < SAME
         if not shared and level:
             return state.tool_axis  # an ordinary arc again: its CC names the plane alone
-        if len(shared) > 1 and state.came_from:
+        if len(shared) > 1 and state.came_from and self.control.moved_in == self.control.placement:
             # the centre stands between both ends: the motion before tells the plane, which it lies in
             shared = [k for k in shared if abs(start[k] - state.came_from[k]) < SAME]
         if len(shared) != 1:
@@ -109,7 +118,11 @@ class Circles:
             target, named = self.motion.target(axes)
             start, plane = self.control.words, ARC_PLANE[self.state.tool_axis]
             radius = self.limited(evaluate(given)) * self.state.unit
-            centre = centre_of_radius(start, target, radius, plane, sense < 0)
+            first, second = OF_AXIS[self.state.tool_axis]
+            half = 0.5 * math.hypot(target[first] - start[first], target[second] - start[second])
+            if half - abs(radius) > SPIRAL_SAID:
+                self.control.findings.assumed(SHORT)
+            centre = centre_of_radius(start, target, radius, plane, sense < 0, self.radii)
             self.arc(plane_arc(start, target, centre, plane, sense < 0), target, named, rapid)
 
         return run
@@ -130,6 +143,11 @@ class Circles:
         """The arc from here that keeps the direction; a straight way where the end lies ahead."""
         start = self.control.words
         first, second = OF_AXIS[self.state.tool_axis]
+        if self.control.moved_in != self.control.placement:
+            cure = "write C or CR: whether the control keeps the direction of the element before is not known here"
+            self.control.findings.refused("a tangent arc behind a change of coordinates", self.control.line, cure)
+            self.motion.straight(target, named, rapid)
+            return
         u, v = self.direction()
         du, dv = target[first] - start[first], target[second] - start[second]
         aside = u * dv - v * du  # how far the end lies to the left

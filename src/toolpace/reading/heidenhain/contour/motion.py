@@ -131,12 +131,16 @@ class Motion:
             self.control.findings.refused(word, self.control.line, OTHER_FEEDS[word])
             return False
         if word == "FAUTO":
-            if self.state.tool_feed is None:
-                raise BlockError("FAUTO takes the F of TOOL CALL, which has none: write one there, or F here")
-            self.feed(self.state.tool_feed)
+            self.feed(self.automatic())
         elif words.feed is not None:
             self.feed(evaluate(words.feed), per_revolution=word == "FU" or self.state.per_revolution)
         return False
+
+    def automatic(self) -> float:
+        """The F of TOOL CALL, which FAUTO takes. Raises BlockError."""
+        if self.state.tool_feed is None:
+            raise BlockError("FAUTO takes the F of TOOL CALL, which has none: write one there, or F here")
+        return self.state.tool_feed
 
     def feed(self, number: float, per_revolution: bool = False) -> None:
         """Put F in force."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from toolpace.reading.control.control import Control
@@ -14,6 +15,8 @@ Items = dict[int, float | str]
 """Q parameters of a cycle by number; feeds may be FMAX or FAUTO."""
 BREAK = 0.2
 """How far a chip is broken back where a cycle does not say [mm]."""
+FROM_ZERO = frozenset((200, 202, 204, 205, 210, 211, 212, 213, 256, 257, 258, 259, 379))
+"""Parameters of drilling cycles whose input begins at zero ("Input range 0 to 99999.9999")."""
 OLD = 1
 """The cycle that counts from where the tool is."""
 
@@ -55,10 +58,18 @@ class Holes:
         """Change some of its parameters."""
         self.items, self._made = {**self.items, **items}, None
 
-    def call(self, at: list[float] | None = None, *, lift: float = 0.0, low: bool = False) -> None:
+    def call(
+        self,
+        at: list[float] | None = None,
+        *,
+        lift: float = 0.0,
+        low: bool = False,
+        least_back: float = -math.inf,
+    ) -> None:
         """Drill here, or at words `at` (3 + rotary). Raises BlockError.
 
         lift: how much higher the surface is there [m]. low: end at the set-up clearance, not at the second one.
+        least_back: the height [m] at which it ends where that is higher.
         """
         if self.number < 0:
             return
@@ -75,13 +86,20 @@ class Holes:
             top=made.top + lift,
             bottom=made.bottom + lift,
             start=None if made.start is None else made.start + lift,
-            back=(made.top if low else made.back) + lift,
+            back=max((made.top if low else made.back) + lift, least_back),
         )
         if made.top != made.bottom:
             self.state.came_from = []
             speed = self.speed(206)
             with self.control.feed.held(speed, speed / self.state.feed_unit * DEGREE):
                 drill(self.control, made, list(self.control.words if at is None else at))
+
+    def clearance(self) -> float:
+        """The height of the set-up clearance [m]; of a cycle that is not read the lowest of all."""
+        try:
+            return self._drilling().top if self.number > 0 else -math.inf
+        except Refusal:
+            return -math.inf
 
     def _drilling(self) -> Drilling:
         state, control = self.state, self.control
@@ -99,6 +117,8 @@ class Holes:
             raise BlockError(f"CYCL DEF {self.number} lacks Q{q}: write all of its parameters")
         if isinstance(found, str):
             raise BlockError(f"Q{q}={found} of CYCL DEF {self.number} must be a number")
+        if found < 0.0 and q in FROM_ZERO and self.number != OLD:
+            raise BlockError(f"Q{q} of CYCL DEF {self.number} is {found:g}, and its least is zero: correct it")
         return found
 
     def length(self, q: int, default: float | None = None) -> float:
@@ -115,6 +135,8 @@ class Holes:
             spindle = self.control.feed.spindle
             if spindle <= 0.0:
                 raise BlockError("tapping needs the spindle speed: write S in TOOL CALL")
+            if not self.value(239):
+                raise BlockError(f"Q239 of CYCL DEF {self.number}, the pitch, is zero: write it")
             return spindle * abs(self.length(239))
         found = self.items.get(q)
         if found == "FAUTO":

@@ -31,6 +31,9 @@ class Patterns:
 
     def circle(self, items: Items) -> None:
         """220: the last cycle on a circle."""
+        if items.get(365, 0.0) != 0.0:
+            cure = "write Q365=0: the way from hole to hole on the circle is not read"
+            self.control.findings.refused("CYCL DEF 220 with Q365=1", self.control.line, cure)
         figures = self.figures(items, (216, 217, 244, 245, 246, 241))
         x, y, diameter, start, end, count = figures
         holes = self.count(count)
@@ -112,28 +115,32 @@ class Patterns:
         return run
 
     def at_places(self, words: PathWords) -> Step:
-        """CYCL CALL PAT: between the holes at the feed of the block."""
+        """CYCL CALL PAT: between the holes at the feed of the block, at the height of the call or at the second
+        clearance ("depending on which is greater", TNC 640 Klartext, "Calling the cycle in connection with point
+        tables")."""
 
         def run() -> None:
             if not self.parts:
                 raise BlockError("no pattern is defined here: write PATTERN DEF before its call")
             rapid = self.motion.set_feed(words)
             places = [place for kind, given in self.parts for place in self.places(kind, given)]
-            self.run(places, rapid=rapid, low=False)
+            self.run(places, rapid=rapid, low=False, least=self.control.words[self.motion.state.tool_axis])
 
         return run
 
     def at_place(self, words: PathWords) -> Step:
-        """CYCL CALL POS: the coordinate along the tool axis shifts the surface."""
+        """CYCL CALL POS: the coordinate along the tool axis shifts the surface. Its F holds in its own block only."""
         axes = self.motion.resolved(words)
 
         def run() -> None:
+            feed, before = self.control.feed, (self.control.feed.mode, self.control.feed.value, self.control.feed.turn)
             rapid = self.motion.set_feed(words)
             target, _ = self.motion.target(axes)
             tool_axis = self.motion.state.tool_axis
             lift = target[tool_axis] if any(axis[0] == tool_axis for axis in axes) else 0.0
             first, second = OF_AXIS[tool_axis]
             self.run([(target[first], target[second], lift)], rapid=rapid, low=False)
+            feed.mode, feed.value, feed.turn = before
 
         return run
 
@@ -166,12 +173,19 @@ class Patterns:
         lift = figure("Z", 0.0) * self.motion.state.unit
         return [(u, v, lift) for u, v, _ in found]
 
-    def run(self, places: list[Place], *, rapid: bool, low: bool) -> None:
-        """Drill at each place."""
-        first, second = OF_AXIS[self.motion.state.tool_axis]
-        for u, v, lift in places:
+    def run(self, places: list[Place], *, rapid: bool, low: bool, least: float = -math.inf) -> None:
+        """Drill at each place; from one to the next at the height `least` [m] or higher.
+
+        A tool that is below the clearance goes up before it goes aside ("Calling a cycle with CYCL CALL POS").
+        """
+        tool_axis = self.motion.state.tool_axis
+        first, second = OF_AXIS[tool_axis]
+        for k, (u, v, lift) in enumerate(places, start=1):
             words = list(self.control.words)
+            if not rapid and len(self.control.moves):
+                words[tool_axis] = max(words[tool_axis], self.holes.clearance() + lift)
+                self.control.straight(list(words), 1 << tool_axis, rapid=False)
             words[first], words[second] = u, v
             if not rapid and len(self.control.moves):
                 self.control.straight(words, 1 << first | 1 << second, rapid=False)
-            self.holes.call(words, lift=lift, low=low)
+            self.holes.call(words, lift=lift, low=low, least_back=least if k < len(places) else -math.inf)

@@ -79,7 +79,8 @@ def _sheet(lines: Sequence[str]) -> int:
 def _continues(first: str, text: str) -> bool:
     """Whether a line without number is part of the cycle above: some posts leave the mark `~` out. Cycles in lines
     (7.1, 10.1) have no such parameters."""
-    return first.startswith("CYCL DEF") and not _IN_LINES.match(first) and _ITEM.fullmatch(text) is not None
+    has_items = first.startswith(("CYCL DEF", "GLOBAL DEF")) and not _IN_LINES.match(first)
+    return has_items and _ITEM.fullmatch(text) is not None
 
 
 def without_comment(text: str) -> tuple[str, str]:

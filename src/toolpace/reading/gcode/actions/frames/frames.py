@@ -207,7 +207,7 @@ class Frames:
                 f"{word} in tool-centre-point mode that began with the table turned",
                 "controls differ in where the plane is then: write G49 before it",
             )
-        self.plane = frame
+        self.plane, self.state.turned_in_plane = frame, False
         self.apply()
 
     def _transformed(self, numbers: Numbers, word: str) -> None:

@@ -69,8 +69,11 @@ class Offsets:
         return number
 
     def indexed_offset(self, numbers: Numbers, word: str) -> None:
-        """MillPlus: I tells the line of the table."""
+        """MillPlus: I tells the line of the table; with axes the block may write into it."""
         index = numbers.pop("I", None)
+        if numbers.keys() & set("XYZABC"):
+            numbers.clear()
+            raise RefusedError(f"{word} with X, Y, Z, A, B or C", "write the motion in a block of its own")
         self.take(word if index is None else f"{word} I{index:g}")
 
     def no_offset(self, numbers: Numbers, word: str) -> None:

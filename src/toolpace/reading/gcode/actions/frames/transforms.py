@@ -29,6 +29,8 @@ class Transforms:
         self.control, self.state = control, state
         self.factor_of_whole: float = by.option("scale_of_whole", 1.0)
         """What a whole P of scaling counts (0.001 where P1000 is life size)."""
+        self.by_axis = by.option("scales_by_axis", False)
+        """Whether I, J, K scale each axis."""
         self.adds = by.option("rotation_adds", False)
         """Whether R of G68 under G91 is added to the turn in force."""
         self.absolute_centre = by.option("rotation_centre_is_absolute", False)
@@ -162,9 +164,14 @@ class Transforms:
         factors = [numbers.pop(letter, None) for letter in "IJK"]
         if common is None and not any(factors):
             raise WordError(f"{word} needs its factor as P, or I, J and K: write it like {word} X0 Y0 P0.5")
+        if common is None and not self.by_axis:
+            raise RefusedError(f"{word} with I, J, K", "one factor P is read here: scale the axes in the CAM system")
         if common is None and None in factors:
             self.control.findings.assumed(f"axes of which {word} names no factor (I, J, K) are not scaled")
-        chosen = [self._factor(factor if factor is not None else common) for factor in factors]
+        chosen = [
+            self._factor("P", common, word) if factor is None else self._factor(letter, factor, word)
+            for letter, factor in zip("IJK", factors)
+        ]
         if not all(chosen):
             raise WordError(f"{word} by zero leaves nothing: correct the factor")
         about = self._centre(numbers, word, None)
@@ -172,10 +179,12 @@ class Transforms:
         back = affine.shift([-value for value in about])
         self.scaled = affine.product(affine.shift(about), affine.product(affine.scaling(chosen), back))
 
-    def _factor(self, given: float | None) -> float:
+    def _factor(self, letter: str, given: float | None, word: str) -> float:
         if given is None:
             return 1.0
-        return given * self.factor_of_whole if given == int(given) else given
+        if self.factor_of_whole != 1.0 and given and letter not in self.state.whole | self.state.reckoned:
+            raise RefusedError(f"{word} {letter} with a point", "it counts thousandths: write 1000 for life size")
+        return given * self.factor_of_whole
 
     def scale_off(self, numbers: Numbers, word: str) -> None:
         """G50; with S it limits the spindle of a lathe."""
@@ -195,6 +204,8 @@ class Transforms:
             raise RefusedError(f"{word} under G91", "its place may count from the tool: write G90 before it")
         named = {slot: numbers.pop(letter) * self.state.unit for slot, letter in enumerate("XYZ") if letter in numbers}
         only_linear(numbers, word)
+        if word == "G101" and any(named.values()):
+            raise RefusedError(f"{word} about another place than zero", "write it like G101 X0")
         self.mirrors = self.mirrors | named
 
     def mirror_off(self, numbers: Numbers, word: str) -> None:
