@@ -97,8 +97,7 @@ class Compiler:
         self.last_rules = controller.option("last_of_group_rules", False)
         self.corners = controller.option("corner_words", False)
         self.tool_behind = controller.option("second_tool_is_next", False)
-        first = controller.option("feed_before_units", False)
-        self.last_before_feed = ORDER["inverse time" if first else "inch"]
+        self.last_before_feed = ORDER["inverse time" if controller.option("feed_before_units", False) else "inch"]
 
     def block(self, line: str) -> Block:
         """Raises WordError."""
