@@ -12,7 +12,6 @@ from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.functions import Functions
 from toolpace.reading.gcode.actions.holes import Holes
-from toolpace.reading.gcode.actions.idle_words import IdleWords
 from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.actions.modes import Modes
@@ -22,6 +21,7 @@ from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
+from toolpace.reading.gcode.idle_words import IdleWords
 from toolpace.reading.gcode.program import alarms
 from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
