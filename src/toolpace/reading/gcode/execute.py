@@ -202,7 +202,8 @@ class Executor:
     def _rest(self, numbers: Numbers, number: float | None, free: bool) -> None:
         """What no word of the block has taken: the motion, and letters that mean nothing for it."""
         state, control, slots = self.state, self.control, self.control.slots
-        state.radius_number = numbers.get("D", state.radius_number)
+        if "D" in numbers:
+            self.compensation.choose(numbers["D"])
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
                 control.findings.ignored(letter)
