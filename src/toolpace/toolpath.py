@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -221,6 +222,17 @@ class ToolPath(ByValue):
         """(n,) its length [m]."""
         length: Floats = np.linalg.norm(self.way, axis=1)
         return length
+
+    def part(self, first: int, last: int) -> ToolPath:
+        """The points from `first` to `last` as a path of their own, which begins and ends at rest."""
+        n, kept = len(self), slice(first, last + 1)
+        told = {column.name: getattr(self, column.name) for column in fields(self) if column.name != "numbered"}
+        columns: dict[str, Any] = {
+            name: value[kept] for name, value in told.items() if isinstance(value, np.ndarray) and len(value) == n
+        }
+        stop = columns["stop"].copy()
+        stop[[0, -1]] = True
+        return replace(self, **(columns | {"stop": stop}))
 
     def with_tool(self, length: float) -> ToolPath:
         """The same poses of the machine, as the tip of a tool of this length passes them [m]; `tool_length` is nan.

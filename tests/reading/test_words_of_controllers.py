@@ -90,6 +90,15 @@ def test_headers_nested_comments_and_listings():
         read_for("linuxcnc", START + "(a (b))\nM2")
 
 
+@pytest.mark.parametrize("line", ["(ROUGHING", "G1 X1. (ROUGHING", "(A) (B"])
+def test_a_comment_that_is_not_closed_may_hide_blocks(line):
+    """By the manuals' words it ends with ), on whatever line that stands."""
+    for name in ("fanuc", "mazak"):
+        with pytest.raises(ProgramError, match="open at the end of its line"):
+            read_for(name, START + line + "\nG1 X2.\n(DONE)\nM30")
+    assert tips("fanuc", START + "(PART; 27/05)\nG1 X1. (A (B)\nM30")[-1] == [1, 0, 0]
+
+
 def test_a_semicolon_ends_a_block_of_fanuc_and_hides_none():
     """Fanuc manuals print ; for the end of a block; on LinuxCNC a comment begins with it."""
     assert tips("fanuc", START + "G1 X1.;\nX2. ; so far\nM30;")[-1] == [2, 0, 0]

@@ -17,7 +17,7 @@ from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
 from toolpace.reading.gcode.actions.frames.turned_in_plane import need_on_plane, refuse, turned_alone, turns
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.program.words import RefusedError, WordError
+from toolpace.reading.gcode.program.words import NO_EXPONENT, RefusedError, WordError
 from toolpace.units import DEGREE
 
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
@@ -282,5 +282,5 @@ class MotionReader:
         if letter in "ABC" or (letter in "UVW" and self.control.poses.machine is not None):
             self.control.slot(letter)
         if letter == "E":
-            raise WordError("E has no meaning here: write numbers without exponent, like 0.00001")
+            raise WordError(NO_EXPONENT)
         raise WordError(f"word {letter} is not known here and might move something: remove it")

@@ -230,6 +230,8 @@ class Parser:
         if self.sign("["):
             indices = self.index()
             return lambda memory: memory.variable(name, tuple(whole(index(memory)) for index in indices))
+        if self.token.kind == SIGN and self.token.text == "(":
+            raise SyntaxFault(f"{name[:30]}(..) is no function that is read: write what it gives")
         return Named(name)
 
 
