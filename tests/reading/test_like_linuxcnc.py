@@ -69,6 +69,11 @@ def test_what_is_read_is_what_linuxcnc_does(name):
     assert difference(Job(HEAD + SAME[name], tools={1: 80.0, 2: 100.0})) == ""
 
 
+def test_a_block_without_a_centre_behind_an_arc_is_refused_by_both():
+    verdict = compared(Job(HEAD + "G0 X0 Y0 Z5\nG2 X10 Y0 I5\nG43 Z0 H2\nM2\n", tools={2: 100.0}))
+    assert verdict.kind == BOTH
+
+
 @pytest.mark.parametrize("text", REFUSED)
 def test_what_is_not_read_so_is_refused(text):
     found = difference(Job(f"{HEAD}G0 X10 Y0 Z5\n{text}", tools={2: 100.0}))

@@ -144,6 +144,10 @@ def _cards(
     if blocks:
         shown = f"{blocks:,}".replace(",", "\u202f")
         cards.append(("Blocks", shown, f"{stops} stop{'' if stops == 1 else 's'} on the way", ""))
+    if trajectory.skipped:
+        left_out = 1e3 * sum(each.length for each in trajectory.skipped)
+        off = 1e3 * max(each.off for each in trajectory.skipped)
+        cards.append(("Left out of the path", f"{left_out:.4g} mm", f"up to {off:.4g} mm off the way of the tip", ""))
     cards += _deviations(verification, figures)
     if figures is not None:
         cards += _rounds(figures)

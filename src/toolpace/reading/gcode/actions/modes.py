@@ -9,6 +9,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.dialect import OSP
 from toolpace.reading.gcode.actions.holes import KINDS, Holes
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
@@ -48,7 +49,7 @@ class Modes:
             "to initial level": self._set("to_initial", True),
             "to R level": self._set("to_initial", False),
             "polar": self._polar,
-            "cartesian": self._set("polar", False),
+            "cartesian": self._cartesian,
             "exact stop": self._set("stop_here", True),
             "machine coordinates": self._set("in_machine", True),
             "dwell": self._dwell,
@@ -150,6 +151,12 @@ class Modes:
         if shared and not numbers.keys().isdisjoint("XYZABCUVWIJKR"):
             return numbers.get(letter)
         return numbers.pop(letter, None)
+
+    def _cartesian(self, numbers: Numbers, word: str) -> None:
+        if "H" in numbers:
+            numbers.clear()
+            raise RefusedError(f"{word} H", f"it is a work offset of Okuma's OSP, {OSP}")
+        self.state.polar = False
 
     def _polar(self, numbers: Numbers, word: str) -> None:
         self.state.polar, self.state.pole = True, {}

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Set
 from typing import NamedTuple
 
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import NO_EXPONENT, WordError
 
 LONGEST_LINE = 252
 """Characters of a line, without its end ("Command too long")."""
@@ -139,7 +139,7 @@ def of_letters(letters: Set[str], words: list[str], in_force: str) -> Iterator[t
         if present.isdisjoint(users):
             told = f"{', '.join(users[:-1])} or {users[-1]}"
             if letter == "E":
-                raise WordError("E has no meaning here: write numbers without exponent, like 0.00001")
+                raise WordError(NO_EXPONENT)
             certain = letter in _OF_TOOLS or (words and in_force not in _CYCLES)
             if not certain or (letter not in _OF_TOOLS and not (present | letters).isdisjoint(_MOVING)):
                 raise WordError(f"{letter} has no use in this block, it belongs to {told}: remove it")
