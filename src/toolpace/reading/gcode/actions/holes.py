@@ -254,12 +254,9 @@ class Holes:
             raise WordError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
         if missing is not None:
             raise WordError(f"the cycle lacks {missing}: pecks need Q, dwells P, and boring backwards I, J and K")
-        dwell = words.get("P", 0.0) if kind.dwells else 0.0
-        if self.rs274:
-            # P is taken where it is kept for the next cycle too, and passed over elsewhere
-            dwell = 0.0
-            if state.cycle == "tap" or "P" in kind.needs:
-                dwell = self.dwelt = words.get("P", self.dwelt)
+        waits = (state.cycle == "tap" or "P" in kind.needs) if self.rs274 else kind.dwells
+        dwell = words.get("P", self.dwelt if self.rs274 else 0.0) if waits else 0.0
+        self.dwelt = dwell if waits else self.dwelt
         top = words.get("R", 0.0) * unit + (0.0 if self._is_absolute("R") else self.level)
         bottom = words[letter] * unit + (0.0 if self._is_absolute(letter) else top)
         from_above = self.rs274 or state.cycle != "bore backwards"
