@@ -1,6 +1,6 @@
 """Our reading of LinuxCNC programs against LinuxCNC's own: the same places, order, feeds and dwells, the same refusals.
 
-    python -m testbed.against_rs274 [--first SEED] [--programs N] [--contours] [FILE...]
+    python -m testbed.against_rs274 [--first SEED] [--programs N] [--contours | --loops] [FILE...]
 
 Places are compared in machine coordinates, so that offsets, rotations and tool lengths count; a difference is a place
 off the way that the interpreter commands, a time of a motion at feed, a dwell, a line, or a refusal by one of both.
@@ -22,6 +22,7 @@ import numpy as np
 from testbed.linuxcnc.canon import INCH, Judged, Motion
 from testbed.linuxcnc.contours import random_contour
 from testbed.linuxcnc.job import Cartesian, Job
+from testbed.linuxcnc.nested import nested_job
 from testbed.linuxcnc.programs import random_job
 from testbed.linuxcnc.rs274 import NAME, copy_called, judged
 from testbed.linuxcnc.walk import Walk
@@ -55,7 +56,7 @@ def compared(job: Job) -> Verdict:
         return Verdict(UNTOLD, str(error))
     moving = any(_moves(motion) for motion in theirs.motions)
     try:
-        ours = _read(job)
+        ours = read_job(job)
     except ToolpaceError as error:
         if not moving and not theirs.error and "there is no motion" in str(error):
             return Verdict(SAME)
@@ -71,7 +72,7 @@ def compared(job: Job) -> Verdict:
 def _without_end(job: Job, theirs: Judged, moving: bool) -> Verdict:
     """A program that has no end, read on to it by both."""
     try:
-        ours = _read(job, lenient=True)
+        ours = read_job(job, lenient=True)
     except ToolpaceError as error:
         kind = NO_END if not moving and "there is no motion" in str(error) else BOTH
         return Verdict(kind, f"{theirs.error}; {error}")
@@ -97,6 +98,10 @@ KNOWN = {
     r"M0 or M1 stands before an inside corner": "its interpreter gouges such a corner",
     r"closes but for a rounding": "a compensated circle that its planner may take for nothing",
     r"a change of the unit .* under cutter compensation": "G20 and G21 within a compensated contour",
+    r"in LinuxCNC's interpreter this": "a loop that another one, which was left in its middle, changes there",
+    r"may take the same letters": "M19, M61 or M66 beside a cycle, of which both use L, P, Q or R there",
+    r"G43\.[12] and \S+ both take": "offsets of a tool beside a motion, both take its axes there",
+    r"a full circle, or none": "an arc that is a circle on a machine in inch alone",
     r"its label stands in line \d+ already": "do with a label of a loop before goes back to that loop there",
 }
 """Refusals of ours alone that are meant, by what they say, and why."""
@@ -116,7 +121,8 @@ def surprise(job: Job) -> str:
     return "" if meant(verdict) else f"{verdict.kind}: {verdict.said}"
 
 
-def _read(job: Job, *, lenient: bool = False) -> ToolPath:
+def read_job(job: Job, *, lenient: bool = False) -> ToolPath:
+    """Our reading of a program, on the machine of the comparison. Raises ToolpaceError."""
     if job.beside is None:
         name = "part.ngc"
         return read_text(job.text, Cartesian(), controller="linuxcnc", setup=job.setup(), name=name, lenient=lenient)
@@ -137,13 +143,14 @@ def main(arguments: Iterable[str]) -> int:
     parser.add_argument("--first", type=int, default=0, help="seed of the first program")
     parser.add_argument("--programs", type=int, default=1000, help="how many")
     parser.add_argument("--contours", action="store_true", help="contours with cutter compensation")
+    parser.add_argument("--loops", action="store_true", help="loops, conditions and calls within each other")
     parser.add_argument("--show", type=int, default=5, help="how many different programs are printed whole")
     parser.add_argument("files", nargs="*", type=Path, help="programs to compare in place of random ones")
     given = parser.parse_args(list(arguments))
     if given.files:
         jobs = ((str(file), Job(file.read_text(errors="replace"), numbered=False)) for file in given.files)
     else:
-        job_of = random_contour if given.contours else random_job
+        job_of = random_contour if given.contours else nested_job if given.loops else random_job
         jobs = ((f"seed {seed}", job_of(seed)) for seed in range(given.first, given.first + given.programs))
     different = 0
     counts: Counter[str] = Counter()

@@ -136,7 +136,9 @@ def tried(case: Case, way: np.ndarray) -> Case:
     tip = chain.forward(q, chain.own_length)[0][0] + case.size * way
     began = time.process_time()
     try:
-        new = tp.replan(old, case.time, tip, machine, cause=case.cause, planner=case.planner)
+        new = tp.replan(
+            old, case.time, tip, machine, cause=case.cause, planner=case.planner, most=2.0 * SIZES[-1]
+        )
     except InfeasibleError as error:
         case.seconds = time.process_time() - began
         case.refused = f"refused: {error}"

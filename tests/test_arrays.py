@@ -17,6 +17,8 @@ from toolpace.toolpath import ToolPath
 
 ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 """What names an array in a signature."""
+pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called tip= now")
+
 MACHINE = tp.Machine.load("xyzac-trunnion")
 LIMITS = tp.Limits([0.5, 0.5], [2.0, 2.0], [20.0, 20.0])
 RNG = np.random.default_rng(5)
@@ -186,7 +188,10 @@ CASES: dict[str, Case] = {
     "Haste: s": Case(lambda x: dataclasses.replace(HASTE, s=x), HASTE.s, "s"),
     "Haste: pace": Case(lambda x: dataclasses.replace(HASTE, pace=x), HASTE.pace, "pace"),
     "Haste.rows: breaks": Case(lambda x: HASTE.rows(x, 1.0), np.linspace(0.0, 1.0, 5), "breaks"),
-    "deflect.project: deflection": Case(lambda x: tp.deflect.project(EXACT, x), f32([0.09, 0.02, 0.01]), "deflection"),
+    "deflect.project: tip": Case(lambda x: tp.deflect.project(EXACT, x), f32([0.09, 0.02, 0.01]), "tip"),
+    "deflect.project: deflection": Case(
+        lambda x: tp.deflect.project(EXACT, deflection=x), f32([0.09, 0.02, 0.01]), "tip"
+    ),
     "deflect.force: target": Case(lambda x: tp.deflect.force(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
     "deflect.force: deflection": Case(lambda x: tp.deflect.force([0.0, 0.0, 0.0], x), LINES[:3], "deflection"),
     "deflect.potential: target": Case(lambda x: tp.deflect.potential(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
@@ -195,15 +200,19 @@ CASES: dict[str, Case] = {
         lambda x: tp.deflect.potential([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], velocity=(x, [0.0, 0.0, 0.0])), LINES[:3],
         "velocity",
     ),
+    "deflect.deflected_pose: tip": Case(
+        lambda x: tp.deflect.deflected_pose(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-4), "tip"
+    ),
     "deflect.deflected_pose: deflection": Case(
-        lambda x: tp.deflect.deflected_pose(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-4), "deflection"
+        lambda x: tp.deflect.deflected_pose(ON_MACHINE, 0.3, deflection=x), f32([1e-4, -2e-4, 3e-4]), "deflection"
     ),
     "deflect.deflected_pose: axis": Case(
         lambda x: tp.deflect.deflected_pose(ON_MACHINE, 0.3, ON_MACHINE.tip(0.3)[0], axis=x),
         f32(ON_MACHINE.tip(0.3)[1]), "axis", optional=True,
     ),
+    "deflect.replan: tip": Case(lambda x: tp.replan(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-5), "tip"),
     "deflect.replan: deflection": Case(
-        lambda x: tp.replan(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-5), "deflection"
+        lambda x: tp.replan(ON_MACHINE, 0.3, deflection=x), f32([1e-5, -2e-5, 3e-5]), "deflection"
     ),
     "deflect.replan: axis": Case(
         lambda x: tp.replan(ON_MACHINE, 0.3, f32(ON_MACHINE.tip(0.3)[0]), axis=x), f32(ON_MACHINE.tip(0.3)[1]), "axis",

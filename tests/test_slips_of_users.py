@@ -93,7 +93,7 @@ def test_a_parameter_whose_powers_overflow_is_refused() -> None:
 def test_replanning_says_what_is_wrong(time: float, options: dict[str, object], message: str) -> None:
     planned = tp.plan(tp.AxisPath.from_waypoints(POINTS), LIMITS)
     with pytest.raises(UsageError, match=message):
-        tp.replan(planned, time, [0.1, 0.1], **options)  # type: ignore[arg-type]
+        tp.replan(planned, time, [0.1, 0.1], most=1.0, **options)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("given", [np.inf, 0.0, 1e300])

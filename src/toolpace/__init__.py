@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     from toolpace.timing.program_time import PartTime, ProgramTime
     from toolpace.tolerances.tolerances import Tolerances
     from toolpace.toolpath import Operation, ToolPath
-    from toolpace.trajectory import OpenPlace, Trajectory
+    from toolpace.trajectory import OpenPlace, Skipped, Trajectory
     from toolpace.workers import Progress, Workers
     from toolpace.write.set_up_folder import write_set_up
 
@@ -130,6 +130,7 @@ __all__ = [
     "SetPoints",
     "SetUp",
     "Sign",
+    "Skipped",
     "Status",
     "TimeLaw",
     "Tolerances",
@@ -220,6 +221,7 @@ _HOME = {
     "SetPoints": "setpoints",
     "SetUp": "reading.coordinates.setup",
     "Sign": "reading.controllers.controller",
+    "Skipped": "trajectory",
     "Status": "follow",
     "TimeLaw": "laws.law",
     "Tool": "reading.coordinates.setup",

@@ -11,6 +11,7 @@ from toolpace.arrays import Floats, frozen, number, numbers
 from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.units import METRES, WIDEST_TOOL, refuse_other_unit
 
 Milling = Literal["up", "down", "slot"]
 MILLINGS: tuple[Milling, ...] = get_args(Milling)
@@ -20,6 +21,10 @@ OTHER_WORDS: dict[str, Milling] = {
 """What else people call them."""
 Force = Literal["mean", "peak"]
 FORCES: tuple[Force, ...] = get_args(Force)
+FASTEST_SPINDLE = 5000.0
+"""[1/s]: 300 000 rpm."""
+SOFTEST, SOFTEST_EDGE = 1e6, 100.0
+"""Least force per area of chip [Pa] and per length of edge [N/m] that is not zero: a hundredth of that of plastics."""
 STEEPEST = math.radians(80.0)
 """Most of a helix [rad]."""
 
@@ -97,6 +102,10 @@ class Cut:
             ("radial_depth", self.width),
         ):
             number(value, f"cut: {name}", least=0.0, above=True)
+        refuse_other_unit(cutter.diameter, WIDEST_TOOL, "cut: diameter", METRES)
+        refuse_other_unit(self.engagement.axial_depth, WIDEST_TOOL, "cut: axial_depth", METRES)
+        refuse_other_unit(self.spindle_speed, FASTEST_SPINDLE, "cut: spindle_speed", "give 1/s: 18000 rpm is 300")
+        self._refuse_soft()
         if self.width > cutter.diameter:
             raise UsageError(
                 f"cut: radial_depth of {self.width * 1e3:g} mm is more than the diameter of "
@@ -106,6 +115,14 @@ class Cut:
             raise UsageError(f"cut: helix of {math.degrees(cutter.helix):g} deg; give at most 80 deg")
         if not 0.0 <= cutter.runout <= 0.1 * cutter.diameter:
             raise UsageError(f"cut: runout of {cutter.runout * 1e3:g} mm; give at most a tenth of the diameter")
+
+    def _refuse_soft(self) -> None:
+        """Raise UsageError for coefficients that are those of no material, but would be in MPa and N/mm."""
+        for name, figure in vars(self.coefficients).items():
+            edge = name.endswith("edge")
+            least, cure = (SOFTEST_EDGE, "N/m: 25 N/mm is 25e3") if edge else (SOFTEST, "Pa: 800 MPa is 8e8")
+            if 0.0 < abs(figure) < least:
+                raise UsageError(f"cut: {name} is {figure:g}, less than {least:g}; give {cure}")
 
     @property
     def width(self) -> float:

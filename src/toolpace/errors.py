@@ -40,6 +40,10 @@ class ProgramError(ToolpaceError):
         self.source, self.line, self.text = source, line, text
 
 
+class FeedMissingError(ProgramError):
+    """A program that tells no feed: it is read with one that is given."""
+
+
 class MachineError(ToolpaceError):
     """A machine file that is missing, misspelt or contradicts itself."""
 

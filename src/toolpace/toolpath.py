@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,15 @@ from toolpace.arrays import Bools, Floats, Ints, integers, marks, numbers
 from toolpace.description import counted, one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError
+from toolpace.units import (
+    FARTHEST_PART,
+    FASTEST_FEED,
+    LONGEST_TOOL,
+    METRES,
+    METRES_PER_SECOND,
+    ask_about_unit,
+    refuse_other_unit,
+)
 
 UNIT = 1e-6
 """By how much the length of a tool axis may differ from 1."""
@@ -137,6 +147,10 @@ class ToolPath(ByValue):
         if not (feed > 0.0).all():
             at = int(np.argmin(feed > 0.0))
             raise UsageError(f"tool path: feed {at} is {feed[at]:g} m/s; give feeds above zero, inf for rapids")
+        if n:
+            ask_about_unit(float(np.abs(tip).max()), FARTHEST_PART, "tool path: a coordinate of tip", METRES)
+            fastest = float(feed[np.isfinite(feed)].max(initial=0.0))
+            ask_about_unit(fastest, FASTEST_FEED, "tool path: feed", METRES_PER_SECOND)
         taken = {"tip": tip, "axis": axis, "feed": feed}
         for name in ("least_time", "dwell"):
             taken[name] = numbers(getattr(self, name), f"tool path: {name}", (n,), unit="s")
@@ -209,11 +223,23 @@ class ToolPath(ByValue):
         length: Floats = np.linalg.norm(self.way, axis=1)
         return length
 
+    def part(self, first: int, last: int) -> ToolPath:
+        """The points from `first` to `last` as a path of their own, which begins and ends at rest."""
+        n, kept = len(self), slice(first, last + 1)
+        told = {column.name: getattr(self, column.name) for column in fields(self) if column.name != "numbered"}
+        columns: dict[str, Any] = {
+            name: value[kept] for name, value in told.items() if isinstance(value, np.ndarray) and len(value) == n
+        }
+        stop = columns["stop"].copy()
+        stop[[0, -1]] = True
+        return replace(self, **(columns | {"stop": stop}))
+
     def with_tool(self, length: float) -> ToolPath:
         """The same poses of the machine, as the tip of a tool of this length passes them [m]; `tool_length` is nan.
 
         Ways of other tools are not straight for it where the tool turns: this is for what asks for joints at points.
         """
+        refuse_other_unit(length, LONGEST_TOOL, "tool path: tool length", METRES)
         other = np.where(np.isnan(self.tool_length), 0.0, self.tool_length - length)
         if not other.any():
             return self
@@ -231,3 +257,10 @@ class ToolPath(ByValue):
         source = self.source if len(self.source) <= 40 else f"...{self.source[-37:]}"
         count = counted(len(self), "point")
         return one_line(self, f"{source}: {count}" if source else count, counted(self.blocks, "block"), given)
+
+
+def check_toolpath(toolpath: object, asks: str) -> None:
+    """Raise UsageError where something else is given in place of a tool path; `asks` is who asks for it."""
+    if isinstance(toolpath, ToolPath):
+        return
+    raise UsageError(f"{asks}: {type(toolpath).__name__} in place of a tool path; give what tp.read returns")

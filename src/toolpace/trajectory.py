@@ -18,6 +18,7 @@ from toolpace.laws.law import TimeLaw
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
 from toolpace.setpoints import SetPoints, refuse_too_many
+from toolpace.units import SECONDS, ask_about_unit
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -26,6 +27,8 @@ BINDING = 0.995
 """Share of a limit from which it counts as binding."""
 CHUNK = 100_000
 """Times that are worked out at once, to keep memory low."""
+LONGEST_STEP = 0.2
+"""Between set-points [s] that is not asked about: more is a time in ms."""
 INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
 """Note of a motion that was loaded."""
 
@@ -41,6 +44,22 @@ class OpenPlace:
     """At most so much could be gained there [s]."""
     block: int
     """Block of the program at its start; 0 where there is none."""
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A stretch of the path that the tip leaves out where a replanned motion comes back onto it."""
+
+    start: float
+    end: float
+    """Parameters of the run, as `replan` takes one to rejoin at."""
+    length: float
+    """Of the path between [m]; without a machine of the joints' way."""
+    off: float
+    """How far the path is from the way of the tip there, at most [m]: more than the 10 um that are no leaving out."""
+    first_block: int
+    last_block: int
+    """Blocks of the program at both ends; 0 where there is none."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,6 +81,8 @@ class Trajectory:
     """Where most of the gap between duration and lower bound lies, in the order of time."""
     notes: tuple[str, ...] = ()
     """Sentences on the runs whose duration was far from its bound: why, and what came of another try."""
+    skipped: tuple[Skipped, ...] = ()
+    """What a replan leaves out of the path, in its order; empty where it follows all of it."""
     mesh_points: int = 0
     solve_seconds: float = 0.0
     found_usage: Usage | None = None
@@ -87,6 +108,7 @@ class Trajectory:
             counted(blocks, "block") if blocks else "",
             f"gap {self.gap * 100.0:.2g} % on its mesh" if self.lower_bound > 0.0 else "",
             f"planner {self.planner}",
+            f"leaves out {sum(each.length for each in self.skipped):.3g} m of the path" if self.skipped else "",
         )
 
     @property
@@ -200,6 +222,7 @@ class Trajectory:
         Raises UsageError where they would not fit into memory.
         """
         dt = number(dt, "set-points: time step dt", least=0.0, above=True, unit="s")
+        ask_about_unit(dt, LONGEST_STEP, "set-points: time step dt", SECONDS)
         refuse_too_many(self.duration, dt, len(self.joints))
         t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
         motion, block = self._motion_in_pieces(t)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 
-from toolpace.errors import UsageError
+from toolpace.errors import UnitWarning, UsageError
 
 MILLIMETRE = 1e-3
 INCH = 0.0254
@@ -69,6 +70,32 @@ _EXAMPLES = {
 _QUANTITY = re.compile(r"\s*+([-+]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?)\s*+(\S*+)\s*+")
 _SHOWN = 40
 """Most characters of a text that a message shows."""
+
+
+METRES = "give metres: 120 mm is 0.12"
+RADIANS = "give radians: 90 deg is 1.571"
+METRES_PER_SECOND = "give m/s: 3000 mm/min is 0.05"
+SECONDS = "give seconds: 1 ms is 1e-3"
+LONGEST_TOOL = 4.0
+"""Of a tool from the spindle nose to its tip [m]: more is a length in mm."""
+WIDEST_TOOL = 0.5
+"""Diameter of a tool, and depth of a cut [m]."""
+FARTHEST_PART = 30.0
+"""From the machine's zero [m]: the longest gantries have less."""
+FASTEST_FEED = 300.0
+"""[m/s]: a hundred times what machine tools cut at; programs ask for as fast as can be by large figures."""
+
+
+def refuse_other_unit(value: float, most: float, name: str, cure: str) -> None:
+    """Raise UsageError for a figure beyond any that there is, which was meant in another unit; nan and inf pass."""
+    if most < abs(value) < math.inf:
+        raise UsageError(f"{name} is {value:g}, beyond {most:g}; {cure}")
+
+
+def ask_about_unit(value: float, most: float, name: str, cure: str) -> None:
+    """Warn (UnitWarning) of a figure that can hardly be meant."""
+    if most < abs(value) < math.inf:
+        warnings.warn(f"{name} is {value:g}, more than the usual {most:g}; is it right? Else {cure}", UnitWarning, 3)
 
 
 def parse_length(text: str) -> float:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -49,12 +49,29 @@ class Motion:
     waited: float = 0.0
     """Dwells before it, since the beginning of the program [s]."""
 
+    def otherwise(self, near: float) -> Motion | None:
+        """The other motion that an arc may be, whose ends lie within `near` [mm] of one ray as they are printed.
+
+        A whole turn more or less; without one, the straight way. None where the ends tell: ends that are printed alike
+        are one.
+        """
+        axis, way = np.array(self.axis), (self.end - self.start)[:3]
+        if np.linalg.norm(way - (way @ axis) * axis) < 1e-9:
+            return None
+        whole = math.copysign(2.0 * math.pi, self.sweep)
+        rest = math.remainder(self.sweep, whole)
+        if self.normal < 0 or abs(rest) * self.radius() > near:
+            return None
+        if rest * whole > 0.0:  # beyond whole turns, or none: one more
+            return replace(self, sweep=self.sweep + whole)
+        return replace(self, sweep=self.sweep - whole) if abs(self.sweep) > 9.0 else replace(self, normal=-1)
+
     def length(self) -> float:
         """Of X, Y, Z [mm]; where none moves, of the rotary axes [deg]."""
         way = self.end - self.start
         if self.normal >= 0:
-            mean = 0.5 * (self.radius() + self.radius(at_end=True))
-            return math.hypot(mean * self.sweep, float(way[:3] @ np.array(self.axis)))
+            first, last = self.radius(), self.radius(at_end=True)
+            return math.hypot(0.5 * (first + last) * self.sweep, last - first, float(way[:3] @ np.array(self.axis)))
         return float(np.linalg.norm(way[:3])) if self.travels() else float(np.linalg.norm(way[3:]))
 
     def radius(self, at_end: bool = False) -> float:
@@ -80,6 +97,8 @@ class Judged:
     """All dwells [s]."""
     error: str
     """Its refusal; empty where it read the program to its end."""
+    exact: bool = False
+    """Whether places are told to the last digit; else to four decimals, which hide whether an arc is a whole turn."""
 
 
 @dataclass

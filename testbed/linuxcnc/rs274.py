@@ -10,7 +10,7 @@ from pathlib import Path
 
 from testbed.linuxcnc.canon import Judged, read_calls
 
-SECONDS = 20.0
+SECONDS = 5.0
 """Most time of one program."""
 NAME = "compared-program.ngc"
 """Of the file, which none that it calls has."""
@@ -43,6 +43,8 @@ def judged(
     parameters: of the interpreter, by number [inch, deg]. tools: length by number [inch]; tool n stands in pocket n.
     diameters: of tools, by number [inch].
     beside: a folder with the files that the program calls; they are looked for nowhere else.
+
+    A program that does not come to an end has that error, and no motions.
     """
     with tempfile.TemporaryDirectory(prefix="rs274.") as folder:
         place = Path(folder)
@@ -60,10 +62,13 @@ def judged(
         (place / "part.tbl").write_text("\n".join(table) + "\n", encoding="utf-8")
         command = ["rs274", *(["-b"] if block_delete else []), "-g", *of_ini, "-v", "part.var", "-t", "part.tbl"]
         command.append(NAME)
-        done = subprocess.run(
-            command, cwd=place, env={"HOME": folder, "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8"}, timeout=seconds,
-            capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, errors="replace",
-        )  # fmt: skip
+        try:
+            done = subprocess.run(
+                command, cwd=place, env={"HOME": folder, "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8"}, timeout=seconds,
+                capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, errors="replace",
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return read_calls("", f"it does not come to an end in {seconds:g} s")
     if done.returncode not in (0, 1):
         raise RuntimeError(f"rs274 ended with {done.returncode}: {done.stderr[-500:]}")
     said = [line for line in done.stderr.splitlines() if line.strip() and line != "executing"]

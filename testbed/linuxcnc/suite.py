@@ -2,16 +2,15 @@
 
     python -m testbed.linuxcnc.suite FOLDER [--list KIND]
 
-Every file `.ngc` below the folder is read by both, with the files beside it that it calls, and with the lengths of the
-one tool table (`.tbl`) that lies there. Its INI files and Python are not looked at: a remapped word is an unknown one
-to both. Nothing is kept of the programs.
+Every file `.ngc` below the folder is read by both, with the files beside it that it calls, and with the lengths and
+diameters of the one tool table (`.tbl`) that lies there. Its INI files and Python are not looked at: a remapped word is
+an unknown one to both. Nothing is kept of the programs.
 """
 
 from __future__ import annotations
 
 import argparse
 import re
-import subprocess
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable
@@ -42,24 +41,32 @@ REASONS = (
 OTHER = "another error"
 NUMBERS = range(1, 100)
 """Tools without length, for programs that come without a table."""
-_LENGTH = re.compile(r"^\s*T(\d+)\b[^;]*?\bZ([-+]?[0-9.]+)", re.MULTILINE)
+_TOOL = re.compile(r"^\s*T(\d+)\b([^;\n]*)", re.MULTILINE)
+_FIGURE = re.compile(r"\b([ZD])([-+]?[0-9.]+)")
 
 
-def tools(folder: Path) -> dict[int, float]:
-    """Lengths [mm] by number, of the one tool table in a folder, which is in inches; without one zero."""
+def tools(folder: Path) -> dict[int, dict[str, float]]:
+    """Length Z and diameter D [mm] by number, of the one tool table in a folder, which is in inches; else zero."""
     tables = sorted(folder.glob("*.tbl"))
     if len(tables) != 1:
-        return dict.fromkeys(NUMBERS, 0.0)
+        return {number: {} for number in NUMBERS}
     text = tables[0].read_text(encoding="utf-8", errors="replace")
-    return {int(number): float(length) * INCH for number, length in _LENGTH.findall(text) if int(number)}
+    return {
+        int(number): {letter: float(value) * INCH for letter, value in _FIGURE.findall(figures)}
+        for number, figures in _TOOL.findall(text)
+        if int(number)
+    }
 
 
 def verdict(path: Path) -> Verdict:
     """What came of one program."""
     text = path.read_bytes().decode("utf-8", errors="replace")
     try:
-        return compared(Job(text, tools=tools(path.parent), numbered=False, beside=path.parent))
-    except (RuntimeError, subprocess.TimeoutExpired) as error:
+        found = tools(path.parent)
+        lengths = {number: figures.get("Z", 0.0) for number, figures in found.items()}
+        radii = {number: figures.get("D", 0.0) / 2.0 for number, figures in found.items()}
+        return compared(Job(text, tools=lengths, radii=radii, numbered=False, beside=path.parent))
+    except RuntimeError as error:
         return Verdict(UNTOLD, f"{type(error).__name__}: {error}")
 
 

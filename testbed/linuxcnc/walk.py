@@ -16,6 +16,10 @@ PRINTED = 3e-4
 """Rounding of a place, in units: four decimals of it and of up to three offsets."""
 
 
+BOW = 5e-4
+"""Most distance of our points' chords from their arc [mm]."""
+
+
 class Walk:
     """Our points, one motion of the interpreter after the other."""
 
@@ -40,9 +44,9 @@ class Walk:
         for number, motion in enumerate(self.theirs.motions):
             before = self.at, self.waited
             found = self._motion(motion)
-            if found and motion.normal >= 0 and np.abs(motion.end - motion.start).max() <= PRINTED * motion.unit:
-                # ends that are one as they are printed: a whole turn, or next to nothing
-                (self.at, self.waited), found = before, ""
+            if found and not self.theirs.exact and (other := motion.otherwise(PRINTED * motion.unit)):
+                self.at, self.waited = before
+                found = self._motion(other) and found
             if found:
                 return f"motion {number} ({_said(motion)}): {found}"
         last = self.theirs.motions[-1] if self.theirs.motions else None
@@ -81,7 +85,7 @@ class Walk:
         while self._still_there(motion, near):
             self.at += 1
             spent += self._step()
-        return "" if motion.rapid else self._of_time(motion, spent, near)
+        return "" if motion.rapid else self._of_time(motion, spent, near, self.theirs.exact)
 
     def _finish_motion_before(self, motion: Motion, near: float) -> None:
         """Pass over points that are of the motion before, which ended by the printed decimals: all are at its end."""
@@ -116,11 +120,15 @@ class Walk:
         )
 
     @staticmethod
-    def _of_time(motion: Motion, spent: float, near: float) -> str:
+    def _of_time(motion: Motion, spent: float, near: float, exact: bool) -> str:
         wanted = motion.seconds()
         rate = (motion.rate / motion.unit) if motion.travels() else motion.turn
         size = min(motion.radius(), motion.length()) if motion.normal >= 0 else motion.length()
-        doubt = 4 * near / max(size, near) + 1e-4 / max(rate, 1e-4)
+        doubt = 4 * near / max(size, near)
+        if motion.normal >= 0:
+            doubt += BOW / (3.0 * motion.radius())  # chords are so much shorter than their arc
+        if not exact:
+            doubt += 1e-4 / max(rate, 1e-4)
         if abs(spent - wanted) <= wanted * (1e-6 + doubt):
             return ""
         return f"we take {spent:g} s, rs274 {wanted:g} s"

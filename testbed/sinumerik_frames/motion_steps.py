@@ -20,10 +20,17 @@ class MotionSteps(PlaneSteps):
             place |= {x: self.angle(x) for x in self.some(self.chain.rotary, 0)}
         self._motion(place)
 
+    def _named(self):
+        """X, Y and Z, then perhaps another frame: distances are read where their axes were named before."""
+        self._motion({x: self.number(40) for x in "XYZ"})
+        if self.rng.random() < 0.5:
+            self.translate()
+
     def distance(self):
         """IC(): from the end of the motion before it, in the words of then."""
         if self.waiting and not self.traori:
             self.transform()
+        self._named()
         by = {x: self.number(20) for x in self.some("XYZ")}
 
         def act(truth, found):
@@ -38,6 +45,7 @@ class MotionSteps(PlaneSteps):
             return
         if self.waiting and not self.traori:
             self.transform()
+        self._named()
         i, j, opening, rise = self.number(15), self.number(15), abs(self.number(300)) + 10, self.number(10)
         clockwise = bool(self.rng.random() < 0.5)
 

@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+import toolpace as tp
 from toolpace import demo
 from toolpace.cli import main
 from toolpace.machine.machine import Machine
@@ -195,9 +196,10 @@ def test_a_page_of_one_program_and_a_table_of_many(five, tmp_path, capsys):
 
 def test_a_table_breaks_no_name_and_says_where_a_program_is_not_read_whole(five, tmp_path, capsys):
     other = tmp_path / "a-program-with-rather-a-long-name.cls"
-    other.write_text("GOTO/0,0,0,0,0,1\nGOTO/1,0,0\n")
+    other.write_text("GOTO/0,0,0,0,0,1\nGOTO/1,0\n")
     assert main(["inspect", five, str(other)]) == 2
-    (row,) = [line for line in capsys.readouterr().out.splitlines() if other.name in line and "feed" not in line]
+    lines = [line for line in capsys.readouterr().out.splitlines() if f"{other.name}:" not in line]
+    (row,) = [line for line in lines if other.name in line]
     assert "not read" in row and "none" not in row
 
 
@@ -305,6 +307,22 @@ X = 0
 """
 
 
+def test_a_table_without_a_header_is_planned_and_judged_by_the_columns_that_are_given(tmp_path, capsys):
+    table, out = tmp_path / "points.txt", tmp_path / "out"
+    table.write_text("0,0,50,0,0,1\n20,0,50,0,0,1\n20,30,50,0,0,1\n")
+    asked = ["plan", str(table), "-m", "xyzac-trunnion", "--feed", "6000mm/min", "--out", str(out), "--no-report"]
+    assert main(asked) == 2
+    capsys.readouterr()
+    assert main([*asked, "--columns", "x,y,z,i,j,k", "--units", "mm"]) == 0
+    assert json.loads((out / "plan.json").read_text())["reading"]["columns"] == "x,y,z,i,j,k"
+    table.unlink()
+    capsys.readouterr()
+    assert main(["verify", str(out)]) == 0
+    assert "columns x,y,z,i,j,k, table in mm" in " ".join(capsys.readouterr().out.split())
+    assert tp.Trajectory.load(out).tip(0.0)[0] == pytest.approx([0.0, 0.0, 0.05])
+    assert main(["verify", str(out), "--units", "in"]) == 1
+
+
 def test_a_plan_keeps_how_it_was_read_and_is_judged_by_it(five, tmp_path, capsys):
     sheet, mine, out = tmp_path / "setup.toml", tmp_path / "mine.toml", tmp_path / "out"
     sheet.write_text(SHEET)
@@ -317,7 +335,7 @@ def test_a_plan_keeps_how_it_was_read_and_is_judged_by_it(five, tmp_path, capsys
     said = json.loads((out / "plan.json").read_text())
     assert said["reading"] == {
         "controller_file": "controller.toml", "setup_file": "setup.toml", "skip_unknown": False, "compensation": "",
-        "max_blocks": 100, "lenient": False, "others": [],
+        "max_blocks": 100, "lenient": False, "others": [], "columns": "", "units": "",
     }  # fmt: skip
     assert load_setup(out / "setup.toml").tools == load_setup(sheet).tools
     assert Machine.load(out / "machine.toml").file.chain.workpiece_origin == pytest.approx((0.005, 0, 0.06))
@@ -346,3 +364,36 @@ def test_what_the_program_says_wrong_goes_before_what_a_machine_lacks(tmp_path, 
     cut.write_text("%\nG21 G90\nG0 X0 Y0 Z5 A0\nG1 X1 F100\n")
     _, (found,) = inspected(capsys, str(cut))
     assert "cut off" in found["refused"][0]["cure"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("part.ngc", "G21 G90 G94\nG0 X0 Y0 Z50 A0 C0\nG1 X20\nG1 X20 A10\nM2\n"),
+        ("part.apt", "MULTAX/ON\nUNITS/MM\nGOTO/0,0,50,0,0,1\nGOTO/20,0,50,0,0.1,1\nFINI\n"),
+        ("part.csv", "x [mm],y [mm],z [mm],i,j,k\n0,0,50,0,0,1\n20,0,50,0,0.1,1\n"),
+    ],
+)
+def test_a_missing_feed_is_needed_and_not_refused(name, text, tmp_path, capsys):
+    """Twenty millimetres of it are read all the same, and `--feed` plans it."""
+    program = tmp_path / name
+    program.write_text(text)
+    assert main(["inspect", str(program), "-m", "xyzac-trunnion", "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert found["refused"] == [] and found["machines"] == ["xyzac-trunnion"]
+    (need,) = found["needs"]
+    assert need.startswith("line ") and "feed missing" in need and "--feed 3000mm/min" in need
+    assert found["tip_mm"][0] == pytest.approx([0.0, 20.0]) and found["five_axis_blocks"] == 1
+    assert main(["inspect", str(program), "-m", "xyzac-trunnion"]) == 0
+    page = " ".join(capsys.readouterr().out.split())
+    assert "nothing: it is read whole" in page and "needs line" in page
+    assert main(["inspect", str(program), "-m", "xyzac-trunnion", "--feed", "100mm/min", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)[0]["needs"] == []
+
+
+def test_what_is_refused_besides_a_missing_feed_is_refused(tmp_path, capsys):
+    program = tmp_path / "part.ngc"
+    program.write_text("G21 G90 G94\nG0 X0 Y0 Z50\nG1 X20\nG2 X30\nM2\n")
+    assert main(["inspect", str(program), "-m", "xyzac-trunnion", "--json"]) == 2
+    (found,) = json.loads(capsys.readouterr().out)
+    assert "lacks its centre" in found["refused"][0]["cure"] and len(found["needs"]) == 1

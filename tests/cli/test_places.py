@@ -219,7 +219,7 @@ ARGUMENTS = {
     "tip tolerance": (["--tip-tolerance", "1e-300mm"], "give a value from"),
     "tip tolerance too large": (["--tip-tolerance", "1e300mm"], "give a value from"),
     "axis tolerance": (["--axis-tolerance", "1e300deg"], "give a value from"),
-    "tool": (["--tool-length", "1e300mm"], "tool_length is 1e+297 m"),
+    "tool": (["--tool-length", "1e300mm"], "tool length is 1e+297, beyond 4"),
     "a planner's long name": (["--planner", "x" * 100_000], "unknown planner"),
     "a long dialect": (["--dialect", "x" * 100_000], "use gcode, apt or csv"),
 }

@@ -142,7 +142,7 @@ def test_projection_error_falls_with_every_step() -> None:
 
 
 def test_projection_refuses_what_is_no_point_or_no_interval() -> None:
-    with pytest.raises(UsageError, match=r"deflection\[1\] is nan; give finite"):
+    with pytest.raises(UsageError, match=r"tip\[1\] is nan; give finite"):
         deflect.project(ARC, (0.0, np.nan, 0.0))
     with pytest.raises(UsageError, match="no interval"):
         deflect.project(ARC, DEFLECTION, interval=(1.0, 2.0))

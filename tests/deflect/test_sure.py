@@ -77,7 +77,7 @@ def test_a_replan_of_a_replan_beside_the_path():
 def test_a_state_outside_travel_is_refused():
     old = replans.planned("line", 60.0)
     with pytest.raises(InfeasibleError, match="travel"):
-        tp.replan(old, 30.0, [9.0, 0.1, 0.1])
+        tp.replan(old, 30.0, [9.0, 0.1, 0.1], most=10.0)
 
 
 @pytest.mark.parametrize("accelerating", [-1.5, 0.0, 1.5])

@@ -413,3 +413,12 @@ def test_curves_of_too_many_points_are_refused_before_they_are_laid_out():
     circle = "CIRCLE/900000,0,0,0,0,1,900000,0,0,0,0,TIMES,1000\nGOTO/0,0,0"
     with pytest.raises(ProgramError, match="curves take more than 50000000 points up to here"):
         path("UNITS/MM\nFEDRAT/9\nGOTO/0,0,0\n" + circle)
+
+
+def test_a_file_that_may_be_cut_off_is_said_to_be_taken_as_whole():
+    """The last point of it may have lost digits: what is left is a point."""
+    whole = "UNITS/MM\nFEDRAT/MMPM,250\nGOTO/0,0,10\nGOTO/10,0,10.5\n"
+    for text in (whole, whole + "FINI", whole + "END-OF-PATH"):
+        assert read_text(text, None, "apt").assumed == ()
+    (said,) = read_text(whole[:-3], None, "apt").assumed
+    assert "FINI" in said and "whole" in said

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.errors import ProgramError
+from toolpace.errors import ProgramError, ToolpaceError, UsageError
 from toolpace.reading import read_text
 
 HEADER = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]\n"
@@ -34,6 +34,49 @@ def test_units_order_and_delimiters(header, row, x, feed):
     p = table(f"{header}\n{mark.join('0' * 4)}\n{row}\n")
     assert p.tip[1, 0] == pytest.approx(x) and p.feed[1] == pytest.approx(feed)
     assert p.axis.tolist() == [[0, 0, 1]] * 2
+
+
+@pytest.mark.parametrize(
+    ("text", "columns", "units", "tip", "feed"),
+    [
+        ("0,0,0\n1,2,3\n", "x,y,z", "mm", [1e-3, 2e-3, 3e-3], None),
+        ("0;0;0;0;0;1\n1;2;3;0;0.6;0.8\n", "x,y,z,i,j,k", "in", [0.0254, 0.0508, 0.0762], None),
+        ("0 0 0  60\n 1\t2 3 60\n", "z,y,x,feed", "in", [0.0762, 0.0508, 0.0254], 0.0254),
+        ("P_x,P_y,P_z,v\n0,0,0,600\n1,2,3,600\n", "x,y,z,feed", "mm", [1e-3, 2e-3, 3e-3], 0.01),
+        ("x,y,z,feed\n0,0,0,6\n1,2,3,6\n", "", "m", [1.0, 2.0, 3.0], 0.1),
+        ("x [mm],y,z,feed [mm/s]\n0,0,0,6\n1,2,3,6\n", "", "mm", [1e-3, 2e-3, 3e-3], 6e-3),
+        ("0,0,0,6\n1,2,3,6\n", "x [mm],y [mm],z [mm],feed [mm/s]", "", [1e-3, 2e-3, 3e-3], 6e-3),
+    ],
+)
+def test_columns_and_units_that_no_header_tells(text, columns, units, tip, feed):
+    p = read_text(text, None, feed="3000mm/min" if feed is None else None, columns=columns, units=units)
+    assert p.tip[1] == pytest.approx(tip) and len(p.tip) == 2
+    assert p.feed[1] == pytest.approx(0.05 if feed is None else feed)
+
+
+@pytest.mark.parametrize(
+    ("text", "columns", "units", "says"),
+    [
+        ("1,2,3\n4,5,6\n", "x,y,z", "", "column x names no unit: .*give --units mm"),
+        ("1,2,3\n4,5,6\n", "x,y", "mm", "column z is missing"),
+        ("1,2,3\n4,5,6\n", "x,y,z,feed", "mm", "this row has 3 cells, the header 4"),
+        ("1,2,3\n4,5,6\n", "x,y,z", "furlong", "--units 'furlong' is not known: give one of um, mm"),
+        ("x [in],z [in],y [in]\n1,2,3\n4,5,6\n", "x,y,z", "mm", "names its columns: leave --columns out"),
+        ("x [in],y [in],z [in]\n1,2,3\n4,5,6\n", "", "mm", "column x is in in, and --units says mm"),
+        ("1,2,3,4\n4,5,6,4\n", "x,y,z,feed", "um", "unit 'um/min' of column feed is not known"),
+    ],
+)
+def test_what_columns_and_units_leave_open_is_asked(text, columns, units, says):
+    with pytest.raises(ToolpaceError, match=says):
+        table(text, columns=columns, units=units, feed="3000mm/min")
+
+
+@pytest.mark.parametrize("options", [{"columns": "x,y,z"}, {"units": "mm"}])
+def test_columns_and_units_are_of_tables_alone(options):
+    with pytest.raises(UsageError, match="is of a table"):
+        read_text("G21 G90\nG1 X1 F100\nX2\nM2\n", None, "gcode", **options)
+    with pytest.raises(UsageError, match="is for fanuc: leave it out"):
+        read_text("1,2,3\n4,5,6\n", None, "csv", controller="fanuc", **options)
 
 
 def test_rapid_stop_and_dwell_columns():

@@ -241,6 +241,8 @@ def test_the_set_up_sheet_sets_variables():
         ("fanuc", "IF [#100 EQ 1] GOTO 5", "#100 is not read: set it before"),
         ("fanuc", "GOTO 7", "no block N7"), ("fanuc", "M98 P7", "is not in this file"),
         ("fanuc", "WHILE [1 EQ 1] DO1\nX1", "lacks its beginning or its end"),
+        # B-63944EN, "Repetition": crossing loops (overlapped DO ranges) are alarm PS0124
+        ("fanuc", "WHILE [#1 LT 1] DO1\n#1=1\nWHILE [#2 LT 1] DO2\nEND1\n#2=1\nEND2", "DO2 crosses the loop of line"),
         ("fanuc", "DO4", "the numbers 1, 2 and 3"),
         ("fanuc", "#5221=4", "set offsets with G10"), ("fanuc", "N1 GOTO 1", "a loop without end"),
         ("fanuc", "O5 (HERE)\nM98 P5", "nested more than 64 deep"), ("fanuc", "IF [1] X5", "GOTO or THEN is missing"),

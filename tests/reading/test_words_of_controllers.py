@@ -90,6 +90,15 @@ def test_headers_nested_comments_and_listings():
         read_for("linuxcnc", START + "(a (b))\nM2")
 
 
+@pytest.mark.parametrize("line", ["(ROUGHING", "G1 X1. (ROUGHING", "(A) (B"])
+def test_a_comment_that_is_not_closed_may_hide_blocks(line):
+    """By the manuals' words it ends with ), on whatever line that stands."""
+    for name in ("fanuc", "mazak"):
+        with pytest.raises(ProgramError, match="open at the end of its line"):
+            read_for(name, START + line + "\nG1 X2.\n(DONE)\nM30")
+    assert tips("fanuc", START + "(PART; 27/05)\nG1 X1. (A (B)\nM30")[-1] == [1, 0, 0]
+
+
 def test_a_semicolon_ends_a_block_of_fanuc_and_hides_none():
     """Fanuc manuals print ; for the end of a block; on LinuxCNC a comment begins with it."""
     assert tips("fanuc", START + "G1 X1.;\nX2. ; so far\nM30;")[-1] == [2, 0, 0]
@@ -206,6 +215,19 @@ def test_frames_of_fanuc(body, wanted):
     """Fanuc 16i operator's manual: G52 7.2.4, G92 7.2.1, G68 14.5, G16 13.3, G51 14.7 (1000 is life size), G51.1,
     G10 L2 and L20 7.2.3. Without a set-up sheet the first offset that is set is where the part's origin is."""
     assert tips("fanuc", START + body + "\nM30") == wanted
+
+
+@pytest.mark.parametrize("name", ["fanuc", "haas", "mazak", "linuxcnc", "iso"])
+def test_a_block_without_a_centre_behind_an_arc_is_no_straight_way_unless_the_machine_says_so(name):
+    """Alarm 022 of Fanuc's list. A parameter of the machine may let it go straight, at the feed that is in force."""
+    body = f"{START}G2 X10 Y0 I5 J0\nG43 Z4 H1\nG1 X20\nM30"
+    sheet = SetUp(tools={"1": Tool(MACHINE.tool_length)})
+    with pytest.raises(ProgramError, match=r"lacks its centre: .* for a straight way G0 or G1, since G2"):
+        read_for(name, body, MACHINE, setup=sheet)
+    path = read_for(with_options(name, arc_without_centre="straight"), body, MACHINE, setup=sheet)
+    np.testing.assert_allclose(ends(path)[-2:], [[10.0, 0.0, 4.0], [20.0, 0.0, 4.0]], atol=1e-9)
+    np.testing.assert_allclose(path.feed[-2:], 0.01, rtol=1e-12)
+    assert not path.rapid[-2:].any()
 
 
 @pytest.mark.parametrize(("plane", "words", "wanted"), [

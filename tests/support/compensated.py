@@ -7,7 +7,7 @@ from toolpace.reading.coordinates.setup import SetUp, Tool
 
 R = 4.0
 """Of the tool [mm]."""
-SHEET = SetUp(tools={"1": Tool(0.1, R * 1e-3), "2": Tool(0.1)})
+SHEET = SetUp(tools={"1": Tool(0.1, R * 1e-3), "2": Tool(0.1), "3": Tool(0.1, 3e-3)})
 HEADS = {
     "fanuc": "G21 G90 G17 G94\nT1 M6\n",
     "haas": "G21 G90 G17 G94\nT1 M6\n",

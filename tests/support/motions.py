@@ -12,7 +12,7 @@ from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
 from toolpace.toolpath import ToolPath
-from toolpace.trajectory import OpenPlace
+from toolpace.trajectory import OpenPlace, Skipped
 
 RADIUS = 0.02
 LENGTHS = (0.04, np.pi * RADIUS)
@@ -210,6 +210,7 @@ class Trajectory:
     planner, mesh_points, solve_seconds = "analytic", 42, 0.01
     continuous_bound = 2.4
     open_places = (OpenPlace(0.5, 0.7, 0.1, 3),)
+    skipped: tuple[Skipped, ...] = ()
 
     def __init__(self, lower_bound=2.5):
         self.laws = [Ramp(length) for length in LENGTHS]

@@ -97,5 +97,7 @@ def program_of(folder: Path, machine: Machine, told: dict[str, Any]) -> ToolPath
         how["compensation"],
         how["max_blocks"],
         bool(how.get("lenient", False)),
+        how.get("columns", ""),
+        how.get("units", ""),
     )
     return read_source(Source.load(folder / name), machine, told["dialect"], options, feed=told["feed"])

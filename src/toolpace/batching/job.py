@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.jobs.job import AXIS_TOLERANCES, TIME_STEPS, TIP_TOLERANCES
-from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
+from toolpace.units import (
+    DEGREE,
+    LONGEST_TOOL,
+    METRES,
+    MILLIMETRE,
+    format_angle,
+    format_length,
+    format_time,
+    refuse_other_unit,
+)
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -56,6 +65,8 @@ class BatchJob:
     lenient: bool = False
     compensation: str = ""
     max_blocks: int | None = None
+    columns: str = ""
+    units: str = ""
     """How the program is read: as the options of the commands."""
     model: str | None = None
     """Of `time`: how the control is thought to work, in place of what its file says."""
@@ -76,6 +87,10 @@ class BatchJob:
         within("tip_tolerance", self.tip_tolerance, TIP_TOLERANCES, format_length)
         within("axis_tolerance", self.axis_tolerance, AXIS_TOLERANCES, format_angle)
         within("dt", self.dt, TIME_STEPS, format_time)
+        if self.tool_length is not None:
+            refuse_other_unit(self.tool_length, LONGEST_TOOL, "tool_length", METRES)
+        if self.prove_within is not None and not self.prove_within > 0.0:
+            raise UsageError(f"prove_within = {self.prove_within!r:.40}: give a time above zero [s]")
         if self.machine is None and self.what != "inspect":
             raise UsageError(f"{self.program}: the machine is missing; name a built-in machine or a machine file")
         if self.prove_within is not None and self.planner != "optimal":

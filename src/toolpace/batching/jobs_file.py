@@ -38,7 +38,7 @@ UNITS: dict[str, Callable[[str], float]] = {
 """Keys that are quantities, written with their units."""
 WORDS = (
     "what", "planner", "effort", "feed", "bend", "dialect", "controller", "setup", "compensation", "model", "to",
-    "machine",
+    "machine", "columns", "units",
 )  # fmt: skip
 SWITCHES = ("csv", "npz", "report", "skip_unknown", "lenient", "optimum")
 KEYS = ("programs", *dict.fromkeys((*WORDS, *UNITS, *SWITCHES)), "max_blocks", "export")

@@ -107,8 +107,9 @@ class Loader:
         controller = None if job.controller is None else self._controllers[job.controller]
         setup = None if job.setup is None else self._setups[job.setup]
         return ReadOptions.of(
-            machine, controller, setup, job.skip_unknown, True, job.compensation, job.max_blocks, job.lenient
-        )
+            machine, controller, setup, job.skip_unknown, True, job.compensation, job.max_blocks, job.lenient,
+            job.columns, job.units,
+        )  # fmt: skip
 
     def _tool(self, name: str) -> CuttingTool:
         if name not in self._tools:

@@ -17,7 +17,7 @@ from toolpace.batching.prepared import Loader, Prepared
 from toolpace.batching.row import ERROR, WAITING, BatchRow, waiting
 from toolpace.batching.work import Place, do_job, done_before, failed
 from toolpace.cluster import Outcome, Pool, open_pool
-from toolpace.errors import ClusterError, ToolpaceError, printable
+from toolpace.errors import ClusterError, ToolpaceError, UsageError, printable
 from toolpace.files import finished
 
 if TYPE_CHECKING:
@@ -74,7 +74,12 @@ def batch(
     ClusterError where the cluster goes away; the tables are then written all the same, and another batch with the
     same jobs goes on from there.
     """
+    if isinstance(jobs, str | os.PathLike | BatchJob):
+        raise UsageError(f"batch: {type(jobs).__name__} in place of jobs; give a list of BatchJob(program=...)")
     listed = tuple(jobs)
+    for each in listed:
+        if not isinstance(each, BatchJob):
+            raise UsageError(f"batch: {type(each).__name__} in place of a job; give BatchJob(program=...)")
     with batch_folder(out) as place, open_pool(client, memory) as pool:
         return run_batch(listed, place, pool, progress)
 

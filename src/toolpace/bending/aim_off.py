@@ -28,7 +28,7 @@ from toolpace.path.path import Path
 from toolpace.planning.guarantee import PROMISED
 from toolpace.planning.planner import Planner, plan
 from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import ToolPath, check_toolpath
 from toolpace.trajectory import Trajectory
 from toolpace.units import format_length, format_time
 
@@ -95,6 +95,9 @@ def aim_off(
     Raises UsageError where nothing cuts, where the tool bends by so much that the blend is too short for it, and where
     an iteration changes the bending by more than a micrometre for ever; ReachError and PathError as `Path.fit` does.
     """
+    check_toolpath(toolpath, "aim_off")
+    if not isinstance(tool, CuttingTool):
+        raise UsageError(f"aim_off: tool is {str(tool)[:40]!r}; give a CuttingTool, as load_tool(path) makes it")
     check_machine(machine, "aim_off")
     if Tolerances.of(tip_tolerance, "tip_tolerance").one_sided:
         raise UsageError("a tip that must be on one side of its program and a tool that bends: one at a time")

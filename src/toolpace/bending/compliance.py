@@ -14,9 +14,12 @@ from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError
 from toolpace.machine.machine import Machine, check_machine
+from toolpace.units import LONGEST_TOOL, METRES, WIDEST_TOOL, refuse_other_unit
 
 SYMMETRIC = 1e-6
 """Share of the largest entry by which a compliance may be lopsided, as measured figures are rounded."""
+SOFTEST_MODULUS = 1e9
+"""Of a tool [Pa]: half of that of nylon."""
 SOFTEST = 1e-3
 """Most of an entry [m/N]: a millimetre a newton is a slip of units."""
 
@@ -56,6 +59,10 @@ class Bending(ByValue):
         """
         for name, value in (("diameter", diameter), ("length", length), ("youngs_modulus", youngs_modulus)):
             number(value, f"cantilever: {name}", least=0.0, above=True)
+        refuse_other_unit(diameter, WIDEST_TOOL, "cantilever: diameter", METRES)
+        refuse_other_unit(length, LONGEST_TOOL, "cantilever: length", METRES)
+        if youngs_modulus < SOFTEST_MODULUS:
+            raise UsageError(f"cantilever: youngs_modulus is {youngs_modulus:g}; give Pa: 580 GPa is 580e9")
         across = 3.0 * youngs_modulus * (math.pi * diameter**4 / 64.0) / length**3
         along = youngs_modulus * (math.pi * diameter**2 / 4.0) / length
         return cls.of_stiffness(across, across, along)

@@ -29,6 +29,7 @@ from toolpace.cuttingtool import FORCES, Cut, Force
 from toolpace.description import one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.units import FASTEST_FEED, METRES_PER_SECOND, refuse_other_unit
 
 LAG = math.radians(1.5)
 """Most lag of the helix over one slice [rad]."""
@@ -61,7 +62,10 @@ class CuttingForces(ByValue):
 
     def feed_per_tooth(self, speed: npt.ArrayLike) -> Floats:
         """Chip load [m] at a speed, or at speeds (n,), across the tool axis [m/s], in the shape of what is given."""
-        return numbers(speed, "cutting forces: speed", ("n",), (), unit="m/s") / (
+        given = numbers(speed, "cutting forces: speed", ("n",), (), unit="m/s")
+        fastest = float(np.abs(given).max(initial=0.0))
+        refuse_other_unit(fastest, FASTEST_FEED, "cutting forces: speed", METRES_PER_SECOND)
+        return given / (
             self.cut.cutter.teeth * self.cut.spindle_speed
         )
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 
 from toolpace.arrays import Floats
-from toolpace.clamping.clamping import Clamping
+from toolpace.clamping.clamping import WHOLE_TURN, Clamping
 from toolpace.clamping.zones import Zone, is_angle
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.machine.machine import Machine
-from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.units import DEGREE, FARTHEST_PART, LONGEST_TOOL, METRES, MILLIMETRE, RADIANS, refuse_other_unit
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,9 @@ class Choice:
 
     @classmethod
     def between(cls, low: float, high: float) -> Choice:
-        """All values between two; one where both are the same."""
+        """All values between two; one where both are the same. UsageError where the first is higher."""
+        if low > high:
+            raise UsageError(f"choice: from {low:g} to {high:g}; give the lower one first")
         return cls((), low, high) if low < high else cls((low,))
 
     @property
@@ -84,6 +86,17 @@ class Choices:
     """Where the machine must not be."""
     source: str = field(default="", compare=False)
     """The file, for messages."""
+
+    def __post_init__(self) -> None:
+        for names, most, cure in (
+            (("turn", "tilt", "swing"), WHOLE_TURN, RADIANS),
+            (("x", "y", "z"), FARTHEST_PART, METRES),
+            (("tool_length",), LONGEST_TOOL, METRES),
+        ):
+            for name in names:
+                choice = getattr(self, name)
+                for value in () if choice is None else (*choice.values, choice.low, choice.high):
+                    refuse_other_unit(value, most, f"choices: {name}", cure)
 
     @property
     def direction(self) -> tuple[str, ...]:

@@ -11,8 +11,9 @@ import numpy.typing as npt
 from toolpace.arrays import Floats, numbers
 from toolpace.clamping.side import with_side
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.units import format_length
+from toolpace.units import FARTHEST_PART, LONGEST_TOOL, METRES, RADIANS, format_length, refuse_other_unit
 
+WHOLE_TURN = 2.0 * math.pi + 1e-9
 STILL = 1e-9
 """Turn [rad] and shift [m] below which the part has not moved."""
 
@@ -37,6 +38,14 @@ class Clamping:
     """From the spindle nose to the tip [m]; None: as in the machine file."""
     side: int = 0
     """1 or -1: one of both solutions of the inverse kinematics alone (see `with_side`); 0: whichever turns least."""
+
+    def __post_init__(self) -> None:
+        for name, angle in self.angles():
+            refuse_other_unit(angle, WHOLE_TURN, f"clamping: {name}", RADIANS)
+        for each in self.shift:
+            refuse_other_unit(each, FARTHEST_PART, "clamping: shift", METRES)
+        if self.tool_length is not None:
+            refuse_other_unit(self.tool_length, LONGEST_TOOL, "clamping: tool_length", METRES)
 
     def on(self, machine: Machine, centre: npt.ArrayLike) -> Machine:
         """The machine with the part clamped so; `centre` (3,) is that of the program, in the part's frame [m].

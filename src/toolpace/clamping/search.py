@@ -33,7 +33,7 @@ from toolpace.clamping.unlike import unlike_ones
 from toolpace.cluster import Pool, open_pool
 from toolpace.errors import ReachError, UsageError
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import ToolPath, check_toolpath
 from toolpace.workers import CallersProgress, Progress
 
 if TYPE_CHECKING:
@@ -115,8 +115,7 @@ def search_setup(
 
 def check_arguments(toolpath: ToolPath, trials: int, mapped: int, shown: int = SHOWN) -> None:
     """Raise UsageError for what makes no sense."""
-    if not isinstance(toolpath, ToolPath):
-        raise UsageError(f"search_setup: {type(toolpath).__name__} in place of a tool path; give what `read` returns")
+    check_toolpath(toolpath, "search_setup")
     if len(toolpath) < 2:
         raise UsageError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
     if trials < FEWEST:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from toolpace.arrays import Bools, numbers
 from toolpace.errors import UsageError, did_you_mean
+from toolpace.units import FARTHEST_PART, METRES, refuse_other_unit
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,14 @@ class Zone:
     name: str
     bounds: Mapping[str, tuple[float, float]]
     """Lowest and highest position by joint [m or rad], inf where there is no end."""
+
+    def __post_init__(self) -> None:
+        for joint, (low, high) in self.bounds.items():
+            if not low <= high:
+                raise UsageError(f"zone {self.name}: {joint} from {low:g} to {high:g}; give the lower one first")
+            if not is_angle(joint):
+                for each in (low, high):
+                    refuse_other_unit(each, FARTHEST_PART, f"zone {self.name}: {joint}", METRES)
 
     def entered(self, joints: tuple[str, ...], q: npt.ArrayLike) -> Bools:
         """(n - 1,) which of the straight ways between joint positions q (n, joints) enter it: by slabs."""

@@ -105,6 +105,8 @@ def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadO
         lenient=now.lenient or then.lenient,
         compensation=now.compensation or then.compensation,
         most_blocks=now.most_blocks if reading.max_blocks is not None else then.most_blocks,
+        columns=now.columns or then.columns,
+        units=now.units or then.units,
     )
 
 

@@ -122,6 +122,8 @@ def show(console: Console, found: Sequence[Inspection]) -> None:
     for name, each in zip(names, found):
         for refusal in each.refused:
             console.print(Text(printable(f"{name}: {refusal}")), soft_wrap=True)
+        for need in each.needs:
+            console.print(Text(printable(f"{name}: needs: {need}")), soft_wrap=True)
         if each.tip is not None and each.not_on and not each.machines:
             console.print(Text(printable(f"{name}: {NO_MACHINE}")), soft_wrap=True)
 
@@ -159,6 +161,7 @@ def page(found: Inspection) -> Table:
     ignored = [f"{word} {count}" for word, count in sorted(found.ignored.items(), key=lambda item: -item[1])]
     rows.append(("ignored", [_some(ignored) or "nothing"]))
     rows.append(("refused", [str(each) for each in found.refused] or ["nothing: every word is read"]))
+    rows += [("needs", list(found.needs))] if found.needs else []
     rows.append(("assumed", list(found.assumed[:SHOWN]) or ["nothing"]))
     rows.append(("runs on", [", ".join(found.machines) or "none of the machines that were tried"]))
     reasons, cures = _why_not(found.not_on)

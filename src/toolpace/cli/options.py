@@ -173,6 +173,21 @@ class Reading:
         ),
     ] = None
 
+    columns: Annotated[
+        str,
+        Parameter(
+            help="Columns of a table without a header, or in place of it: x,y,z,i,j,k; feed, rapid, stop, dwell too.",
+            show_default=False,
+        ),
+    ] = ""
+    units: Annotated[
+        str,
+        Parameter(
+            help="Unit of a table whose header names none: mm, m, in. Feeds are in it per minute, dwells in s.",
+            show_default=False,
+        ),
+    ] = ""
+
     def options(self, machine: Machine | None) -> ReadOptions:
         """The options, with files loaded. Raises UsageError."""
         from toolpace.reading import ReadOptions
@@ -186,6 +201,8 @@ class Reading:
             self.compensation or "",
             self.max_blocks,
             self.lenient,
+            self.columns,
+            self.units,
         )
 
     @property

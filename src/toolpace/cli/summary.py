@@ -220,6 +220,8 @@ def asked_for(record: PlanRecord) -> str:
     words += ["unknown words skipped"] if how.skip_unknown else []
     words += ["read on where the control stops"] if how.lenient else []
     words += [f"G41 and G42 as the {how.compensation}med contour"] if how.compensation else []
+    words += [f"columns {how.columns}"] if how.columns else []
+    words += [f"table in {how.units}"] if how.units else []
     words += [f"at most {how.max_blocks} blocks"] if how.max_blocks is not None else []
     return ", ".join(words)
 

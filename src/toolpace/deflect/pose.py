@@ -6,43 +6,65 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, number, numbers
+from toolpace.deflect.found_tip import MOST, found_tip
 from toolpace.deflect.standing import Standing
 from toolpace.errors import InfeasibleError, ReachError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.trajectory import Trajectory
+from toolpace.units import RADIANS, refuse_other_unit
 
 SAME_AXIS = 1e-5
 """Angle between two tool axes up to which they are the same: below what is measured, above rounding [rad]."""
+COARSEST_AXIS = 0.1
+"""Most that counts as the same axis [rad]."""
+UNIT = 1e-2
+"""By how much the length of a unit vector may be off: what figures of three digits leave."""
 
 
 def deflected_pose(
     trajectory: Trajectory,
     time: float,
-    deflection: npt.ArrayLike,
+    tip: npt.ArrayLike | None = None,
     machine: Machine | None = None,
     *,
+    deflection: npt.ArrayLike | None = None,
+    most: float = MOST,
     axis: npt.ArrayLike | None = None,
     axis_tolerance: float = SAME_AXIS,
 ) -> Floats:
-    """(m,) joints at which the tip is at `deflection` (3,) [m] and the tool axis at `axis`, by default as commanded.
+    """(m,) joints at which the tip is at the position `tip` (3,) [m] and the tool axis at `axis`, if given.
 
-    Of both solutions the one nearest to the commanded joints is taken. Up to `axis_tolerance` [rad] the axis may be
-    missed: where the rotary joints as commanded come so near, they stay, and beside the pole, where next to no change
-    of the axis turns the first of them far, that one stays. Raises InfeasibleError where the pose is out of reach or
-    travel.
+    In place of `tip`, `deflection` is the vector from the commanded tip to it; neither may be further off than `most`
+    [m], see `replan`. Of both solutions the one nearest to the commanded joints is taken. Up to `axis_tolerance` [rad]
+    the unit vector `axis` may be missed: where the rotary joints as commanded come so near, they stay, and beside the
+    pole, where next to no change of the axis turns the first of them far, that one stays. Raises UsageError, and
+    InfeasibleError where the pose is out of reach or travel.
     """
     standing = Standing.of(trajectory, time)
     machine = standing.machine_with_tool(machine or trajectory.axis_path.machine)
-    q = standing.state()[:1]
-    point = measured(deflection, len(trajectory.joints) if machine is None else 3, machine)
+    point = found_tip(standing, machine, time, tip, deflection, most)
+    return pose_at(standing, machine, time, point, axis, axis_tolerance)
+
+
+def pose_at(
+    standing: Standing,
+    machine: Machine | None,
+    time: float,
+    tip: Floats,
+    axis: npt.ArrayLike | None,
+    axis_tolerance: float,
+) -> Floats:
+    """The pose of `deflected_pose`, of a tip (3,) that was checked; without a machine that of the joints (m,)."""
     if machine is None:
-        return point
+        return tip
+    q = standing.state()[:1]
     axis_tolerance = number(axis_tolerance, "deflection: axis_tolerance", least=0.0, unit="rad")
+    refuse_other_unit(axis_tolerance, COARSEST_AXIS, "deflection: axis_tolerance", RADIANS)
     rotary = (
         q[:, machine.rotary] if axis is None else rotary_near(machine, q[:, machine.rotary], axis, time, axis_tolerance)
     )
     try:
-        pose = machine.joints_at(point[None, :], rotary)
+        pose = machine.joints_at(tip[None, :], rotary)
         machine.check_travel(pose, standing.original.run.block_at(np.array([standing.original.run.s0])))
     except ReachError as error:
         raise InfeasibleError(f"deflection at {time:.6g} s: the pose cannot be commanded: {error}") from None
@@ -50,18 +72,15 @@ def deflected_pose(
     return out
 
 
-def measured(deflection: npt.ArrayLike, size: int, machine: Machine | None) -> Floats:
-    """What was measured, as (size,) finite numbers. Raises UsageError."""
-    what = "m or rad, of the joints" if machine is None else "m, of the tip"
-    return numbers(deflection, "deflection", (size,), unit=what)
-
-
 def rotary_near(machine: Machine, rotary: Floats, axis: npt.ArrayLike, time: float, tolerance: float) -> Floats:
     """(1, 2) rotary joints that give the tool axis to a tolerance, nearest to those given (1, 2) [rad]."""
     direction = numbers(axis, "deflection: tool axis", (3,))
     length = float(np.linalg.norm(direction))
-    if not length > 0.0:
-        raise UsageError(f"deflection: tool axis {axis!r}; give three numbers, not all zero")
+    if abs(length - 1.0) > UNIT:
+        raise UsageError(
+            f"deflection: tool axis has the length {length:.4g}; give the unit vector from tip to spindle, not a change"
+            " of it, nor angles"
+        )
     jets = np.zeros((4, 1, 3))
     jets[0, 0] = direction / length
     if angle_to(machine, rotary, jets[0]) <= tolerance:

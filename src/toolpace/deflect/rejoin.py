@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy.typing as npt
-
-from toolpace.arrays import number
+from toolpace.arrays import Floats, number
 from toolpace.axispath.follow import FollowRun
 from toolpace.deflect.aim import AimedOffRun
 from toolpace.deflect.commanded import CommandedMotion
@@ -15,13 +13,13 @@ from toolpace.path.path import Path
 
 def rejoin_time(
     commanded: CommandedMotion,
-    deflection: npt.ArrayLike,
+    tip: Floats,
     rejoin: str | float,
     interval: tuple[float, float] | None,
 ) -> float | None:
     """When the commanded law passes the wanted point of rejoining [s]; None where it is free.
 
-    `rejoin` is "fastest" (free), "projection" (of the deflection on the run, or on the `interval` of it) or a
+    `rejoin` is "fastest" (free), "projection" (of the `tip` (3,) [m] on the run, or on the `interval` of it) or a
     parameter of the run.
     """
     if interval is not None and rejoin != "projection":
@@ -35,7 +33,7 @@ def rejoin_time(
             raise UsageError(f"replan: rejoin at '{rejoin}'; give 'fastest', 'projection' or a parameter")
         if not isinstance(on_path, FollowRun):
             raise UsageError("replan: a projection needs a path of tip and axis; give the parameter to rejoin at")
-        s = project(Path((on_path.run,)), deflection, interval=interval).s
+        s = project(Path((on_path.run,)), tip, interval=interval).s
     else:
         s = number(rejoin, "replan: rejoin")
         if not run.s0 <= s <= run.s1:

@@ -24,11 +24,13 @@ from toolpace.axispath.run import AxisRun
 from toolpace.deflect.aim import Aim, check_aimed_travel
 from toolpace.deflect.commanded import CommandedMotion
 from toolpace.deflect.detour import DetourRun
+from toolpace.deflect.found_tip import MOST, found_tip
 from toolpace.deflect.law.direct import direct_law
 from toolpace.deflect.law.timing import timing_of
 from toolpace.deflect.onward import Onward
-from toolpace.deflect.pose import SAME_AXIS, deflected_pose, measured, offset_in_words
+from toolpace.deflect.pose import SAME_AXIS, offset_in_words, pose_at
 from toolpace.deflect.rejoin import rejoin_time
+from toolpace.deflect.skipped import skipped_by, skipped_in_words
 from toolpace.deflect.standing import Standing, on_path
 from toolpace.deflect.way_back.search import way_back_of
 from toolpace.deflect.way_back.splines import Problem
@@ -37,7 +39,7 @@ from toolpace.errors import InfeasibleError, ReachError, UsageError, did_you_mea
 from toolpace.laws.law import TimeLaw
 from toolpace.machine.machine import Machine
 from toolpace.planning.planner import Planner
-from toolpace.trajectory import Trajectory
+from toolpace.trajectory import Skipped, Trajectory
 
 if TYPE_CHECKING:
     from toolpace.planning.genetic.planner import Genetic
@@ -52,9 +54,11 @@ IN_PLACE = 1e-11
 def replan(
     trajectory: Trajectory,
     time: float,
-    deflection: npt.ArrayLike,
+    tip: npt.ArrayLike | None = None,
     machine: Machine | None = None,
     *,
+    deflection: npt.ArrayLike | None = None,
+    most: float = MOST,
     cause: str = "displaced",
     axis: npt.ArrayLike | None = None,
     axis_tolerance: float = SAME_AXIS,
@@ -63,7 +67,11 @@ def replan(
     interval: tuple[float, float] | None = None,
     **options: object,
 ) -> Trajectory:
-    """The motion from `time` [s] on, at which the tip is found at `deflection` (3,) [m] and the tool axis at `axis`.
+    """The motion from `time` [s] on, at which the tip is found at the position `tip` (3,) [m] and the axis at `axis`.
+
+    `tip` and the unit vector `axis`, from tip to spindle, are in the workpiece's frame, that of the program and of
+    `Trajectory.tip`. In place of `tip`, `deflection` (3,) [m] is the vector from where the motion has the tip at that
+    time, corrections and all, to where it was found, in the same frame. What is more than `most` [m] off is refused.
 
     `cause` says what was measured:
 
@@ -77,14 +85,15 @@ def replan(
     the kinematics, a vector in the workpiece's frame, and taken as constant. It moves linear joints only, and the
     rest of the motion takes a little longer for it, so that they keep to their limits; no `axis` is given.
 
-    Without a machine `deflection` holds the joints (m,). From its start on the motion keeps to every limit. The
-    feed is that of the block which the tool is abreast of; what the tip is above it by at the start, for the joints'
-    velocities cannot change at once, is braked as fast as jerk allows and told in the `notes`, and by
-    `axis_path.runs[0].above`; so is what it comes to be above it by where a table that turns carries it, found aside,
-    faster than the feed, whatever the joints do. The tool rejoins the path as soon as it can ("fastest"), at the
-    parameter `rejoin`, or, as in the paper, at the "projection" of the deflection on the path or on the `interval`
-    (from s, to s) of it; where no motion rejoins it at full pace there, it rests there and comes to that pace behind.
-    A motion that was replanned before goes back to what was planned first.
+    Without a machine `tip` holds the joints (m,), `deflection` their differences, and `most` is of each, in its unit.
+    From its start on the motion keeps to every limit. The feed is that of the block which the tool is abreast of; what
+    the tip is above it by at the start, for the joints' velocities cannot change at once, is braked as fast as jerk
+    allows and told in the `notes`, and by `axis_path.runs[0].above`; so is what it comes to be above it by where a
+    table that turns carries it, found aside, faster than the feed, whatever the joints do. The tool rejoins the path as
+    soon as it can ("fastest"), at the parameter `rejoin`, or, as in the paper, at the "projection" of the tip on the
+    path or on the `interval` (from s, to s) of it; where no motion rejoins it at full pace there, it rests there and
+    comes to that pace behind. A motion that was replanned before goes back to what was planned first. `skipped` of the
+    new motion tells which part of the path the tip leaves out.
 
     `planner` is an object, or in short the name of one with its `options`, as for `plan`: "optimal" times detour and
     the way on anew where the detour costs time, as far as the rejoining needs, and so does a planner of one's own;
@@ -98,10 +107,11 @@ def replan(
     standing = Standing.of(trajectory, time)
     machine = standing.machine_with_tool(machine or trajectory.axis_path.machine)
     start, aim = standing.state(), standing.aim
+    found = found_tip(standing, machine, time, tip, deflection, most)
     if cause == "bending":
-        aim = bent(trajectory, standing, start[0], deflection, machine)
+        aim = bent(trajectory, standing, start[0], found, machine)
     else:
-        start[0] = deflected_pose(trajectory, time, deflection, machine, axis=axis, axis_tolerance=axis_tolerance)
+        start[0] = pose_at(standing, machine, time, found, axis, axis_tolerance)
     if aim is not None and aim is not standing.aim:
         planned = [standing.original, *behind(trajectory, standing)]
         begin = float(standing.original.place(np.array([standing.clock]))[0])
@@ -113,7 +123,7 @@ def replan(
             ) from None
     wanted = aim.motion(standing.original) if aim else standing.original
     left = standing.clock * (aim.pace if aim else 1.0)
-    target = rejoin_time(wanted, deflection, rejoin, interval)
+    target = rejoin_time(wanted, found, rejoin, interval)
     offset = start[0] - standing.state()[0]
     if aim is standing.aim and target is None and np.abs(offset).max() <= IN_PLACE:
         rest = Onward(standing.current.run, standing.current.law, standing.local)
@@ -140,11 +150,10 @@ def replan(
 
 
 def bent(
-    trajectory: Trajectory, standing: Standing, q: Floats, deflection: npt.ArrayLike, machine: Machine | None
+    trajectory: Trajectory, standing: Standing, q: Floats, found: Floats, machine: Machine | None
 ) -> Aim | None:
-    """The aim against a bending, from the joints (m,) commanded and the tip measured; the one before where none new."""
-    point = measured(deflection, len(q) if machine is None else 3, machine)
-    bending = point - (q if machine is None else machine.forward(q[None])[0][0])
+    """The aim against a bending, from the joints (m,) commanded and the tip found; the one before where none new."""
+    bending = found - (q if machine is None else machine.forward(q[None])[0][0])
     before = standing.aim
     if np.abs(bending + (before.offset if before else 0.0)).max() <= IN_PLACE:
         return before
@@ -171,15 +180,20 @@ def _joined(
     if isinstance(detour, DetourRun) and detour.leads_to_start:
         whole = detour.detour.commanded
         runs, laws = (whole.run, *runs), (whole.law, *laws)
-    notes: tuple[str, ...] = ()
+    notes: list[str] = []
+    skipped: tuple[Skipped, ...] = ()
     if isinstance(run, DetourRun):
         share, until = run.above
         if share > 0.0:
-            notes = (f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms",)
+            notes.append(f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms")
+    if isinstance(detour, DetourRun):
+        skipped = skipped_by(detour, run.s0)
+        notes += [skipped_in_words(each, detour.machine) for each in skipped]
     path = AxisPath((run, *runs), trajectory.joints, trajectory.axis_path.machine)
     return Trajectory(
-        path, trajectory.limits, (law, *laws), planner, notes=notes, solve_seconds=clock.perf_counter() - began
-    )
+        path, trajectory.limits, (law, *laws), planner, notes=tuple(notes), skipped=skipped,
+        solve_seconds=clock.perf_counter() - began,
+    )  # fmt: skip
 
 
 def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt.ArrayLike | None) -> None:
@@ -190,7 +204,7 @@ def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt
         raise UsageError("replan: a bending is made up for at the tip, and the tool axis stays; leave axis out")
     if not isinstance(time, Real) or isinstance(time, bool):
         raise UsageError(
-            f"replan: time is {str(time)[:40]!r}; give seconds: replan(trajectory, time, deflection, machine)"
+            f"replan: time is {str(time)[:40]!r}; give seconds: replan(trajectory, time, tip, machine)"
         )
     if not 0.0 <= time <= trajectory.duration:
         shown = max(min(time, 1e300), -1e300)  # a whole number may be too large for a float

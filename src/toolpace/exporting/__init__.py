@@ -73,7 +73,7 @@ def export(
 def target_of(name: str, options: dict[str, Any]) -> Target:
     """The target of a name with its options. Raises UsageError where there is none, or not such an option."""
     if name not in TARGETS:
-        raise UsageError(f"--to {name[:40]}: there is no such target; {did_you_mean(name, TARGETS)}")
+        raise UsageError(f"--to {str(name)[:40]}: there is no such target; {did_you_mean(str(name), TARGETS)}")
     module, kind = TARGETS[name]
     made = getattr(importlib.import_module(f"toolpace.exporting.{module}"), kind)
     known = [each.name for each in dataclasses.fields(made)]

@@ -11,10 +11,15 @@ from toolpace.arrays import Floats
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.follow.given import number, numbers
 from toolpace.kernels.follow.layout import LOOK_BACK
+from toolpace.units import refuse_other_unit
 
 CAUSES = ("bending", "displaced")
 FINEST, COARSEST = 1e-5, 0.1
 """Shortest and longest period that a follower is for [s]."""
+MOST_BELIEVABLE, MOST_WAIT = 0.2, 5e-3
+"""Deflection that may be believed, and lag of a correction [m]."""
+SOFTEST = 1e-3
+"""Most compliance of a tool [m/N]."""
 MOST_RESERVE = 0.5
 
 
@@ -72,6 +77,8 @@ class Figures:
         for each in fields(self):
             if each.name not in ("cause", "compliance"):
                 self._check(each.name, *RANGES.get(each.name, (0.0, math.inf, "0 or more")))
+        for name, most in (("believable", MOST_BELIEVABLE), ("wait", MOST_WAIT)):
+            refuse_other_unit(getattr(self, name), most, f"follower: {name}", "give metres: 0.3 mm is 0.3e-3")
         late = self.delay + self.dead_time
         if late > (LOOK_BACK - 10) * self.period:
             what = "a delay" if self.dead_time == 0.0 else "delay and dead_time together"
@@ -85,6 +92,8 @@ class Figures:
             raise UsageError(
                 f"follower: compliance of {what}; give (3, 3) finite figures [m/N], such as Bending(...).compliance"
             )
+        softest = float(np.abs(compliance).max())
+        refuse_other_unit(softest, SOFTEST, "follower: compliance", "give m/N: 0.1 um/N is 1e-7")
         object.__setattr__(self, "compliance", compliance)
         if math.isinf(self.believable):
             object.__setattr__(self, "believable", 10.0 * self.max_correction)
@@ -104,9 +113,12 @@ RANGES = {
     "dead_time": (0.0, 0.2, "a time from 0 to 0.2 s"),
     "gain": (1e-6, 2.0, "a share above 0, at most 2"),
     "rho": (0.0, 0.9, "a share from 0 to 0.9"),
-    "max_correction": (1e-9, 0.1, "a length above 0, at most 0.1 m"),
+    "max_correction": (1e-9, 0.02, "a length above 0, at most 0.02 m: 0.3 mm is 0.3e-3"),
     "max_turn": (0.0, 0.5, "an angle from 0 to 0.5 rad"),
     "fade": (1e-6, math.inf, "a time above 0"),
+    "deadband": (0.0, 5e-4, "a length from 0 to 0.5e-3 m: 2 um is 2e-6"),
     "believable": (1e-9, math.inf, "a length above 0"),
+    "axis_tolerance": (0.0, 0.02, "an angle from 0 to 0.02 rad: 0.05 deg is 0.9e-3"),
+    "filter": (0.0, 2.0, "a time from 0 to 2 s"),
     "wait": (1e-9, math.inf, "a length above 0"),
 }

@@ -46,7 +46,7 @@ def follow_as_planned(machine: Candidate, toolpath: ToolPath) -> None:
     posted = replace(toolpath, rotary=rotary, rotary_joints=tuple(machine.geometry.rotary_joints))
     fitted = 0
     for first, last in _stretches(close):
-        part = _part(posted, first, min(last, first + MOST_FITTED - fitted))
+        part = posted.part(first, min(last, first + MOST_FITTED - fitted))
         fitted += len(part)
         try:
             path = Path.fit(part, *tolerances, machine)
@@ -66,24 +66,3 @@ def _stretches(close: Bools) -> list[tuple[int, int]]:
     return [
         (max(int(points[head]) - AROUND, 0), min(int(points[end - 1]) + AROUND, last)) for head, end in zip(heads, ends)
     ]
-
-
-def _part(toolpath: ToolPath, first: int, last: int) -> ToolPath:
-    """The points from `first` to `last` as a path of their own."""
-    part = slice(first, last + 1)
-    stop = toolpath.stop[part].copy()
-    stop[[0, -1]] = True
-    return replace(
-        toolpath,
-        tip=toolpath.tip[part],
-        axis=toolpath.axis[part],
-        feed=toolpath.feed[part],
-        least_time=toolpath.least_time[part],
-        block=toolpath.block[part],
-        stop=stop,
-        dwell=toolpath.dwell[part],
-        rotary=None if toolpath.rotary is None else toolpath.rotary[part],
-        rapid=toolpath.rapid[part],
-        operation=toolpath.operation[part],
-        tool_length=toolpath.tool_length[part],
-    )

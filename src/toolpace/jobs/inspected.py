@@ -20,6 +20,7 @@ def inspection_record(found: Inspection) -> dict[str, object]:
             {"word": printable(each.word), "line": each.line, "count": each.count, "cure": printable(each.cure)}
             for each in found.refused
         ],
+        "needs": [printable(sentence) for sentence in found.needs],
         "ignored": {printable(word): count for word, count in found.ignored.items()},
         "assumed": [printable(sentence) for sentence in found.assumed],
         "machines": list(found.machines),

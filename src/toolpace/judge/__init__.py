@@ -29,7 +29,7 @@ from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.setpoints import SetPoints
 from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import ToolPath, check_toolpath
 
 __all__ = ["Check", "Verification", "verify"]
 
@@ -67,6 +67,12 @@ def verify(
     Time is linear in set-points and program points. Raises UsageError where the set-points do not fit the
     machine.
     """
+    if toolpath is not None:
+        check_toolpath(toolpath, "verify")
+        if isinstance(machine, Limits):
+            raise UsageError("verify: a program is judged on a Machine; give it in place of Limits, or no tool path")
+    if tool is not None and not isinstance(tool, CuttingTool):
+        raise UsageError(f"verify: tool is {type(tool).__name__}; give a CuttingTool, as load_tool makes it")
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
     return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt, tool, sheet)[0]
 

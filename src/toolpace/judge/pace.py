@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.arrays import Floats, Ints
+from toolpace.description import counted
 from toolpace.judge.matching.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
@@ -31,6 +32,8 @@ class FeedUse:
     """(n - 1,) rounding of the speed [m/s]."""
     most: float
     """Highest speed over the least feed that may hold, with what may hide between set-points."""
+    untold: int = 0
+    """Blocks whose lower feed is not told from those beside them: see `untold_feeds`."""
 
     @property
     def ratio(self) -> Floats:
@@ -50,14 +53,22 @@ class FeedUse:
         ok = bool(over[k] <= 1.0 + TOLERANCE)
         time, block = float(points.t[k]), int(points.block[k + 1])
         speed, cap = float(self.speed[k]), float(self.cap[k])
-        return Check("feed", speed, cap, "m/s", ok, time, block, noise=float(self.noise[k]))
+        note = f"not told of {counted(self.untold, 'block')} within the tolerance of a faster one" * (self.untold > 0)
+        return Check("feed", speed, cap, "m/s", ok, time, block, note=note, noise=float(self.noise[k]))
 
 
 def feed_use(
-    points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints, tip: Floats, ways: Floats
+    points: SetPoints,
+    toolpath: ToolPath,
+    motion: MotionRow,
+    there: Alignment,
+    owner: Ints,
+    tip: Floats,
+    ways: Floats,
+    tolerances: Floats,
 ) -> FeedUse | None:
     """How fast the tip at (n, 3), which goes by `ways` (n - 1, 3), goes for the feeds of the program; None where it has
-    none."""
+    none. `tolerances` (p, 2) of tip [m] and axis [rad] on the way to each point of the program."""
     if not np.isfinite(toolpath.feed[1:]).any():
         return None
     moved = np.sqrt((ways**2).sum(axis=1))
@@ -72,7 +83,24 @@ def feed_use(
     change = np.maximum(change, np.append(change[1:], 0.0))
     moving = np.isfinite(slowest)
     most = float(((speed + change)[moving] * slowest[moving]).max(initial=0.0))
-    return FeedUse(speed, cap, noise, most)
+    return FeedUse(speed, cap, noise, most, untold_feeds(toolpath, tolerances))
+
+
+def untold_feeds(toolpath: ToolPath, tolerances: Floats) -> int:
+    """Blocks slower than one beside them that are within twice the tolerances (n, 2) of tip [m] and axis [rad].
+
+    All of such a block is near the end of another: a tip that keeps the tolerance may be in that one. One longer by two
+    steps of set-points holds a step that can be nowhere else. Blocks of one feed that follow each other count as one.
+    """
+    feed = toolpath.feed[1:]
+    first = np.flatnonzero(np.concatenate(([True], feed[1:] != feed[:-1])))
+    of_stretch = feed[first]
+    beside = np.maximum(np.append(of_stretch[1:], 0.0), np.insert(of_stretch[:-1], 0, 0.0))
+    short = of_stretch < beside
+    for row, tolerance in zip((toolpath.tip, toolpath.axis), tolerances.T):
+        ways = np.linalg.norm(np.diff(row, axis=0), axis=1)
+        short &= np.add.reduceat(ways, first) <= 2.0 * np.maximum.reduceat(tolerance[1:], first)
+    return int(short.sum())
 
 
 def _largest(value: Floats, motion: MotionRow, there: Alignment, owner: Ints) -> Floats:

@@ -84,7 +84,7 @@ def program_checks(
             side_check(points, motion, found.there, line, owner, outward, float(tip_unit), GRACE * float(tip_unit))
         )
     passing = Passing(points, toolpath, motion, found.back, np.flatnonzero(np.diff(owner, append=len(toolpath)) > 0))
-    use = feed_use(points, toolpath, motion, found.there, owner, tip, ways(points, tip, axis))
+    use = feed_use(points, toolpath, motion, found.there, owner, tip, ways(points, tip, axis), tolerances.along)
     checks += [use.check(points)] if use is not None else []
     checks += passing.least_times(dt) + passing.stops(machine, dt)
     checks += block_check(points, toolpath, motion, found.there, owner)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from toolpace.arrays import Floats
+from toolpace.errors import UsageError
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.setpoints import SetPoints
@@ -20,7 +21,11 @@ METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 
 def tool_table(sheet: str) -> dict[str, float]:
     """Number or name of each tool on a set-up sheet (its text), and its length [m]."""
-    tables = tomllib.loads(sheet)
+    try:
+        tables = tomllib.loads(sheet)
+    except tomllib.TOMLDecodeError:
+        cure = "is not the text of a set-up sheet; give what the file holds"
+        raise UsageError(f"verify: sheet {sheet[:40]!r} {cure}") from None
     unit = METRES[tables.get("units", {}).get("length", "mm")]
     return {_plain(name): float(tool["length"]) * unit for name, tool in tables.get("tools", {}).items()}
 

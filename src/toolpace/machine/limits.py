@@ -12,8 +12,13 @@ from toolpace.arrays import Floats, numbers
 from toolpace.description import named, one_line
 from toolpace.equality import ByValue
 from toolpace.errors import UsageError
+from toolpace.units import ask_about_unit
 
 KINDS = ("velocity", "acceleration", "jerk")
+
+
+MOST_SCALED = 20.0
+"""Factor of limits that is not asked about: percents are more."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,4 +69,9 @@ class Limits(ByValue):
 
     def scaled(self, velocity: float = 1.0, acceleration: float = 1.0, jerk: float = 1.0) -> Limits:
         """The same limits times a factor of each kind."""
+        for name, factor in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
+            cure = "give a factor: 120 percent is 1.2"
+            # factors of each joint are no percents
+            if np.ndim(factor) == 0:
+                ask_about_unit(factor, MOST_SCALED, f"limits: factor of {name}", cure)
         return Limits(self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints)

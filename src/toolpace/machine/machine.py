@@ -27,6 +27,7 @@ from toolpace.machine.refusals import check_travel
 from toolpace.machine.table import rows, title
 from toolpace.machine.text import machine_text
 from toolpace.toolpath import ToolPath
+from toolpace.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
 
 __all__ = ["Limits", "Machine"]
 
@@ -153,11 +154,14 @@ class Machine(ByValue, Posed):
             for name, value in given.items()
             if value is not None
         }
+        for each in vectors.get("workpiece_origin", ()):
+            refuse_other_unit(each, FARTHEST_PART, f"machine {self.name}: mounted: origin", METRES)
         return self._with_chain(**vectors)
 
     def with_tool(self, length: float) -> Machine:
         """The machine with a tool of another length [m]; itself where the length is nan, or that of its own."""
         length = float(numbers(length, f"machine {self.name}: tool length", (), finite=False, unit="m"))
+        refuse_other_unit(length, LONGEST_TOOL, f"machine {self.name}: tool length", METRES)
         return self if math.isnan(length) or length == self.tool_length else self._with_chain(tool_length=length)
 
     def with_tools(self, lengths: Iterable[float]) -> list[Machine]:

@@ -16,9 +16,14 @@ from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
 from toolpace.tolerances.tolerances import Tolerances
 from toolpace.toolpath import ToolPath
+from toolpace.units import FASTEST_FEED, METRES_PER_SECOND, RADIANS, ask_about_unit, refuse_other_unit
 
 if TYPE_CHECKING:
     from toolpace.path.fit.haste import Haste
+
+
+MOST_SWEPT = 4.0 * math.pi
+"""Of an arc [rad]: two turns."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,7 +73,9 @@ class Path:
         """
         from toolpace.machine.machine import check_machine
         from toolpace.path.fit.fit import fit_runs
+        from toolpace.toolpath import check_toolpath
 
+        check_toolpath(toolpath, "fit")
         if machine is not None:
             check_machine(machine, "fit", "a Machine, or None")
         begin = time.perf_counter()
@@ -90,6 +97,7 @@ class Path:
         """
         from toolpace.path.exact import checked_run
 
+        refuse_other_unit(feed, FASTEST_FEED, "path: feed", METRES_PER_SECOND)
         return cls((checked_run(f, s0, s1, feed),))
 
     @classmethod
@@ -108,6 +116,9 @@ class Path:
         """
         from toolpace.path.exact import arc_run
 
+        refuse_other_unit(feed, FASTEST_FEED, "path: feed", METRES_PER_SECOND)
+        ask_about_unit(sweep, MOST_SWEPT, "arc: sweep", RADIANS)
+        refuse_other_unit(lean, MOST_SWEPT, "arc: lean", RADIANS)
         return cls((arc_run(centre, start, normal, sweep, lean, feed),))
 
     @classmethod
@@ -127,4 +138,5 @@ class Path:
         """Two B-splines [m] over one parameter: the tip, and a second point on the tool axis towards the spindle."""
         from toolpace.path.exact import bspline_run
 
+        refuse_other_unit(feed, FASTEST_FEED, "path: feed", METRES_PER_SECOND)
         return cls((bspline_run(knots, tip, axis_point, degree, feed),))

@@ -32,7 +32,7 @@ from toolpace.planning.pace_rounds import BROAD, SHARP, Candidate, Fastest, Meas
 from toolpace.planning.planner import Planner, plan, planner_of
 from toolpace.planning.ranking import WHOLE, Rest
 from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
+from toolpace.toolpath import ToolPath, check_toolpath
 from toolpace.trajectory import Trajectory
 from toolpace.workers import Progress
 
@@ -139,6 +139,7 @@ def fit_program(
     progress: Callable[[float], None] | None = None,
 ) -> FittedProgram:
     """The path that may be passed the fastest, of those that an effort looks at. Raises as `Path.fit`."""
+    check_toolpath(toolpath, "plan_program")
     check_machine(machine, "plan_program")
     told = Progress(progress or (lambda share: None))
     asked_for = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)

@@ -40,6 +40,8 @@ def read(
     compensation: str = "",
     max_blocks: int | None = None,
     lenient: bool = False,
+    columns: str = "",
+    units: str = "",
 ) -> ToolPath:
     """Read a program.
 
@@ -58,11 +60,15 @@ def read(
     max_blocks: most blocks that may be executed; more is taken for a loop without end.
     lenient: whether blocks at which the control itself would stop are read where their meaning is certain (a file
         without M2, a word twice), and said in `ToolPath.assumed`.
+    columns: names of the columns of a table without a header, or in place of it: `x,y,z,i,j,k`.
+    units: unit of the lengths of a table whose header names none: `mm`; feeds are in it per minute, dwells in seconds.
 
     The path starts where the program first has every axis positioned: where the machine stands before is
     unknown. Rotary joints that are not named by then are at zero. Raises ProgramError with file, line, text and cure.
     """
-    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient)
+    options = ReadOptions.of(
+        machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient, columns, units
+    )
     return read_source(Source.load(path), machine, dialect, options, feed=feed)
 
 
@@ -79,10 +85,14 @@ def read_text(
     compensation: str = "",
     max_blocks: int | None = None,
     lenient: bool = False,
+    columns: str = "",
+    units: str = "",
     name: str = "program",
 ) -> ToolPath:
     """Read a program from its text; as `read`, with `name` in messages."""
-    options = ReadOptions.of(machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient)
+    options = ReadOptions.of(
+        machine, controller, setup, skip_unknown, block_delete, compensation, max_blocks, lenient, columns, units
+    )
     return read_source(Source.from_text(text, name), machine, dialect, options, feed=feed)
 
 
@@ -184,4 +194,4 @@ def _run(
     from toolpace.reading.table import read_table
 
     lengths = ToolLengths(source, options.setup, machine, findings)
-    return read_table(source, lengths, default_feed=options.default_feed)
+    return read_table(source, lengths, options)

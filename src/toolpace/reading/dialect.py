@@ -42,6 +42,11 @@ _CONVERSATIONAL = re.compile(
 )
 _OSP = re.compile(r"\s*+\$[A-Z0-9_-]++(?:\.[A-Z]{3})?%", re.IGNORECASE)
 """The header of a program for Okuma's controls."""
+OSP = (
+    "to which words mean other things (G15 H is a work offset, G56 H the length of the tool), and which is not read: "
+    "let the CAM system write for Fanuc"
+)
+"""Why no program for them is read, and the cure."""
 HEAD = 200
 """Lines by which a program without a known suffix is told."""
 
@@ -67,8 +72,7 @@ def dialect_of(source: Source, wanted: str | None = None) -> Told:
     head = "\n".join(source.lines[:HEAD])
     if _OSP.match(head):
         source.fail(
-            "this header is of Okuma's OSP, to which words mean other things (G15 H is a work offset, G56 H the length "
-            "of the tool), and which is not read: let the CAM system write for Fanuc",
+            f"this header is of Okuma's OSP, {OSP}",
             1,
         )
     if is_conversational(source):

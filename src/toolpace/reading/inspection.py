@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
-from toolpace.errors import ProgramError, ToolpaceError
+from toolpace.errors import FeedMissingError, ProgramError, ToolpaceError
 from toolpace.reading import read_source
 from toolpace.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.reading.dialect import CONTROLS
@@ -24,6 +24,8 @@ from toolpace.toolpath import ToolPath
 
 TURNED = 1e-9
 """Change of a tool axis, or turn of a rotary joint [rad], from which a block turns the tool."""
+STAND_IN_FEED = "3000mm/min"
+"""With which a program without one is read: nothing that is told here depends on it."""
 LONGEST_WORD = 40
 """Most characters of a block that stands for a word."""
 Range = tuple[float, float]
@@ -67,6 +69,8 @@ class Inspection:
     tools: tuple[str, ...] = ()
     ignored: dict[str, int] = field(default_factory=dict)
     refused: tuple[Refusal, ...] = ()
+    needs: tuple[str, ...] = ()
+    """What must be given with the program to plan it, and is no fault of it: a feed; a sentence each."""
     assumed: tuple[str, ...] = ()
     tip: tuple[Range, Range, Range] | None = None
     """Extent of the tip in X, Y, Z of the part [m]."""
@@ -137,6 +141,12 @@ def inspect_source(
     asked = _Asked(dialect, feed, follow)
     readings = _readings(source, options, machines, found, asked)
     best = max(readings, key=lambda reading: reading.rank)
+    needs: tuple[str, ...] = ()
+    if isinstance(best.fault, FeedMissingError):
+        needs = (f"line {best.fault.line}: {_message(best.fault, source.name)}",)
+        asked = dataclasses.replace(asked, feed=STAND_IN_FEED)
+        readings = _readings(source, options, machines, found, asked)
+        best = max(readings, key=lambda reading: reading.rank)
     if found.others and best.toolpath is not None:
         in_doubt = dataclasses.replace(options, others=found.others, skip_unknown=True)
         best = dataclasses.replace(_read(source, best.machine, asked, in_doubt), fault=best.fault)
@@ -149,6 +159,7 @@ def inspect_source(
         blocks=sum(1 for line in source.lines if line.strip()),
         ignored=dict(best.findings.skipped),
         refused=_refused(best, options, source),
+        needs=needs,
         assumed=best.findings.assumptions if options.skip_unknown else best.findings.assumptions_of_meaning,
         read_on=best.machine.name if best.machine is not None and found.dialect == CONTROLS else "",
         machines=runs,

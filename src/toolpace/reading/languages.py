@@ -7,12 +7,12 @@ import importlib
 from dataclasses import dataclass
 from typing import Protocol
 
-from toolpace.errors import UsageError
+from toolpace.errors import ProgramError, UsageError
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers import din_iso
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.coordinates.kinematics import Kinematics
-from toolpace.reading.dialect import CONTROLS, dialect_of
+from toolpace.reading.dialect import CONTROLS, Told, dialect_of
 from toolpace.reading.findings import Findings
 from toolpace.reading.options import ReadOptions
 from toolpace.reading.source import Source
@@ -47,6 +47,8 @@ class Recognised:
 
 def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Recognised:
     """What a program is: as named, else by its content. Raises ProgramError, UsageError."""
+    if options.columns or options.units:
+        return _table(source, dialect, options)
     din_iso.refuse(source)
     if options.controller is not None:
         told = dialect_of(source, dialect or CONTROLS)
@@ -63,6 +65,26 @@ def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Rec
 
     controller, reason, others = recognise(source)
     return Recognised(CONTROLS, controller, reason, others)
+
+
+def _table(source: Source, dialect: str | None, options: ReadOptions) -> Recognised:
+    """A table of which the options tell what its header does not. Raises UsageError where it is none."""
+    named, what = "--columns" if options.columns else "--units", ""
+    try:
+        told = dialect_of(source, dialect)
+    except ProgramError:
+        # rows of numbers alone cannot be told from anything
+        if not options.columns:
+            raise
+        told = Told("csv", "its columns are given")
+    if options.controller is not None:
+        what = f"for {options.controller.name}"
+    elif told.dialect != "csv":
+        what = told.dialect
+    if what:
+        cure = "leave it out, or give --dialect csv"
+        raise UsageError(f"{named} is of a table (csv), and {source.name} is {what}: {cure}")
+    return Recognised("csv", None, told.reason)
 
 
 def reader_of(

@@ -163,7 +163,10 @@ class _Sheet(TablesInUnits):
         figures = [self.quantity(place, key, table.get(key, 0.0), self.length, LENGTHS, LONGEST_TOOL) for key in keys]
         for key, value in zip(keys, figures):
             if value < 0.0:
-                self.fail(place, f"{key} = {table[key]!r} is below zero; write it from the spindle nose, above zero")
+                cure = "it from the spindle nose, above zero"
+                if key != "length":
+                    cure = "the tool's own, from zero on: for a negative one of a control G41 and G42 change places"
+                self.fail(place, f"{key} = {table[key]!r} is below zero; write {cure}")
         length, radius, corner = figures
         told = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
         return Tool(length, *told)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import os
 import sys
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, NoReturn
 
-from toolpace.errors import ProgramError
+from toolpace.errors import ProgramError, UsageError
 
 ORDINARY_CONTROLS = frozenset(b"\t\n\v\f\r\x1a")
 STANDARD_INPUT = ("-", "/dev/stdin")
@@ -37,6 +38,11 @@ class Source:
     @staticmethod
     def from_text(text: str, name: str = "program") -> Source:
         """Split text at line ends only (a form feed or a Unicode separator ends no block)."""
+        if not isinstance(text, str):
+            cure = "tp.read(path) reads a file" if isinstance(text, os.PathLike) else "give text"
+            raise UsageError(f"read_text: {type(text).__name__} in place of the text of a program; {cure}")
+        if "\n" not in text and _is_file(text):
+            raise UsageError(f"read_text: '{text[-60:]}' is the name of a file; tp.read(path) reads it")
         text = text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\x1a")
         if not text.strip():
             raise ProgramError("the file is empty: nothing to plan; was it exported completely?", source=name)
@@ -46,18 +52,22 @@ class Source:
     @staticmethod
     def load(path: str | Path) -> Source:
         """Read a file; ProgramError where it is missing, a folder, empty or not text."""
+        if not isinstance(path, str | os.PathLike):
+            raise UsageError(f"read: {type(path).__name__} in place of the path of a program")
         name = str(path)
         name = "standard input" if name in STANDARD_INPUT else name
         path = Path(path)
         try:
             data = _bytes(path, name)
         except FileNotFoundError:
+            _refuse_text(name)
             near = _similar(path)
             hint = f"; did you mean {near}?" if near else "; check the path"
             raise ProgramError(f"no such file{hint}", source=name) from None
         except IsADirectoryError:
             raise ProgramError("this is a folder; name the program file in it", source=name) from None
         except (OSError, ValueError) as error:
+            _refuse_text(name)
             reason = getattr(error, "strerror", None) or str(error)
             raise ProgramError(f"cannot be opened ({reason}); check the path and its rights", source=name) from None
         return Source.from_bytes(data, name)
@@ -129,3 +139,17 @@ def _similar(path: Path) -> str:
         return ""
     near = difflib.get_close_matches(path.name, names, n=1)
     return near[0] if near else ""
+
+
+def _refuse_text(name: str) -> None:
+    """Raise UsageError where a name that no file has is the text of a program."""
+    if "\n" in name:
+        raise UsageError("read: this is no path, but text; tp.read_text(text, machine) reads that of a program")
+
+
+def _is_file(name: str) -> bool:
+    """Whether a file has the name, also one that is too long for anything to have."""
+    try:
+        return Path(name).is_file()
+    except (OSError, ValueError):
+        return False

@@ -8,7 +8,9 @@ import re
 import numpy as np
 
 from toolpace.arrays import Bools, Floats, Ints
+from toolpace.errors import FeedMissingError, UsageError
 from toolpace.reading.coordinates.tool_lengths import ToolLengths
+from toolpace.reading.options import ReadOptions
 from toolpace.reading.points import ProgramFacts, ProgramPoints, assemble
 from toolpace.reading.source import Source
 from toolpace.toolpath import Operation, ToolPath
@@ -22,19 +24,25 @@ FARTHEST = 1e3
 _COLUMN = re.compile(r"\s*+\"?+\s*+([A-Za-z]++)\s*+(?:[\[(]([^\])]*+)[\])]\s*+)?+\"?+\s*+")
 
 
-def read_table(source: Source, lengths: ToolLengths, *, default_feed: float | None = None) -> ToolPath:
+def read_table(source: Source, lengths: ToolLengths, options: ReadOptions) -> ToolPath:
     """ToolPath of a table whose rows are points; `rapid` and `stop` are 0 or 1, `dwell` a time."""
     rows = [(n, text) for n, text in enumerate(source.lines, start=1) if text.strip() and text.lstrip()[0] != "#"]
     if not rows:
         source.fail("the table has no header: begin it with " + EXAMPLE, 0)
     header_line, header = rows[0]
-    delimiter = next((mark for mark in (",", ";", "\t") if mark in header), ",")
-    scale = _columns(source, header, header_line, delimiter)
+    delimiter = next((mark for mark in (",", ";", "\t") if mark in header), None if options.columns else ",")
+    if options.columns:
+        scale = _columns(source, options.columns, header_line, ",", options.units)
+        begins_with_header = _is_header(source, header, header_line, delimiter)
+    else:
+        scale = _columns(source, header, header_line, delimiter or ",", options.units)
+        begins_with_header = True
     names = list(scale)
-    if len(rows) < 2:
+    rows = rows[begins_with_header:]
+    if not rows:
         source.fail("the table has a header but no points: there is no motion", header_line)
-    line: Ints = np.array([n for n, _ in rows[1:]])
-    values = _numbers(source, rows[1:], delimiter, len(names))
+    line: Ints = np.array([n for n, _ in rows])
+    values = _numbers(source, rows, delimiter, len(names))
     column = {name: values[:, k] * scale[name] for k, name in enumerate(names)}
     _refuse(
         source,
@@ -57,7 +65,7 @@ def read_table(source: Source, lengths: ToolLengths, *, default_feed: float | No
     points = ProgramPoints(
         tip,
         axis,
-        feed=_feed(source, line, column.get("feed"), rapid, default_feed),
+        feed=_feed(source, line, column.get("feed"), rapid, options.default_feed),
         least_time=np.zeros(n),
         block=line,
         stop=(column.get("stop", np.zeros(n)) != 0) | (dwell > 0),
@@ -69,8 +77,26 @@ def read_table(source: Source, lengths: ToolLengths, *, default_feed: float | No
     return assemble(source, points, ProgramFacts.of(lengths.findings, n))
 
 
-def _columns(source: Source, header: str, line: int, delimiter: str) -> dict[str, float]:
-    """Columns in order, with the factor from their unit to SI."""
+def _is_header(source: Source, row: str, line: int, delimiter: str | None) -> bool:
+    """Whether a row, the columns of which are given, holds no number; one that names them itself is refused."""
+    cells = row.split(delimiter)
+    for cell in cells:
+        try:
+            float(cell)
+        except ValueError:
+            continue
+        return False
+    named = [match[1].lower() for cell in cells if (match := _COLUMN.fullmatch(cell))]
+    if len(named) == len(cells) and set(named) <= {*POINT, *AXIS, *OPTIONAL}:
+        source.fail("the table's header names its columns: leave --columns out (--units tells units)", line)
+    return True
+
+
+def _columns(source: Source, header: str, line: int, delimiter: str, given: str) -> dict[str, float]:
+    """Columns in order, with the factor from their unit to SI; where they name none, the lengths are in one `given`."""
+    given = given.strip().lower()
+    if given and given not in LENGTHS:
+        raise UsageError(f"--units '{given[:20]}' is not known: give one of {', '.join(filter(str.isascii, LENGTHS))}")
     scale: dict[str, float] = {}
     for cell in header.split(delimiter):
         match = _COLUMN.fullmatch(cell)
@@ -80,12 +106,16 @@ def _columns(source: Source, header: str, line: int, delimiter: str) -> dict[str
         if name in scale:
             source.fail(f"column {name} stands twice in the header: remove one", line)
         units = LENGTHS if name in POINT else FEEDS if name == "feed" else TIMES if name == "dwell" else None
+        if given and unit and name in POINT and LENGTHS[given] != LENGTHS.get(unit):
+            source.fail(f"column {name} is in {unit[:20]}, and --units says {given}: leave one of both out", line)
+        if not unit and given:
+            unit = given if name in POINT else "s" if name == "dwell" else f"{given}/min"
         if units is None:
             scale[name] = 1.0
         elif unit not in units:
             known = ", ".join(key for key in units if key.isascii())
             what = f"unit '{unit[:20]}' of column {name} is not known" if unit else f"column {name} names no unit"
-            source.fail(f"{what}: write one of {known} in brackets, like {EXAMPLE}", line)
+            source.fail(f"{what}: write one of {known} in brackets, like {EXAMPLE}; or give --units mm", line)
         else:
             scale[name] = units[unit]
     missing = [name for name in POINT if name not in scale]
@@ -96,7 +126,7 @@ def _columns(source: Source, header: str, line: int, delimiter: str) -> dict[str
     return scale
 
 
-def _numbers(source: Source, rows: list[tuple[int, str]], delimiter: str, width: int) -> Floats:
+def _numbers(source: Source, rows: list[tuple[int, str]], delimiter: str | None, width: int) -> Floats:
     """All cells as an array; on failure, the first row that is wrong."""
     try:
         values = np.loadtxt([text for _, text in rows], delimiter=delimiter, comments=None, ndmin=2)
@@ -127,6 +157,7 @@ def _feed(source: Source, line: Ints, feed: Floats | None, rapid: Bools, default
                 source.fail(
                     "feed missing: the table has no column feed; add one, or give --feed 3000mm/min (feed= in Python)",
                     int(line[1 + needs[0]]),
+                    FeedMissingError,
                 )
             default = 1.0
         feed = np.full(len(line), default)

@@ -6,6 +6,7 @@ import importlib
 import os
 from typing import TYPE_CHECKING
 
+from toolpace.errors import UsageError
 from toolpace.files import whole_file
 from toolpace.setpoints import SetPoints
 
@@ -38,6 +39,14 @@ def report(
     holds all it needs (5 MB of it are plotly.js) and at most 40 000 points of each curve: of a longer
     motion, the least and the largest value of each stretch, so that no peak is lost.
     """
+    from toolpace.toolpath import check_toolpath
+
+    if not hasattr(trajectory, "sample"):
+        raise UsageError(f"report: {type(trajectory).__name__} in place of a trajectory; give what plan returns")
+    if toolpath is not None:
+        check_toolpath(toolpath, "report")
+    if verification is not None and not hasattr(verification, "checks"):
+        raise UsageError(f"report: {type(verification).__name__} in place of a verification; give what verify returns")
     write_report(path, trajectory, trajectory.sample(dt), toolpath, verification)
 
 

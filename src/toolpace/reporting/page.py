@@ -154,6 +154,10 @@ def _cards(
     if blocks:
         shown = f"{blocks:,}".replace(",", "\u202f")
         cards.append(("Blocks", shown, counted(stops, "stop"), ""))
+    if trajectory.skipped:
+        left_out = 1e3 * sum(each.length for each in trajectory.skipped)
+        off = 1e3 * max(each.off for each in trajectory.skipped)
+        cards.append(("Left out of the path", f"{left_out:.4g} mm", f"up to {off:.4g} mm off the path of the tip", ""))
     cards += _deviations(verification, figures)
     if figures is not None:
         cards += _iterations(figures, trajectory.duration)

@@ -13,7 +13,10 @@ import re
 _INLINE = re.compile(r"<(script|style)((?: [^>]*)?)>(.*?)</\1>", re.DOTALL)
 _HEAD = '<meta charset="utf-8">'
 _EMPTY = ""
-"""plotly makes an empty style sheet and puts its rules into it one by one; that of maps, which it adds, stays out."""
+"""plotly makes an empty style sheet and puts its rules into it one by one."""
+_SHEET = re.compile(r'getElementById\("([0-9a-f]{64})"\)')
+"""What plotly looks for before it adds its style sheet of maps, which would be refused, with a word in the console: an
+empty sheet of that name is there already."""
 
 
 def with_policy(page: str) -> str:
@@ -32,7 +35,8 @@ def with_policy(page: str) -> str:
     before, found, behind = page.partition(_HEAD)
     if not found:
         raise ValueError(f"a page without {_HEAD}")
-    return f'{before}{found}\n<meta http-equiv="Content-Security-Policy" content="{policy}">{behind}'
+    sheets = "".join(f'\n<style id="{each}"></style>' for each in dict.fromkeys(_SHEET.findall(behind)))
+    return f'{before}{found}\n<meta http-equiv="Content-Security-Policy" content="{policy}">{sheets}{behind}'
 
 
 def checksum(text: str) -> str:

@@ -12,10 +12,13 @@ from toolpace.arrays import Floats
 from toolpace.errors import UsageError, did_you_mean
 from toolpace.tolerances.places import points_of
 from toolpace.toolpath import ToolPath
+from toolpace.units import METRES, RADIANS, ask_about_unit
 
 SIDES = ("both", "outside", "above")
 """On which the tip may leave the program: both; out of the part, by the normals that the program tells; up along the
 tool."""
+WIDE_TIP, WIDE_AXIS = 2e-3, 0.04
+"""Tolerances [m], [rad] from which on it is asked whether they are meant: 10 um is 1e-5."""
 LEAST_LEFT = 0.5
 """Share of a tolerance that is left at least where the program's way bows: of 1 um and less."""
 PROGRAM = "program"
@@ -75,12 +78,13 @@ class Tolerances:
     @classmethod
     def of(cls, tolerance: float | Tolerances, name: str) -> Tolerances:
         """A number as one that is the same everywhere. Raises UsageError, which says its name."""
-        if isinstance(tolerance, Tolerances):
-            return tolerance
         try:
-            return cls(tolerance)
+            made = tolerance if isinstance(tolerance, Tolerances) else cls(tolerance)
         except UsageError as error:
             raise UsageError(str(error).replace("tolerance is", f"{name} is", 1)) from None
+        most, cure = (WIDE_AXIS, RADIANS) if name.startswith("axis") else (WIDE_TIP, METRES)
+        ask_about_unit(made.default, most, name, cure)
+        return made
 
     @classmethod
     def parse(cls, text: str, quantity: Callable[[str], float], default: float) -> Tolerances:

@@ -26,6 +26,8 @@ def reading_record(options: ReadOptions) -> ReadingRecord:
         lenient=options.lenient,
         compensation=options.compensation,
         max_blocks=options.most_blocks,
+        columns=options.columns,
+        units=options.units,
         others=tuple(other.name for other in options.others),
     )
 
@@ -63,6 +65,8 @@ def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
         record.compensation,
         record.max_blocks,
         record.lenient,
+        record.columns,
+        record.units,
     )
     if unknown := set(record.others) - set(Controller.names()):
         raise UsageError(f"{folder / PLAN}: others of reading names '{min(unknown)[:40]}'; plan again to write it anew")

@@ -67,6 +67,9 @@ class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     compensation: str = ""
     max_blocks: int | None = None
     """Null where it was not said."""
+    columns: str = ""
+    units: str = ""
+    """Of a table whose header does not tell them; empty where it does."""
     others: tuple[str, ...] = ()
     """Built-in controllers that the program may be for as well; none where its controller was named."""
 

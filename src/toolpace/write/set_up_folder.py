@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.clamping.found import sheet_of, with_sheet
+from toolpace.errors import UsageError
 from toolpace.files import whole_folder
 from toolpace.reading.setup_file import setup_text
 from toolpace.reporting.place_map import map_svg
@@ -44,6 +45,8 @@ def write_set_up(
     and tool axes for it, setup.html the page, map.svg the map where there is one, setup.json all figures. `setup` is
     the sheet that the program was read with; `others` are all machines that were searched. Raises UsageError.
     """
+    if not hasattr(found, "best"):
+        raise UsageError(f"write_set_up: {type(found).__name__} in place of what search_setup returns")
     best = found.best[0]
     sheet = sheet_words(program, found) + setup_text(sheet_of(best.machine, setup))
     with whole_folder(directory, seal=RECORD) as folder:

@@ -151,6 +151,15 @@ def test_patterns_of_holes():
     assert deep[:, :2] == pytest.approx(np.stack([1 + 10 * np.cos(angles), 2 + 10 * np.sin(angles)], axis=1))
 
 
+def test_a_row_of_holes_begins_at_its_nearer_end():
+    """Cycles, HOLES1: the cycle reckons from where the tool is whether it begins with the first hole or the last."""
+    for start, ys in ((0, [10, 20, 30]), (19, [10, 20, 30]), (21, [30, 20, 10]), (50, [30, 20, 10])):
+        path = read("MCALL CYCLE81(5,0,1,-2)\nHOLES1(0,0,90,10,10,3)\nMCALL", start=f"G54 F300\nG0 X0 Y{start} Z5\n")
+        bottoms = path.tip[np.isclose(path.tip[:, 2], -2e-3)]
+        assert bottoms[:, 1] * 1e3 == pytest.approx(ys), start
+        assert any("nearer to the tool" in said for said in path.assumed) == (ys[0] == 30)
+
+
 @pytest.mark.parametrize(
     ("call", "places"),
     [

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.support.sinumerik import last, read
+from tests.support.sinumerik import ends, last, read
 from toolpace.errors import ProgramError
 from toolpace.reading.coordinates.setup import SetUp, Tool
 from toolpace.reading.sinumerik.flow.memory import Store
@@ -161,3 +162,34 @@ def test_radii_of_the_sheet():
         assert last(text, setup=told)[0] == pytest.approx(4)
         with pytest.raises(ProgramError, match="tells no radius of the tool"):
             read(text, setup=untold)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("DEF REAL AB[3]=(1,2,3)", (1, 2, 3)), ("DEF REAL AB[3]=SET(1,2)", (1, 2, 0)),
+        ("DEF REAL AB[3]=REP(5)", (5, 5, 5)), ("DEF REAL AB[3]\nAB[1]=REP(4)", (0, 4, 4)),
+        ("DEF REAL AB[3]\nAB[1]=SET(4,5)", (0, 4, 5)), ("DEF INT AB[3]=(1.5,R1+2*3,-0.4)", (2, 6, 0)),
+    ],
+)  # fmt: skip
+def test_arrays_that_one_block_fills(text, values):
+    """Job Planning, DEF: values from the first element on, or REP for all of them; later SET and REP from any on."""
+    assert last(f"{text}\nG1 X=AB[0] Y=AB[1] Z=AB[2]+9") == pytest.approx([values[0], values[1], values[2] + 9])
+
+
+def test_the_last_index_of_an_array_runs_first():
+    text = "DEF REAL AB[2,2]=(1,2,3,4)\nAB[0,1]=SET(7,8)\nG1 X=AB[0,0] Y=AB[0,1] Z=AB[1,0]\nX=AB[1,1]"
+    assert ends(text)[-2:] == pytest.approx(np.array([[1, 7, 8], [4, 7, 8]]))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("DEF REAL AB[3]=5", r"for all elements, or for the first\?"), ("DEF REAL AB[3]=SET(1,,3)", "SET takes values"),
+        ("DEF REAL AB[2]=(1,2,3)", "has 2 elements from there on, not 3"), ("DEF REAL AB[2]=REP(1,2)", "REP takes one"),
+        ("DEF REAL AB[9999]=REP(1)", "write a loop"), ("DEF REAL AB=SET(1,2)", "has 1 elements from there on"),
+    ],
+)  # fmt: skip
+def test_rows_of_values_that_cannot_be(text, message):
+    with pytest.raises(ProgramError, match=message):
+        last(f"{text}\nG1 X1")

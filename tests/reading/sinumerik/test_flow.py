@@ -187,3 +187,10 @@ def test_blocks_of_one_shape_are_compiled_once():
     found = read("R1=7 R2=0\n" + "\n".join(lines)).tip * 1e3
     assert _shaped.cache_info().misses + _exact.cache_info().misses - before < 10
     assert found[-1].tolist() == pytest.approx([7 + 1999 / 8, 1999.5, -math.sin(math.radians(1999))])
+
+
+def test_ret_that_goes_on_elsewhere_is_refused():
+    """Job Planning, "Parameterizable subprogram return": RET("AA") goes on at AA of the caller."""
+    with pytest.raises(ProgramError, match="RET with a block to go on at"):
+        read('SUB1\nG1 Y5\nAA: G1 Z1\nM30\nPROC SUB1\nG1 X1\nRET("AA")')
+    assert read("SUB1\nG1 Y5\nM30\nPROC SUB1\nG1 X1\nRET()").tip[-1] * 1e3 == pytest.approx([1, 5, 0])

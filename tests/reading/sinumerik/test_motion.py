@@ -34,6 +34,17 @@ def test_inch_and_metric_and_what_they_say_of_f():
     assert any("F under G70 is in inches" in sentence for sentence in path.assumed)
 
 
+def test_ovr_is_the_share_of_f():
+    """It lasts, scales an F that stands and one that comes, and leaves rapid motions and what F alone says."""
+    path = read("G1 X1 F600\nX2 OVR=50\nX3 F200\nG0 X4\nG1 X5 OVR=100\nG93 X6 F2 OVR=50")
+    last = np.flatnonzero(np.append(np.diff(path.block) != 0, True))[1:]
+    assert path.feed[last][:5] * 60e3 == pytest.approx([600, 300, 100, np.inf, 200])
+    assert path.least_time[last][5] == pytest.approx(60.0)  # half of two blocks a minute
+    for share in ("0", "-5", "201"):
+        with pytest.raises(ProgramError, match="share of F in percent"):
+            read(f"G1 X1 OVR={share}")
+
+
 @pytest.mark.parametrize(
     ("words", "end", "centre", "radius"),
     [

@@ -98,3 +98,21 @@ def test_the_order_of_rpy_angles_is_said_where_it_matters():
         assert not any("ORIRPY" in said for said in alone.assumed)
     with pytest.raises(ProgramError, match="ORIRPY2 with several angles"):
         read(TIP + "ORIRPY2\nX10 A2=30 B2=40", "xyzac-trunnion")
+
+
+@pytest.mark.parametrize("mode", ["ORIVIRT1", "ORIVIRT2"])
+def test_angles_about_axes_that_the_machine_tells_are_refused(mode):
+    """MD21120, MD21130 say about which axes A2, B2 and C2 turn there."""
+    with pytest.raises(ProgramError, match="under ORIVIRT1 or ORIVIRT2"):
+        read(f"TRAORI\n{mode}\nG1 X5 A2=30 B2=10", "xyzac-trunnion")
+    path = read(f"TRAORI\n{mode}\nG1 X5 A3=1 C3=1", "xyzac-trunnion")
+    assert path.axis[-1] == pytest.approx([0.5**0.5, 0, 0.5**0.5])
+
+
+def test_normals_of_the_surface_turn_nothing_by_themselves():
+    text = "TRAORI\nG1 X5 A3=1 C3=1{}\nX9{}"
+    with_normals = read(text.format(" A4=0 B4=0 C4=1 A5=0.1 C5=1", " A5=0.3 C5=1"), "xyzac-trunnion")
+    without = read(text.format("", ""), "xyzac-trunnion")
+    assert np.array_equal(with_normals.tip, without.tip) and np.array_equal(with_normals.axis, without.axis)
+    with pytest.raises(ProgramError, match="LEAD= is not read"):
+        read(text.format(" A5=0.1 C5=1 LEAD=5", ""), "xyzac-trunnion")

@@ -75,12 +75,26 @@ def test_frames_of_the_tool_that_are_refused():
     refused(f"TRANS X3\n{tilted}TOROT\nTRANS X4\nG1 X0", "TRANS after TOROT")
     refused(f"SCALE X2 Y2 Z2\n{tilted}TOROT\nG1 X0", "TOROT in a scaled or mirrored frame")
     refused(f"{tilted}G18 TOROT\nG1 X0", "TOROT under G18")
-    refused(f"{tilted}TOFRAME\nG1 X0", "TOFRAME is not read")
+    refused(f"TRANS X3\n{tilted}TOFRAME\nG1 X0", "TOFRAME upon another frame")
+    refused(f"{tilted}TOROT\nTOFRAME\nG1 X0", "TOFRAME upon another frame")
+    refused(f"{tilted}TOFRAME\nTRANS X4\nG1 X0", "TRANS after TOROT")
+    refused(f"{tilted}TOFRAMEX\nG1 X0", "TOFRAMEX is not read")
     refused(f"{tilted}PAROT\nG1 X0", "PAROT is not read")
     plane = 'CYCLE800(0,"",0,57,0,0,0,30,0,0,0,0,0,-1,0,1)\n'
     for word in ("TOROTOF", "PAROTOF"):
         refused(f"{plane}{word}\nG1 X0", f"{word} in a plane of CYCLE800")
         assert tip(f"{word}\nG1 X1 Y2 Z3") == pytest.approx([1, 2, 3])
+
+
+def test_toframe_upon_no_frame_is_torot():
+    """PF 12.8: Z lies along the tool; the example there retracts with G91 Z20, and then goes along the new X."""
+    vector = np.array([0.0, 0.4, 0.9]) / math.hypot(0.4, 0.9)
+    tilted = TILTED.format(*vector)
+    origin, axes = frame(tilted + "TOFRAME\n")
+    assert origin == pytest.approx([0, 0, 0], abs=1e-7) and axes[:, 2] == pytest.approx(vector, abs=1e-8)
+    assert tip(f"{tilted}TOFRAME\nG91 G1 Z20") == pytest.approx(np.array([5, 3, 1]) + 20 * vector)
+    assert tip(f"{tilted}TOFRAME\nG91 G1 Z20\nX50") == pytest.approx(np.array([55, 3, 1]) + 20 * vector)
+    assert tip(f"{tilted}TOFRAME\nTOROTOF\nG1 X1 Y2 Z3") == pytest.approx([1, 2, 3])
 
 
 def test_a_frame_that_is_appended_acts_within_that_of_torot():

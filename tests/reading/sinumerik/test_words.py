@@ -54,10 +54,11 @@ def test_harmless_words_are_counted():
 
 
 REFUSED = (
-    "TRANSMIT", "TRACYL(20)", "TCARR=1", "CUT3DC", "OFFN=2", "G147 X1", "POLY PO[X]=(5,1,2)",
+    "TRANSMIT", "TRACYL(20)", "TCARR=1", "CUT3DC", "TRAANG", "G147 X1", "POLY PO[X]=(5,1,2)",
     "ASPLINE X5", "FLIN", "POS[X]=5", "POSA[B]=5", "WHEN $AA_IM[X]>5 DO M8", "MEAS=1 X5", "CYCLE961()",
     "G291", "DIAMON", "A6=1 X1", "ORICURVE", "ORICONTO", "GEOAX(1,X1)", "NOSUCHCYCLE(5)", "NOSUCHWORD",
-    "CHR=5 X1", "LEAD=3 X1", 'EXTCALL "FAR"', "$P_IFRAME=CTRANS(X,5)", "TOFRAME", "G33 Z-5 K2",
+    "CHR=5 X1", "LEAD=3 X1", 'EXTCALL "FAR"', "$P_IFRAME=CTRANS(X,5)", "TOFRAMEY", "G33 Z-5 K2",
+    "ORIPATHS", "TOFFON(Z,25)", 'TCA("MILL")', "G961 S100",
     "SETAL(65000)",
 )  # fmt: skip
 
@@ -165,3 +166,8 @@ def test_signs_of_sinumerik(line):
 @pytest.mark.parametrize("line", FOREIGN)
 def test_other_languages_have_no_sign_of_it(line):
     assert weight(re.sub(r"\(.*?\)", "", line)) == 0.0
+
+
+def test_the_radius_of_rotary_axes_for_f_is_said_to_be_passed_over():
+    assert any("FGREF is passed over" in said for said in read("FGREF[C]=10\nG1 X5", "xyzac-trunnion").assumed)
+    assert not any("FGREF" in said for said in read("G1 X5", "xyzac-trunnion").assumed)

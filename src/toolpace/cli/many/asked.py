@@ -109,4 +109,6 @@ class AskedBatch:
             lenient=reading.lenient,
             compensation=reading.compensation or "",
             max_blocks=reading.max_blocks,
+            columns=reading.columns,
+            units=reading.units,
         )

@@ -1,6 +1,8 @@
-"""The projection of a deflection on a path, or on a part of it."""
+"""The projection of a measured tip on a path, or on a part of it."""
 
 from __future__ import annotations
+
+import warnings
 
 import numpy.typing as npt
 
@@ -19,13 +21,14 @@ TOLERANCE = 1e-9
 
 def project(
     path: Path,
-    deflection: npt.ArrayLike,
+    tip: npt.ArrayLike | None = None,
     *,
+    deflection: npt.ArrayLike | None = None,
     interval: tuple[float, float] | None = None,
     method: str = "bounds",
     tolerance: float = TOLERANCE,
 ) -> Projection:
-    """The point of a path, or of the `interval` (from s, to s) of one of its runs, nearest to a deflection (3,) [m].
+    """The point of a path, or of the `interval` (from s, to s) of one of its runs, nearest to a `tip` (3,) [m].
 
     The paper looks on the interval on which the tool was; with u clipped to [0, 1] its ends count too. The whole path
     is the default.
@@ -36,10 +39,14 @@ def project(
     "potential", the paper's way, a target is drawn along the path from the nearest of 400 samples, which finds a valley
     only where the samples do. Time grows in proportion to the pieces of the path.
 
-    Raises UsageError for a deflection that is not finite, an interval that lies on no run or on several, and a
-    potential field that does not come to rest, and PathError for a path whose derivatives are not finite.
+    `deflection` is the former name of `tip`. Raises UsageError for a position that is not finite, an interval that lies
+    on no run or on several, and a potential field that does not come to rest, and PathError for a path whose
+    derivatives are not finite.
     """
-    point = numbers(deflection, "deflection", (3,), unit="m, of the tip")
+    if deflection is not None and tip is None:
+        warnings.warn("project: deflection= is called tip= now", DeprecationWarning, stacklevel=2)
+        tip = deflection
+    point = numbers(tip, "project: tip", (3,), unit="m")
     if method not in METHODS:
         raise UsageError(f"deflection: unknown method '{method}'; {did_you_mean(method, METHODS)}")
     tolerance = number(tolerance, "deflection: tolerance", least=0.0, above=True, unit="m")

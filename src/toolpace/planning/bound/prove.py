@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.arrays import Floats, number
 from toolpace.axispath.run import AxisRun
 from toolpace.errors import UsageError
 from toolpace.laws.spline import SplineLaw
@@ -34,12 +34,17 @@ from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, slower, solve
 from toolpace.planning.planned_run import PlannedRun, total_bound
 from toolpace.trajectory import Trajectory
+from toolpace.units import refuse_other_unit
 from toolpace.workers import UNTOLD, CallersProgress, Progress, Workers
 
 GAP = 1e-4
 """What is to be proved, unless something else is asked for: duration / bound - 1."""
 START_LOSS, START_SPREAD = 0.1, 0.1
 """How the search for a better motion starts where limits hold at the nodes only: the plan, so much slower."""
+
+
+WIDEST_GAP = 0.5
+"""A gap that is worth proving."""
 
 
 def prove(
@@ -57,6 +62,9 @@ def prove(
     """
     if not all(isinstance(law, SplineLaw) for law in trajectory.laws):
         raise UsageError(f"prove: a plan of the planner '{trajectory.planner}' has no mesh to prove anything on")
+    gap = number(gap, "prove: gap", least=0.0)
+    within = number(within, "prove: within", least=0.0, endless=True, unit="s")
+    refuse_other_unit(gap, WIDEST_GAP, "prove: gap", "give a share: 0.01 percent is 1e-4")
     until = time.monotonic() + within
     runs, limits = trajectory.axis_path.runs, trajectory.limits
     laws = [law for law in trajectory.laws if isinstance(law, SplineLaw)]

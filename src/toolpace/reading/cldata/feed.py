@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from toolpace.errors import FeedMissingError
 from toolpace.reading.cldata.words import NUMBER, Statement, figure
 from toolpace.reading.findings import Findings
 from toolpace.reading.source import Source
@@ -111,6 +112,7 @@ class ClFeed:
             self.source.fail(
                 "feed missing: no FEDRAT before this motion; write one, or give --feed 3000mm/min (feed= in Python)",
                 line,
+                FeedMissingError,
             )
         if feed.kind == "inverse":
             return Caps(math.inf, 1.0 / feed.value)

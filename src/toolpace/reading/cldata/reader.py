@@ -34,6 +34,7 @@ _REMARK = re.compile(r"[/\s]*(?:\[HOLDER=|STOCK SIZE\b)")
 """What SolidWorks CAM tells of tools and stock, which no control reads as code."""
 _HARMLESS = re.compile(r"(?:\([^()]*+\)|[NST][0-9]++|M(?!9[789])[0-9]{1,2}(?![0-9])|;.*|[\s/%$])*+")
 """Code of the control that moves nothing: comments, numbers of blocks, spindle and tools, M but calls."""
+END_OF_PATH = "END-OF-PATH"
 _END_OF_CIRCLE = frozenset(("GOTO", "GODLTA"))
 
 
@@ -92,7 +93,7 @@ class ClReader:
         lines, cards = without_cards(self.source.lines)
         if cards:
             self.findings.assumed("columns 73 to 80 are taken for sequence numbers")
-        count = 0
+        count, major = 0, ""
         for statement in statements(self.source, lines):
             major = statement.major
             if major == NOTE:
@@ -104,6 +105,8 @@ class ClReader:
             if major in ENDS:
                 break
             self._execute(statement)
+        if major not in (*ENDS, END_OF_PATH) and not self.source.last_line_ended:
+            self.findings.assumed("the file is whole, though neither FINI nor END-OF-PATH nor a line end closes it")
         self.curves.end()
         self._refuse_open_circle()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
@@ -167,7 +170,7 @@ class ClReader:
         if major in ("MODE", "SET") and "INCR" in statement.minors:
             self.findings.refused(f"{major}/INCR", statement.line, cure(major))
             return
-        if major == "END-OF-PATH":
+        if major == END_OF_PATH:
             self.motion.drilling.end()
         if major in PASSED_BUT_SAID and statement.minors != ["OFF"]:
             self.findings.assumed(PASSED_BUT_SAID[major])

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import NoReturn
 
+from toolpace.reading.compensation.corners import TANGENT, Followed
 from toolpace.reading.compensation.elements import Line, is_behind, turning, turning_away
-from toolpace.reading.compensation.following import TANGENT, Followed, Follower
+from toolpace.reading.compensation.following import ACROSS_ALONE, Follower
 from toolpace.reading.compensation.rules import AROUND, TOUCHING, Rules
 from toolpace.reading.compensation.stage import Leaving
 from toolpace.reading.control.control import Control
@@ -37,11 +38,16 @@ def follow(control: Control, side: int, radius: float, plane: int, rules: Rules)
         fail("compensation begins before the program has gone to a place: position with G0 before it")
     if control.placement.tip_mode and not control.coordinates.tilted:
         fail("cutter compensation in tool-centre-point mode is not read: let the CAM system compensate")
-    matrix = control.placement.matrix
-    if any(abs(math.hypot(*(row[k] for row in matrix)) - 1.0) > SCALE for k in range(3)):
+    if is_scaled(control):
         fail("cutter compensation in scaled coordinates is not read: let the CAM system apply the scale")
     control.findings.assumed(BESIDE.format(radius * 1e3))
     control.stage = Follower(control, side, radius, plane, rules)
+
+
+def is_scaled(control: Control) -> bool:
+    """Whether a length of the program is another one on the part, where the tool's radius is what it is."""
+    matrix = control.placement.matrix
+    return any(abs(math.hypot(*(row[k] for row in matrix)) - 1.0) > SCALE for k in range(3))
 
 
 def leave(follower: Follower) -> None:
@@ -67,6 +73,18 @@ class Departing(Leaving):
     def __init__(self, follower: Follower) -> None:
         super().__init__(follower)
         self.follower, self.moves = follower, len(follower.control.moves)
+        self.is_new = True
+        """Whether the block of the word that ends it goes on."""
+
+    def behind_block(self, moved: bool) -> None:
+        """A block has ended: where it is that of the word, and moved nothing, the tool may be shifted back."""
+        is_new, self.is_new = self.is_new, False
+        if not (is_new and self.follower.rules.shifts):
+            return
+        if moved:
+            self.follower.fail(f"compensation ends beside a motion {ACROSS_ALONE}")
+        self.control.stage = None
+        self.control.lay(self.control.words, *self.follower.speed)
 
     def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
         """The first straight motion in the plane leads away. Raises ProgramError."""
@@ -93,9 +111,7 @@ class Departing(Leaving):
             follower.go_round(last, Line(corner, corner + along), line, turned, start, words, rate, kind)
         elif rules.ends == AROUND and turned > TANGENT:
             self._need_no_motion()
-            points = follower.beyond(corner, last.element.ends, path.begins, turned)
-            follower.finish(points[0])
-            follower.lines(points[1:], start, words, rate, kind)
+            follower.round_in_lines(last, path, path, start, words, rate, kind)
 
     def _need_no_motion(self) -> None:
         if len(self.control.moves) != self.moves:

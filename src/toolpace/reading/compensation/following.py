@@ -1,52 +1,38 @@
-"""Compensation that looks one element ahead: corners by the rules of a control."""
+"""Compensation that looks one element ahead: each element is laid beside the contour, its end when the next comes."""
 
 from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass, replace
-from typing import NoReturn
+from dataclasses import replace
 
+from toolpace.reading.compensation.corners import ROUNDED, TANGENT, Corners, Followed
 from toolpace.reading.compensation.elements import SAME, Element, Line, Turn, is_behind, turning, turning_away, unit
-from toolpace.reading.compensation.meetings import gone, meetings, offset, swept_between
-from toolpace.reading.compensation.rules import ARC, AROUND, CENTRE, CONTOUR, MEETING, TOUCHING, Rules
-from toolpace.reading.compensation.stage import Laid, OffsetStage
+from toolpace.reading.compensation.meetings import between, gone, offset
+from toolpace.reading.compensation.rules import AROUND, TOUCHING, Rules
+from toolpace.reading.compensation.stage import Laid
 from toolpace.reading.control.control import Control
-from toolpace.reading.control.moves import Rate
+from toolpace.reading.control.moves import FEED, Rate
 from toolpace.reading.curves.arcs import Arc
 
-TANGENT = 2e-3
-"""Turn of a corner that is none [rad]: the way is shifted along itself, and beside itself by 5e-7 of the radius."""
-BACK = math.radians(179.0)
-"""Turn from which on a contour goes back on itself."""
-ROUNDED = 2e-6
-"""How far a way may go back before it is a gouge [m]: programs are rounded."""
+ACROSS_ALONE = "across the plane, which is not read where a block without a motion shifts the tool: move it elsewhere"
+BEGINS_STRAIGHT = "compensation begins with a straight motion, and this is an arc: write a line before it"
 
 
-@dataclass(frozen=True)
-class Followed:
-    """An element of the program and its offset way."""
-
-    element: Element
-    way: Element
-    begins: complex
-    """Where the centre's way along it begins."""
-
-
-class Follower(OffsetStage):
+class Follower(Corners):
     """The stage between the words that begin and end a compensation."""
 
     def __init__(self, control: Control, side: int, radius: float, plane: int, rules: Rules) -> None:
-        super().__init__(control, side, radius, plane)
+        super().__init__(control, side, radius, plane, rules)
         self.at = self.begun = self.point(control.reached())
-        self.rules = rules
-        self.last: Followed | None = None
+        self.speed = Rate(), FEED
+        """Rate and kind of the last element."""
         self.entering: Line | None = None
         """The motion that leads to the contour, until the contour is there."""
-        self.idle = 0
-        """Blocks since the last element that moved nothing in the plane."""
         self.paused = False
         """Whether the program has stopped since then."""
+        self.leads_across = False
+        """Whether a line leads across the contour to where the next element begins."""
         if rules.assumed:
             control.findings.assumed(rules.assumed)
 
@@ -58,9 +44,11 @@ class Follower(OffsetStage):
             self.fail("a time of a block (G93) under cutter compensation is not read: write a feed a minute")
         path = self.element(start, end, arc)
         if path is None or (arc is None and abs(path.end - path.start) < SAME):
+            if self.leads_across and self.rules.shifts:
+                self.fail(f"a motion {ACROSS_ALONE}")
             self.waiting.append(self.add(self.at, start, end, None, rate, kind))
             self.idle += self.last is not None or self.entering is not None
-        elif self.last is None and self.entering is None:
+        elif self.last is None and self.entering is None and not self.leads_across:
             self._enter(path, start, end, rate, kind)
         else:
             self._follow(path, start, end, rate, kind)
@@ -83,13 +71,26 @@ class Follower(OffsetStage):
 
     def pause(self) -> None:
         """The contour ends here, or the program. Raises ProgramError where its last element was a gouge."""
-        self.paused = True
-        if self.last is not None and gone(self.last.way, self.last.begins, self.last.way.end) < -ROUNDED:
-            self._refuse_gouge()
+        last, was_paused, self.paused = self.last, self.paused, True
+        if last is None or was_paused:
+            return
+        if gone(last.way, last.begins, last.way.end) < -ROUNDED:
+            self.refuse_gouge()
+        self.see(between(last.way, last.begins, last.way.end))
 
-    def idle_block(self) -> None:
-        """A block that has moved nothing."""
-        self.idle += self.last is not None or self.entering is not None
+    def behind_block(self, moved: bool) -> None:
+        """A block of the program has ended, with or without a motion."""
+        begun = self.last is not None or self.entering is not None
+        if not moved:
+            self.idle += begun
+            self.leads_across = self.leads_across or (self.rules.shifts and not begun)
+        elif not begun and self.rules.shifts and not self.leads_across:
+            self.fail(f"compensation begins beside a motion {ACROSS_ALONE}")
+
+    def resume(self, at: complex) -> None:
+        """Compensation goes on behind a suppression, from a point of the plane."""
+        self.at, self.last, self.waiting, self.leads_across = at, None, [], True
+        self.idle, self.paused = 0, False
 
     # The ends of the contour
 
@@ -100,7 +101,7 @@ class Follower(OffsetStage):
 
     def _enter(self, path: Element, start: list[float], end: list[float], rate: Rate, kind: float) -> None:
         if not isinstance(path, Line):
-            self.fail("compensation begins with a straight motion, and this is an arc: write a line before it")
+            self.fail(BEGINS_STRAIGHT)
         self.entering, self.paused = path, False
         begun = self.at
         self.wait(self.add(path.end, start, end, Line(begun, path.end), rate, kind), begun)
@@ -118,9 +119,7 @@ class Follower(OffsetStage):
             came = Followed(Line(corner - along, corner), line, self.begun)
             self.go_round(came, path, way, turning_away(along, path.begins, self.side), start, words, rate, kind)
         elif self.rules.ends == AROUND and turned > TANGENT:
-            points = self.beyond(corner, entering.begins, path.begins, turned)
-            self.finish(points[0])
-            self.lines(points[1:], start, words, rate, kind)
+            self.round_in_lines(Followed(entering, entering, self.begun), path, way, start, words, rate, kind)
         else:
             self.finish(way.start)
 
@@ -148,115 +147,18 @@ class Follower(OffsetStage):
         if self.entering is not None:
             self._arrive(self.entering, path, way, start, words, rate, kind)
             self.entering = None
+        elif self.leads_across:
+            if self.rules.shifts and not isinstance(path, Line):
+                self.fail(BEGINS_STRAIGHT)
+            self.lines([way.start], start, words, rate, kind)
+            self.leads_across = False
         else:
             assert self.last is not None
-            self._corner(self.last, path, way, start, words, rate, kind)
+            self.corner(self.last, path, way, start, words, rate, kind)
         begun = self.at
-        laid = self.add(way.end, start, end, self._between(way, begun, way.end), self._rate(path, rate), kind)
+        laid = self.add(way.end, start, end, between(way, begun, way.end), self._rate(path, rate), kind)
         self.wait(laid, begun)
-        self.last, self.idle = Followed(path, way, begun), 0
-
-    def _corner(
-        self, last: Followed, path: Element, way: Element, start: list[float], words: list[float], rate: Rate,
-        kind: float,
-    ) -> None:  # fmt: skip
-        corner = path.start
-        turned = self.side * turning(last.element.ends, path.begins)
-        if abs(turned) <= TANGENT:
-            aside = unit(last.element.ends + path.begins) * 1j * self.side
-            self.finish(corner + self.radius * aside)
-        elif abs(turned) > BACK:
-            self.fail("the contour goes back on itself at the corner before this block: write an arc or a line between")
-        elif turned > 0.0:
-            self.finish(self._inside(last.way, way, corner))
-        else:
-            self.go_round(last, path, way, -turned, start, words, rate, kind)
-
-    def _inside(self, before: Element, behind: Element, corner: complex) -> complex:
-        """The point next to an inside corner where two ways meet, which both are cut back to. Raises ProgramError."""
-        found = [
-            point for point in meetings(before, behind)
-            if min(gone(behind, behind.start, point), gone(before, point, before.end)) >= -ROUNDED
-        ]  # fmt: skip
-        if not found:
-            self._refuse_gouge()
-        return min(found, key=lambda point: abs(point - corner))
-
-    def go_round(
-        self, last: Followed, path: Element, way: Element, turned: float, start: list[float], words: list[float],
-        rate: Rate, kind: float,
-    ) -> None:  # fmt: skip
-        """Go round an outside corner that turns by so much [rad]."""
-        corner = path.start
-        by = self._by(turned)
-        if by == ARC:
-            self.finish(last.way.end)
-            turn = Turn(last.way.end, way.start, corner, -self.side * turned)
-            self.add(way.start, start, words, turn, rate, kind)
-        elif by == MEETING:
-            near = corner + self.radius * unit(last.element.ends + path.begins) * 1j * self.side
-            found = meetings(last.way, way)
-            if not found:
-                self.fail("the ways beside this outside corner do not meet: write a rounder corner, or one of lines")
-            self.finish(min(found, key=lambda point: abs(point - near)))
-        else:
-            points = self.beyond(corner, last.element.ends, path.begins, turned)
-            points = points if isinstance(last.element, Line) else [last.way.end, *points]
-            points = points if isinstance(path, Line) else [*points, way.start]
-            if self.idle and len(points) > 1:
-                self.fail(
-                    "a block that moves nothing in the plane stands at an outside corner that the control goes round "
-                    "in several lines: write it elsewhere"
-                )
-            self.finish(points[0])
-            self.lines(points[1:], start, words, rate, kind)
-
-    def _by(self, turned: float) -> str:
-        """How an outside corner that turns by so much [rad] is gone round."""
-        rules = self.rules
-        if rules.outside == ARC and turned <= rules.slight:
-            self.control.findings.assumed(rules.said_of_limits)
-            return MEETING
-        if rules.outside == MEETING and turned > rules.most_met:
-            self.control.findings.assumed(rules.said_of_limits)
-            return ARC
-        return rules.outside
-
-    def beyond(self, corner: complex, before: complex, behind: complex, turned: float) -> list[complex]:
-        """Where tangents of two offset ways meet beyond an outside corner; two points where that is farther than the
-        radius."""
-        first = corner + self.radius * 1j * self.side * before
-        second = corner + self.radius * 1j * self.side * behind
-        beyond = self.radius * math.tan(0.5 * turned)
-        if beyond > self.radius * (1.0 + 1e-9):
-            return [first + self.radius * before, second - self.radius * behind]
-        return [first + beyond * before]
-
-    # Motions
-
-    def lines(self, points: list[complex], start: list[float], words: list[float], rate: Rate, kind: float) -> None:
-        for point in points:
-            self.add(point, start, words, Line(self.at, point), rate, kind)
-
-    def at_corner(self, start: list[float], end: list[float]) -> list[float]:
-        """Words at a corner: across the plane the block begins behind it."""
-        words = list(end)
-        normal = 3 - self.first - self.second
-        words[normal] = start[normal]
-        return words
-
-    def finish(self, end: complex) -> None:
-        """Settle the end of the last element. Raises ProgramError where its way would go backwards."""
-        last = self.last
-        if last is not None and self.entering is None and gone(last.way, last.begins, end) < -ROUNDED:
-            self._refuse_gouge()
-        self.move_end(end)
-
-    def _refuse_gouge(self) -> NoReturn:
-        self.fail(
-            f"the tool of radius {self.radius * 1e3:.6g} mm does not fit into the contour before this block, and "
-            f"{self.rules.gouge}: take a smaller tool, or write a rounder or longer contour"
-        )
+        self.last, self.idle, self.speed = Followed(path, way, begun), 0, (rate, kind)
 
     def _way(self, path: Element) -> Element:
         found = offset(path, self.side * self.radius)
@@ -268,20 +170,13 @@ class Follower(OffsetStage):
             )
         return found
 
-    def _between(self, way: Element, begun: complex, end: complex) -> Element:
-        """The part of an offset way from point to point."""
-        if isinstance(way, Line):
-            return Line(begun, end)
-        angle = swept_between(way, begun, end)
-        return Turn(begun, end, way.centre, way.sense * angle) if angle > SAME else Line(begun, end)
-
     def trimmed(self, laid: Laid, end: complex) -> Element | None:
         """The motion that waits, to another end."""
         if laid.path is None:
             return None
         if isinstance(laid.path, Line) or self.last is None:
             return Line(self.begun, end)
-        return self._between(self.last.way, self.begun, end)
+        return between(self.last.way, self.begun, end)
 
     def _shift_ends(self, end: complex) -> None:
         """Move the ends of what waits, and let it wait on."""
@@ -291,10 +186,4 @@ class Follower(OffsetStage):
 
     def _rate(self, path: Element, rate: Rate) -> Rate:
         """Speed of the centre on an element."""
-        rule = self.rules.feed
-        if rule == CENTRE or not isinstance(path, Turn) or math.isinf(rate.speed):
-            return rate
-        inner = path.holds(self.side)
-        if rule != CONTOUR and not inner:
-            return rate
-        return rate._replace(speed=rate.speed * (1.0 + (-self.radius if inner else self.radius) / path.radius))
+        return rate._replace(speed=rate.speed * self.rules.share_of_feed(path, self.side, self.radius))

@@ -64,6 +64,20 @@ def _half_chord(radius: float, distance: float) -> float | None:
     return math.sqrt(max(square, 0.0))
 
 
+def beyond(corner: complex, before: complex, behind: complex, aside: float) -> list[complex]:
+    """Where tangents of two offset ways meet beyond an outside corner; two points where that is farther than the
+    radius.
+
+    before, behind: unit directions at the corner. aside: distance to the left [m], below zero to the right.
+    """
+    first, second = corner + 1j * aside * before, corner + 1j * aside * behind
+    radius, turned = abs(aside), abs(cmath.phase(behind * before.conjugate()))
+    farther = radius * math.tan(0.5 * turned)
+    if farther > radius * (1.0 + 1e-9):
+        return [first + radius * before, second - radius * behind]
+    return [first + farther * before]
+
+
 def gone(way: Element, start: complex, end: complex) -> float:
     """Length from point to point along a way [m], below zero backwards; of an arc less than half a turn either way of
     its own ends."""
@@ -77,3 +91,11 @@ def swept_between(way: Turn, start: complex, end: complex) -> float:
     cut = way.sense * cmath.phase((start - way.centre) / (way.start - way.centre))
     left = way.sense * cmath.phase((way.end - way.centre) / (end - way.centre))
     return abs(way.sweep) - cut - left
+
+
+def between(way: Element, begun: complex, end: complex) -> Element:
+    """The part of an offset way from point to point."""
+    if isinstance(way, Line):
+        return Line(begun, end)
+    angle = swept_between(way, begun, end)
+    return Turn(begun, end, way.centre, way.sense * angle) if angle > SAME else Line(begun, end)

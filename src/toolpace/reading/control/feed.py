@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
+from toolpace.errors import FeedMissingError
 from toolpace.reading.control.moves import Rate
 from toolpace.reading.feeds import feed_fault
 from toolpace.reading.source import Source
@@ -84,7 +85,8 @@ class Feed:
             if number is not None:
                 return Rate(time=number if self.rules.inverse_seconds else MINUTE / number)
             if self.default is None:
-                self.source.fail("feed missing: under G93 every G1, G2, G3 needs its own F [1/min]", line)
+                needs = "feed missing: under G93 every G1, G2, G3 needs its own F [1/min], or give --feed 3000mm/min"
+                self.source.fail(needs, line, FeedMissingError)
         elif self.value is not None:
             speed, turn = self.value, self.turn
             if self.mode == PER_REVOLUTION:
@@ -98,6 +100,7 @@ class Feed:
                 "feed missing: no F above zero before this motion; write one, or give --feed 3000mm/min"
                 " (feed= in Python)",
                 line,
+                FeedMissingError,
             )
         # Of rotations in place a length per minute says nothing: the axes' own limits rule them.
         return Rate(self.default)

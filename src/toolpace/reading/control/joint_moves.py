@@ -13,6 +13,8 @@ def straight_in_machine(control: Control, coordinates: dict[str, float], *, rapi
 
     Without a set-up sheet machine coordinates are stand-ins: what lies beyond travel ends at its end.
     """
+    if control.stage is not None:
+        control.stage.other_motion("a motion in machine coordinates")
     if control.poses.machine is None or not coordinates:
         control.findings.assumed("without a machine, moves in machine coordinates are passed over")
         return

@@ -42,10 +42,11 @@ WORD_ADDRESS: dict[str, Kind] = {
         ),
         NUMBER,
     ),
-    "compensation": ("", "linuxcnc", "type A", "type B"),
+    "compensation": ("", "linuxcnc", "type A", "type B", "type C", "type C as B"),
     "compensation_corners": ("lines", "arcs"),
     "compensation_said": TEXT,
     "arc_centre": ("by mode", "fitting"),
+    "arc_without_centre": ("refused", "straight"),
     "boring_shift": ("first", "first negative", "second", "second negative"),
     "extended_offsets": ("", "G54.1", "G154"),
     "first_offset": TEXT,
@@ -62,6 +63,7 @@ WORD_ADDRESS: dict[str, Kind] = {
     "whole_numbers": ("as written", "least increment"),
 }
 SINUMERIK: dict[str, Kind] = {
+    **dict.fromkeys(("arc_radii_mm", "arc_radii_percent"), NUMBER),
     "base_unit": ("program", "mm", "inch"),
     "feed_turning": TURNING,
     "strict_cycles": SWITCH,

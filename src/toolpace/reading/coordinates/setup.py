@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from toolpace.units import FARTHEST_PART, LONGEST_TOOL, METRES, SECONDS, refuse_other_unit
+
 Position = Mapping[str, float]
 """Machine coordinates by axis letter [m, rad]; an axis that is not there is not known."""
 STAND_IN = "the upper ends of the travel of X, Y and Z"
@@ -18,6 +20,10 @@ ZERO_CURE = (
 """What to do where a machine leaves its travel, and machine zero is a stand-in."""
 
 
+LONGEST_CHANGE = 3600.0
+"""Of a tool [s]."""
+
+
 @dataclass(frozen=True)
 class Tool:
     """A line of the tool table."""
@@ -28,6 +34,12 @@ class Tool:
     """[m]; None where the sheet does not tell it."""
     corner_radius: float | None = None
     """Of the ball or the torus at its tip (R2 of Heidenhain's tool table) [m]; None where nothing tells it."""
+
+    def __post_init__(self) -> None:
+        refuse_other_unit(self.length, LONGEST_TOOL, "tool: length", METRES)
+        for name in ("radius", "corner_radius"):
+            if (figure := getattr(self, name)) is not None:
+                refuse_other_unit(figure, LONGEST_TOOL, f"tool: {name}", METRES)
 
     def figures(self) -> dict[str, float]:
         """What is known of it, by the key of the sheet [m]."""
@@ -62,6 +74,17 @@ class SetUp:
 
     tool_change: float = 0.0
     """Time that the machine takes to change a tool [s]."""
+
+    def __post_init__(self) -> None:
+        # machine coordinates of linear axes; those of rotary ones may be any angle
+        places = {**self.offsets, "machine_zero": self.machine_zero, "start": self.start}
+        for name, place in (*places.items(), *((f"reference {k}", each) for k, each in self.references.items())):
+            for axis, figure in place.items():
+                if axis in ("X", "Y", "Z"):
+                    refuse_other_unit(figure, FARTHEST_PART, f"set-up: {axis} of {name}", METRES)
+        for figure in self.part.get("origin", ()):
+            refuse_other_unit(figure, FARTHEST_PART, "set-up: origin of part", METRES)
+        refuse_other_unit(self.tool_change, LONGEST_CHANGE, "set-up: tool_change", SECONDS)
 
     @property
     def lacks_zero(self) -> bool:

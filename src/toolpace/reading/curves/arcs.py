@@ -14,7 +14,10 @@ SAG = 0.45e-6
 """Most distance between an arc and its chords [m]; a tenth below the promised half micrometre."""
 
 ONE_RAY = 1e-6
-"""Angle [rad] up to which ends are on one ray from the centre, as in LinuxCNC's trajectory planner (CIRCLE_FUZZ)."""
+"""Angle [rad] up to which ends are on one ray from the centre."""
+ONE_RAY_MM, ONE_RAY_INCH = 1e-14, 6.4516e-12
+"""The same in LinuxCNC (`pmCircleInit`, CART_FUZZ): most product of both spokes [m2], 1e-8 in the square of the unit
+that the machine counts in. What lies between is a full circle on a machine in inch, next to nothing on another."""
 SPIRAL = (
     "where the radius of an arc at its end is another than at its start, within what the control allows, it changes "
     "evenly with the angle"
@@ -108,8 +111,8 @@ def arc_about(
 
     tolerance: of the radii; where they differ, the radius changes evenly with the angle.
 
-    full: ends on one ray from the centre, that differ by a rounding of the radius, make a full circle; else that is an
-    ArcError, for it may as well be no arc at all.
+    full: ends on one ray from the centre make a full circle, as LinuxCNC has it; else that is an ArcError, for it may
+    as well be no arc at all.
     """
     a = [start[i] - centre[i] for i in range(3)]
     b = [end[i] - centre[i] for i in range(3)]
@@ -132,9 +135,10 @@ def arc_about(
         normal[0] * u[1] - normal[1] * u[0],
     )
     sweep = math.atan2(_dot(b, w), _dot(b, u)) % (2 * math.pi)
-    if math.dist(a, b) < 1e-9 or (full and sweep < ONE_RAY):
+    beside = r0 * r0 * math.sin(sweep) if sweep < 1.0 else math.inf
+    if math.dist(a, b) < 1e-9 or (full and beside < ONE_RAY_MM):
         sweep = 2 * math.pi
-    elif sweep < ONE_RAY:
+    elif beside < ONE_RAY_INCH if full else sweep < ONE_RAY:
         raise ArcError(
             f"the arc ends {abs(r1 - r0) * 1e3:.4g} mm beside its start, on the same ray from its centre: a full "
             "circle, or none? Write the end as the start, or leave the block out"

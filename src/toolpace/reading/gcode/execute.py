@@ -11,7 +11,7 @@ from toolpace.reading.gcode.actions.compensation import FORBIDDEN_FUNCTIONS, Com
 from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.frames.planes import MEANINGS, Planes
 from toolpace.reading.gcode.actions.functions import Functions
-from toolpace.reading.gcode.actions.holes import Holes
+from toolpace.reading.gcode.actions.holes import KINDS, Holes
 from toolpace.reading.gcode.actions.macros import Macros
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.actions.modes import Modes
@@ -21,6 +21,7 @@ from toolpace.reading.gcode.actions.saved_modes import SavedModes
 from toolpace.reading.gcode.actions.splines import SPLINES, Splines
 from toolpace.reading.gcode.actions.surface_holes import SurfaceHoles
 from toolpace.reading.gcode.actions.tools import Tools
+from toolpace.reading.gcode.idle_words import IdleWords
 from toolpace.reading.gcode.program import alarms
 from toolpace.reading.gcode.program.blocks import Block
 from toolpace.reading.gcode.program.calls import Calls
@@ -35,10 +36,6 @@ from toolpace.reading.options import ReadOptions
 AS_WRITTEN = (
     "numbers without a decimal point are whole millimetres, inches or degrees "
     '(whole_numbers = "least increment" in the controller\'s file counts them otherwise)'
-)
-SHIFTED_BY_TABLES = (
-    "it shifts by tables of the control, which no set-up sheet has: let the CAM system shift the path, or remove it "
-    "where they are zero"
 )
 SMOOTHNESS = "G187"
 """Of Haas: E tells how far corners may be rounded, none that it is as the control's settings say."""
@@ -90,12 +87,11 @@ class Executor:
             | self.planes.handlers()
             | Functions(control, state, flow.variables).handlers()
             | SurfaceHoles(control, state, self.motion).handlers()
+            | IdleWords(control.findings).handlers()
             | {
                 "hole circle": self._hole_circle,
                 "hole arc": self._hole_circle,
                 "modal macro off": self.calls.modal_off,
-                "only off": self._only_off,
-                "limits": self._limits,
                 "call program": self.calls.program,
                 "call here": self.calls.here,
                 "return": self.calls.back,
@@ -122,6 +118,8 @@ class Executor:
                 self.splines.close()
             ways = [action.meaning for action in actions if action.meaning in WAYS]
             state.arc_here = (ways[0] if ways else state.motion) in ARCS
+            own_cycle = any(action.meaning in KINDS for action in actions)
+            state.drills_here = own_cycle or (not ways and state.cycle is not None)
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
@@ -206,7 +204,8 @@ class Executor:
     def _rest(self, numbers: Numbers, number: float | None, free: bool) -> None:
         """What no word of the block has taken: the motion, and letters that mean nothing for it."""
         state, control, slots = self.state, self.control, self.control.slots
-        state.radius_number = numbers.get("D", state.radius_number)
+        if "D" in numbers:
+            self.compensation.choose(numbers["D"])
         for letter in PASSED:
             if numbers.pop(letter, None) is not None:
                 control.findings.ignored(letter)
@@ -233,8 +232,8 @@ class Executor:
 
     def _idle(self, numbers: Numbers) -> None:
         """Letters of a word that moves nothing, beside a motion that does not need them (G187 P1 E.01)."""
-        if self.rs274 and self.state.motion in ARCS:  # of M67 and M68
-            for letter in "EQ":
+        if self.rs274:  # of M67 and M68
+            for letter in "EQ" if self.state.motion in ARCS else "E":
                 numbers.pop(letter, None)
         if self.state.cycle is None and self.state.motion not in ARCS:
             for letter in "PQE":
@@ -259,19 +258,6 @@ class Executor:
         if self.state.cycle is None:
             raise WordError(f"{word} drills with the cycle in force: write one before it, with L0 for its own hole")
         self.pattern = word
-
-    def _limits(self, numbers: Numbers, word: str) -> None:
-        """Fanuc G22: X, Y, Z, I, J, K are corners of a zone that the axes may not enter."""
-        numbers.clear()
-        self.control.findings.ignored(word)
-
-    def _only_off(self, numbers: Numbers, word: str) -> None:
-        """A word whose P0 (or X0) switches off what is not read."""
-        letter = "P" if "P" in numbers else "X"
-        number = numbers.pop(letter, 0.0)
-        if number:
-            raise RefusedError(f"{word} {letter}{number:g}", SHIFTED_BY_TABLES)
-        self.control.findings.ignored(word)
 
     def close(self) -> None:
         """The program ends: what waits for a further block is not to come."""

@@ -70,6 +70,7 @@ class MachineFunctions:
             "reduce rotary": self.reduced,
             "retract": self.retracted,
             "noted": self.noted,
+            "look ahead": lambda function: lambda: motion.compensation.look_ahead(function.words.get("LA")),
             "tilting axes": lambda function: lambda: tilting_axes.take(control, function.words),
         }
         self.at_end: dict[str, Callable[[Function], Step]] = {
@@ -127,8 +128,7 @@ class MachineFunctions:
 
     def corner(self, word: str) -> None:
         """M97 and M98, which change corners of a compensated contour, and nothing else."""
-        stage = self.control.stage
-        if stage is not None and stage.compensates:
+        if self.motion.compensation.follower is not None:
             cure = "corners of a compensated contour are read as they are without it: remove it"
             self.control.findings.refused(word, self.control.line, cure)
         else:
@@ -259,9 +259,9 @@ class MachineFunctions:
     def in_machine(self, words: PathWords) -> Step:
         """L with M91: machine coordinates, without offsets, frames and tool length."""
         axes = self.motion.resolved(words)
-        letters = [letter for letter, _, _ in words.axes]
 
         def run() -> None:
+            self.motion.compensation.take(words.side)
             rapid = self.motion.set_feed(words)
             if self.state.tip_mode:
                 # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")
@@ -274,7 +274,7 @@ class MachineFunctions:
             target, _ = self.motion.target(
                 [(slot, False, value, unit) for slot, _, value, unit in axes], of_program=False
             )
-            by_letter = {letter: target[axis[0]] for letter, axis in zip(letters, axes)}
+            by_letter = {letter: target[axis[0]] for (letter, _, _), axis in zip(words.axes, axes)}
             straight_in_machine(self.control, by_letter, rapid=rapid)
             self.state.came_from = []
 

@@ -50,6 +50,10 @@ class State:
     """Whether each positioning block calls the cycle (M89)."""
     side: str = "R0"
     """R0, RL or RR."""
+    looks_ahead: int = 0
+    """LA of M120: elements within which the control leaves out loops of a compensated way."""
+    beside: set[int] = field(default_factory=set)
+    """Columns of axes that stand the tool's radius beside the program's coordinate, behind R+ and R-."""
     radius_oversize: float = 0.0
     """DR of TOOL CALL [m]."""
     pole: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])

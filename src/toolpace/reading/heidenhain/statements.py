@@ -12,6 +12,7 @@ from toolpace.reading.heidenhain.contour.circles import Circles
 from toolpace.reading.heidenhain.contour.corners import Corners
 from toolpace.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.reading.heidenhain.contour.polar import Polar
+from toolpace.reading.heidenhain.contour.single_axis import SingleAxis
 from toolpace.reading.heidenhain.contour.surface_lines import SurfaceLines
 from toolpace.reading.heidenhain.cycles import Cycles
 from toolpace.reading.heidenhain.flow import Flow
@@ -53,6 +54,7 @@ class Statements:
         self.motion = motion = Motion(control, state, frames, follow)
         self.circles = circles = Circles(control, state, motion)
         polar, surface = Polar(circles), SurfaceLines(control, state, motion)
+        self.single_axis = SingleAxis(motion)
         self.approaches = approaches = Approaches(circles, polar)
         self.holes = holes = Holes(control, state)
         self.machine = machine = MachineFunctions(control, state, motion, frames, holes, flow, controller)
@@ -108,7 +110,7 @@ class Statements:
         if word in ("Q", "QL", "QR", "QS"):
             return self.assign(text)
         if word.removeprefix("I") in AXES:
-            return self.path(text, self.motion.line)
+            return self.path(text, self.single_axis.line)
         for name in (word, " ".join(text.split()[:2])):
             if name in self.controller.ignored:
                 return lambda: self.findings.ignored(name)

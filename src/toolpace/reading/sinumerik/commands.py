@@ -22,6 +22,8 @@ OLD_MODE = 1000
 """CYCLE832 modes from here on are those of old controls, whose hundreds switch TRAORI."""
 TOP_SURFACE = 1_000_000
 BOTH = "TRAORI and a plane of CYCLE800 together: the plane stays where it lies on the part"
+STILL = ("MSG", "FGROUP", "CYCLE832")
+"""Commands that may stand beside motion, and change no place."""
 MOST_TRANSFORMATIONS = 4
 """Numbers of TRAORI that machines have."""
 
@@ -39,6 +41,8 @@ class Commands:
             "ORIRESET": self._initial_orientation,
             "TOROT": self._turn_along_tool,
             "TOROTZ": self._turn_along_tool,
+            "TOFRAME": self._frame_along_tool,
+            "TOFRAMEZ": self._frame_along_tool,
             "TOROTOF": lambda values: self.run.frames.end_tool_frame("TOROTOF"),
             "PAROTOF": lambda values: self.run.frames.end_tool_frame("PAROTOF"),
             "FGROUP": self._feed_group,
@@ -56,10 +60,13 @@ class Commands:
     def perform(self, name: str, values: list[Value | None]) -> None:
         """Do a command. Raises Unread, ValueFault."""
         try:
-            self.known[name](values)
+            if name in STILL:
+                self.known[name](values)
+            else:
+                with self.run.motion.placed(frames=name == "CYCLE800"):
+                    self.known[name](values)
         except ArcError as error:
             raise ValueFault(f"{name}: {error}") from None
-        self.run.motion.here()
 
     def _cycle(self, name: str) -> Callable[[list[Value | None]], None]:
         def perform(values: list[Value | None]) -> None:
@@ -104,9 +111,8 @@ class Commands:
             self.control.findings.assumed(BOTH)
         elif on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
             self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
-        self.control.set_tip_mode(on)
-        state.tangent = None
-        self.run.motion.here()
+        with self.run.motion.placed(frames=True):
+            self.control.set_tip_mode(on)
 
     def _initial_orientation(self, values: list[Value | None]) -> None:
         """ORIRESET(first, second): the rotary axes to these positions, or to zero, whatever frames shift them."""
@@ -114,12 +120,18 @@ class Commands:
             raise ValueFault("ORIRESET needs TRAORI (alarm 14101): switch it on before")
         wanted = initial_rotary(self.control, Arguments("ORIRESET", values, 3))
         self.control.straight([*self.control.words[:3], *wanted], 0, rapid=self.state.motion == "G0")
-        self.state.tangent = None
 
-    def _turn_along_tool(self, values: list[Value | None]) -> None:
+    def _turn_along_tool(self, values: list[Value | None], *, bound: bool = False) -> None:
         rule = self.run.vocabulary.controller.option("toframe_mode", "2000")
-        turn_along_tool(self.control, self.run.frames, self.state, rule)
-        self.state.tangent = None
+        turn_along_tool(self.control, self.run.frames, self.state, rule, bound=bound)
+
+    def _frame_along_tool(self, values: list[Value | None]) -> None:
+        """TOFRAME: as TOROT, but that it takes the programmed frame's place (Programming Manual Fundamentals, 12.8)."""
+        frames = self.run.frames
+        if frames.tilted or frames.tool != _NONE or frames.programmed() != _NONE or frames.turns_words:
+            raise Unread("TOFRAME upon another frame", "whether its shift stays is not sure: write TOROT")
+        self.control.findings.assumed("TOFRAME turns the coordinates about their origin, as TOROT does")
+        self._turn_along_tool(values, bound=True)
 
     def _feed_group(self, values: list[Value | None]) -> None:
         rotary = [value for value in values if isinstance(value, Axis) and value.letter not in ("X", "Y", "Z")]
@@ -128,7 +140,6 @@ class Commands:
         self.run.findings.ignored("FGROUP")
 
     def _swivel(self, values: list[Value | None]) -> None:
-        self.state.tangent = None
         if self.control.coordinates.tip_mode and values:
             self.control.findings.assumed(BOTH)
         swivel(values, self.control, self.run.frames, self.state)
@@ -193,12 +204,12 @@ class Commands:
 
     def write(self, name: str, index: tuple[Value, ...], value: Value) -> None:
         """$NAME[index]=value. Raises Unread."""
-        if name == "$P_UIFR":
-            self.run.frames.write(index, value, self.state.unit)
-            return
-        if name == "$P_PFRAME":
-            self.run.frames.write_programmed(index, value, self.state.unit)
-            self.state.tangent = None
+        writes = {"$P_UIFR": self.run.frames.write, "$P_PFRAME": self.run.frames.write_programmed}
+        if name in writes:
+            unit = self.state.unit_of_control()
+            if isinstance(value, tuple) and unit != self.state.unit:
+                raise Unread(f"{name}= in another unit than the control's", "of which its lengths are is not told: G71")
+            writes[name](index, value, unit)
             return
         raise Unread(f"{name}=", "it sets data of the control that may shift positions: put them on the set-up sheet")
 

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from toolpace.reading.compensation.following import Follower
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.curves.arcs import ArcError
-from toolpace.reading.sinumerik import state as modes
-from toolpace.reading.sinumerik.commands import Commands
+from toolpace.reading.sinumerik.commands import STILL, Commands
+from toolpace.reading.sinumerik.compensation import SUPPRESSION
 from toolpace.reading.sinumerik.contour.polar import set_pole
 from toolpace.reading.sinumerik.feed_words import FeedWords
 from toolpace.reading.sinumerik.flow.arguments import values_of
 from toolpace.reading.sinumerik.flow.interpreter import Interpreter
 from toolpace.reading.sinumerik.frames import PROGRAMMED
-from toolpace.reading.sinumerik.given import Given, Words, bounded
+from toolpace.reading.sinumerik.given import Given, Words, bounded, check_settled
 from toolpace.reading.sinumerik.groups import fault_of
 from toolpace.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.reading.sinumerik.run import Modal, Run
+from toolpace.reading.sinumerik.state import MODES, TOLERANCES, apply
 from toolpace.reading.sinumerik.syntax.blocks import Block, Call
-from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault, shown
 from toolpace.units import DEGREE
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
-STILL = ("MSG", "FGROUP", "CYCLE832")
-"""Commands that may stand beside motion."""
+OTHER_PLANES = ("G18", "G19")
+FGREF = "FGREF is passed over: where F is the speed of rotary axes, a degree counts as a millimetre (radius 57.3 mm)"
 POLES = ("G110", "G111", "G112")
 OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
 
@@ -36,6 +36,8 @@ class Now:
     """What lasts for one block."""
 
     words: Words
+    edge_told: bool = False
+    """Whether D stands in it."""
     in_machine: bool = False
     stop: bool = False
     stop_after: bool = False
@@ -50,11 +52,12 @@ class Executor:
     def __init__(self, run: Run) -> None:
         self.run, self.control, self.findings = run, run.control, run.findings
         self.state, self.frames, self.motion = run.state, run.frames, run.motion
-        self.tooling, self.vocabulary, self.memory = run.tooling, run.vocabulary, run.memory
+        self.tooling, self.compensation = run.tooling, run.compensation
+        self.vocabulary, self.memory = run.vocabulary, run.memory
         self.commands, self.feed_words = Commands(run), FeedWords(run)
         self.interpreter: Interpreter
         self.meanings: dict[str, Callable[[Now], None]] = {
-            "tool change": lambda now: self.tooling.change(),
+            "tool change": lambda now: self.tooling.change(edge_told=now.edge_told),
             "stop": lambda now: setattr(now, "stop_after", True),
             "end": lambda now: setattr(now, "ends", True),
             "spindle or coolant": lambda now: run.control.stop(),
@@ -90,10 +93,10 @@ class Executor:
 
     def saved(self) -> Callable[[], None]:
         """What brings modes and frames back as they are, for a subprogram with SAVE."""
-        modes, frames = replace(self.state), self.frames.saved()
+        modes, frames = {name: getattr(self.state, name) for name in MODES}, self.frames.saved()
 
         def restore() -> None:
-            for name, value in vars(modes).items():
+            for name, value in modes.items():
                 setattr(self.state, name, value)
             self.memory.unit = self.state.unit
             self.frames.restore(frames)
@@ -109,10 +112,13 @@ class Executor:
         words = self._words(block)
         if block.assignments:
             self._assign(block)
+            check_settled(words, block, self.memory)
         if words and (block.calls or block.codes):
             self._alone(block, words)
-        now = Now(words)
+        now = Now(words, "D" in words)
         dwells = "G4" in block.codes
+        if "G40" in block.codes:  # before D and T of its block, which may not change a radius that is compensated
+            self.compensation.take("G40")
         if words and not dwells:
             self.tooling.take(words)
         for code in block.codes:
@@ -124,6 +130,8 @@ class Executor:
             self.feed_words.dwell(words)
         elif "F" in words:
             self.feed_words.feed(words)
+        if "OVR" in words:
+            self.feed_words.override(words)
         if now.claim:
             self._claim(now)
         for call in block.calls:
@@ -173,11 +181,13 @@ class Executor:
 
     def _code(self, code: str, now: Now) -> None:
         state = self.state
-        if modes.apply(state, code):
+        if apply(state, code):
             self.memory.unit = state.unit
             if self.control.stage is not None:
-                self._under_compensation(code)
-            if code in modes.TOLERANCES:
+                self.compensation.change_rules(code)
+            elif code in OTHER_PLANES:
+                self.tooling.plane_changed()
+            if code in TOLERANCES:
                 self.control.findings.ignored(code)
         elif code in IN_MACHINE:
             now.in_machine = True
@@ -188,19 +198,13 @@ class Executor:
         elif code in FEEDS:
             self.control.feed.set_mode(FEEDS[code])
         elif code in ("G40", "G41", "G42"):
-            self.tooling.compensate(code)
+            self.compensation.take(code)
+        elif code in SUPPRESSION:
+            self.compensation.suppress(code)
         elif code in PROGRAMMED or code in POLES or code in ("G58", "G59", "G74", "G75", "G25", "G26"):
             now.claim = code
         elif code != "G4":
             self._named(code, now)
-
-    def _under_compensation(self, code: str) -> None:
-        """A mode changes while a contour is followed. Raises ProgramError."""
-        stage = self.control.stage
-        if isinstance(stage, Follower):
-            if stage.plane != self.state.plane:
-                stage.other_motion(f"a change of the plane ({code})")
-            self.tooling.change_rules()
 
     def _named(self, code: str, now: Now) -> None:
         """A word that the controller's file explains, a command, or a subprogram."""
@@ -249,18 +253,17 @@ class Executor:
     def _claim(self, now: Now) -> None:
         code, words = now.claim, now.words
         if code in PROGRAMMED:
-            self.frames.program(code, words, self.state)
-            self.state.tangent = None
+            self.frames.program(code, words)
         elif code in POLES:
             set_pole(self.state, self.control.words, code, words)
         elif code in ("G58", "G59"):
-            self.frames.axis_shift(code, words, self.state)
+            self.frames.axis_shift(code, words)
         elif code in ("G25", "G26"):
             self.findings.ignored(code)
             words.clear()
         else:
-            self.commands.reference(code, words)
-            self.motion.here()
+            with self.motion.placed():
+                self.commands.reference(code, words)
         for address in words:
             if address in AXES:
                 raise ValueFault(f"{code} beside {address}: no motion stands there; write it in another block")
@@ -275,8 +278,8 @@ class Executor:
                 moved = self.motion.execute(words, stop=stop)
         except ArcError as error:
             raise ValueFault(str(error)) from None
-        for address in words:
-            self._left(address)
+        for address, given in words.items():
+            self._left(address, given.value)
         return moved
 
     def _ask(self, words: Words) -> None:
@@ -286,14 +289,17 @@ class Executor:
             if address in words:
                 unit = self.state.unit if name == "tip" else DEGREE
                 self.control.moves.ask(**{name: bounded(words[address], address) * unit})
+        if "FGREF" in words:
+            self.findings.assumed(FGREF)
 
-    def _left(self, address: str) -> None:
-        """A word that nothing in its block took."""
-        of_spindle = address[0] in "SMHTD" and address.rstrip("=")[1:].isdigit()
+    def _left(self, address: str, value: Value) -> None:
+        """A word that nothing in its block took: of a spindle by its number it moves nothing, but for M1=6, M1=30."""
+        does = self.vocabulary.meaning(f"{address[0]}{shown(value)}")
+        of_spindle = address[0] in "SMH" and address.rstrip("=")[1:].isdigit() and does in ("", "spindle or coolant")
         if of_spindle or self.vocabulary.meaning(address) == "ignored":
             self.findings.ignored(address)
             return
         cure = self.vocabulary.refusal(address) or "it might move something: remove it"
         if address in OF_ARCS:
             cure = "it belongs to arcs: remove it, or write G2, G3 or CIP"
-        self.refuse(f"{address}=" if len(address) > 1 else address, self.control.line, cure)
+        self.refuse(f"{address}=" if len(address) > 1 and address[-1] != "=" else address, self.control.line, cure)

@@ -11,13 +11,17 @@ from toolpace.reading.sinumerik.run import Run
 from toolpace.reading.sinumerik.syntax.values import ValueFault, real
 from toolpace.units import MILLIMETRE
 
+MOST_SHARE = 2.0
+"""Of OVR."""
+
 
 class FeedWords:
     """Reads F and G4."""
 
     def __init__(self, run: Run) -> None:
         self.control, self.state, self.findings = run.control, run.state, run.findings
-        self.base_unit = run.vocabulary.base_unit
+        self.share = 1.0
+        """OVR: what is made of F."""
 
     def dwell(self, words: Words) -> None:
         """G4 F2 or G4 S3: seconds, or turns of the spindle; F and S in force stay."""
@@ -31,6 +35,18 @@ class FeedWords:
                 raise ValueFault("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
             seconds = turns / self.control.feed.spindle
         self.control.dwell(seconds or 0.0)
+
+    def override(self, words: Words) -> None:
+        """OVR: the share of F [percent] that feed motions have from here on. Raises ValueFault."""
+        share = (number(words, "OVR") or 0.0) / 100.0
+        if not 0.0 < share <= MOST_SHARE:
+            raise ValueFault(f"OVR={share * 100.0:g} is the share of F in percent: write more than 0, 200 at most")
+        feed, changed = self.control.feed, share / self.share
+        if feed.value is not None:
+            feed.value, feed.turn = feed.value * changed, feed.turn * changed
+        if self.state.inverse is not None:
+            self.state.inverse *= changed
+        self.share = share
 
     @contextmanager
     def of_block(self, words: Words) -> Iterator[None]:
@@ -52,13 +68,8 @@ class FeedWords:
         if feed.mode == INVERSE:
             if not 0.0 < value <= 1e9:
                 raise ValueFault(f"feed F{value:g} must be above zero: correct F")
-            state.inverse = value
+            state.inverse = value * self.share
             return
-        unit = state.feed_unit
-        if unit is None:
-            if self.base_unit is None:
-                self.base_unit = state.unit
-                if state.unit != MILLIMETRE:
-                    self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
-            unit = self.base_unit
-        feed.set(value, unit, self.control.line)
+        if state.feed_unit is None and state.base_unit is None and state.unit != MILLIMETRE:
+            self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
+        feed.set(value * self.share, state.unit_of_control(), self.control.line)

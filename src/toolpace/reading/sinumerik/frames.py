@@ -22,15 +22,15 @@ ENDS_ATRANS = (
     "TRANS ends the shift of ATRANS before it, as it deletes old instructions; a table of the manuals (at G58, G59) "
     "has it unchanged"
 )
-NOT_SAVED = ("control", "settable")
+NOT_SAVED = ("control", "state", "settable", "origin", "moves_before", "in_force")
 """What a subprogram with SAVE does not give back: the control, and data of the settable offsets."""
 
 
 class Frames:
     """The frames in force, and the settable ones that the program wrote."""
 
-    def __init__(self, control: Control) -> None:
-        self.control = control
+    def __init__(self, control: Control, state: State) -> None:
+        self.control, self.state = control, state
         self.linear: Matrix = IDENTITY
         """Rotation, scale and mirror of the programmed frame."""
         self.coarse, self.fine = [0.0] * 3, [0.0] * 3
@@ -46,12 +46,18 @@ class Frames:
         """(3,) Z of that plane on the part."""
         self.tool: Matrix = IDENTITY
         """Of TOROT: the system frame before the programmed one (K2, "TOROT and TOFRAME")."""
-        self.tool_upon: Matrix = IDENTITY
-        """The programmed frame at the time of TOROT."""
+        self.tool_bound = False
+        """Whether that one may go with the programmed frame: it was turned, or TOFRAME wrote it there."""
         self.settable: dict[int, Matrix] = {}
+        self.origin: Matrix | None = None
+        """Where the part is: the settable offset that the program wrote first, as it was when it moved; None before."""
+        self.moves_before = 0
+        """Moves when it wrote it."""
         self.offset = 0
         self.told = False
         """Whether the program has named a settable offset."""
+        self.in_force: tuple[int, Matrix] = (0, IDENTITY)
+        """The settable offset, and all frames upon it, as they were put last."""
         self.coarse_turn, self.fine_turn = ([0.0] * len(control.poses.rotary) for _ in range(2))
         """The same of rotary words [rad]."""
 
@@ -69,6 +75,9 @@ class Frames:
         """Hand the whole chain to the control."""
         chain = affine.product(affine.product(self._written(), self.plane), self.tool)
         whole_frame = affine.product(chain, self.programmed())
+        if self.in_force != (self.offset, whole_frame):
+            self.in_force = self.offset, whole_frame
+            self.state.other_coordinates()
         self.control.set_frame(IDENTITY if whole_frame == IDENTITY else whole_frame, tilted=self.tilted)
         turn = tuple(a + b for a, b in zip(self.coarse_turn, self.fine_turn))
         if self.control.coordinates.turn != turn:
@@ -77,7 +86,7 @@ class Frames:
     def _written(self) -> Matrix:
         """The settable offset as the program wrote it, seen from the first that it wrote: that is where the part is."""
         found = self.settable.get(self.offset)
-        first = next(iter(self.settable.values()), IDENTITY)
+        first = next(iter(self.settable.values()), IDENTITY) if self.origin is None else self.origin
         return IDENTITY if found is None or found == first else affine.product(affine.inverse(first), found)
 
     def select(self, place: int) -> None:
@@ -100,16 +109,16 @@ class Frames:
 
     def _replace(self, code: str) -> None:
         """Clear the programmed frame; Unread where a frame of TOROT was reckoned upon it."""
-        if self.tool_upon != IDENTITY:
+        if self.tool_bound:
             raise Unread(f"{code} after TOROT", "the frame that TOROT turned goes with it: write TOROTOF before")
         self.clear()
 
-    def turn_before_programmed(self, turn: Matrix) -> None:
+    def turn_before_programmed(self, turn: Matrix, *, bound: bool = False) -> None:
         """Turn the coordinates in force about their origin, by a frame before the programmed one (TOROT)."""
         programmed = self.programmed()
         about = affine.product(affine.product(programmed, turn), affine.inverse(programmed))
         self.tool = IDENTITY if turn == IDENTITY and self.tool == IDENTITY else affine.product(self.tool, about)
-        self.tool_upon = IDENTITY if self.tool == IDENTITY else programmed
+        self.tool_bound = self.tool != IDENTITY and (bound or programmed != IDENTITY)
         self.put()
 
     def end_tool_frame(self, code: str) -> None:
@@ -117,10 +126,10 @@ class Frames:
         if self.tilted:
             raise Unread(f"{code} in a plane of CYCLE800", "it may take parts of the plane away: write CYCLE800()")
         if code != "PAROTOF" and self.tool != IDENTITY:
-            self.tool = self.tool_upon = IDENTITY
+            self.tool, self.tool_bound = IDENTITY, False
             self.put()
 
-    def program(self, code: str, words: Words, state: State) -> None:
+    def program(self, code: str, words: Words) -> None:
         """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
         for letter, given in words.items():
             if given.form not in ("", "AC"):
@@ -131,16 +140,16 @@ class Frames:
                 self.control.findings.assumed(ENDS_ATRANS)
             self._replace(code)
         if kind == "TRANS":
-            self._shift(words, state, additive=code != kind)
+            self._shift(words, additive=code != kind)
         else:
-            made = self._turned(kind, words, state)
+            made = self._turned(kind, words)
             for letter in self._rotary(words):
                 raise Unread(f"{code} with {letter}", "it acts on X, Y and Z here: let the CAM system write the rest")
             self.linear = affine.product(self.linear, made)
         self.put()
 
-    def _shift(self, words: Words, state: State, *, additive: bool) -> None:
-        by = [(number(words, letter, 0.0) or 0.0) * state.unit for letter in "XYZ"]
+    def _shift(self, words: Words, *, additive: bool) -> None:
+        by = [(number(words, letter, 0.0) or 0.0) * self.state.unit for letter in "XYZ"]
         if additive:
             # a new list: saved frames keep theirs
             self.fine = [a + b for a, b in zip(self.fine, affine.direct(self.linear, by))]
@@ -157,18 +166,18 @@ class Frames:
         """Rotary letters of a block, and the place of each among the rotary words."""
         return {letter: slot - 3 for letter, slot in self.control.slots.items() if slot >= 3 and letter in words}
 
-    def _turned(self, kind: str, words: Words, state: State) -> Matrix:
+    def _turned(self, kind: str, words: Words) -> Matrix:
         if kind == "MIRROR":
             return frame_functions.mirror([letter for letter in "XYZ" if words.pop(letter, None) is not None])
         angle = number(words, "RPL")
         if angle is not None and kind in ("ROT", "ROTS"):
-            return affine.rotation((2, 1, 0)[state.plane], angle * DEGREE)
+            return affine.rotation((2, 1, 0)[self.state.plane], angle * DEGREE)
         values = {letter: value for letter in "XYZ" if (value := number(words, letter)) is not None}
         if kind == "SCALE":
             return frame_functions.scale(values)
         return frame_functions.rotation(values) if kind == "ROT" or len(values) < 2 else frame_functions.solid(values)
 
-    def axis_shift(self, code: str, words: Words, state: State) -> None:
+    def axis_shift(self, code: str, words: Words) -> None:
         """G58 and G59: the coarse or the fine shift of the axes that are named (K2: axial replacement)."""
         if self.assigned:
             raise Unread(f"{code} after $P_PFRAME=", "which part of its shift is the fine one is not told: write TRANS")
@@ -176,7 +185,7 @@ class Frames:
         for slot, letter in enumerate("XYZ"):
             value = number(words, letter)
             if value is not None:
-                part[slot] = value * state.unit
+                part[slot] = value * self.state.unit
         coarse = code == "G58"
         turns = self.coarse_turn if coarse else self.fine_turn
         for letter, place in self._rotary(words).items():
@@ -195,6 +204,11 @@ class Frames:
         if self.control.setup.offsets:
             raise Unread("$P_UIFR", "the set-up sheet says where the offsets are: remove them there, or this here")
         self.control.findings.assumed("the first settable offset that the program writes is the origin of the part")
+        moves = len(self.control.moves)
+        if not self.settable:
+            self.moves_before = moves
+        elif self.origin is None and moves > self.moves_before:
+            self.origin = next(iter(self.settable.values()))
         if len(index) < 2:
             self.settable[place] = _frame("$P_UIFR[n]", value)
             return

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from toolpace.reading.sinumerik.syntax.values import Unread, Value, ValueFault, real, shown
+from toolpace.reading.sinumerik.syntax.blocks import Block
+from toolpace.reading.sinumerik.syntax.values import Memory, Unread, Value, ValueFault, real, shown
 
 FARTHEST = 1e6
 """Most value of an axis word [mm or inch, deg]."""
@@ -22,11 +23,23 @@ Words = dict[str, Given]
 
 
 def number(words: Words, address: str, default: float | None = None) -> float | None:
-    """Take a number out of the words; the default where it is not there."""
+    """Take a number out of the words; the default where it is not there. Raises ValueFault where it is a distance."""
     found = words.pop(address, None)
     if found is None:
         return default
+    if found.form not in ("", "AC"):
+        raise ValueFault(f"{address}={found.form}() has no meaning: {address} takes a value as it is")
     return bounded(found, address)
+
+
+def check_settled(words: Words, block: Block, memory: Memory) -> None:
+    """ValueFault where a word has another value behind the assignments of its block: which is first is not told."""
+    for word in block.words:
+        found = words.get(word.address)
+        if found is not None and word.compiled is not None and word.compiled(memory) != found.value:
+            raise ValueFault(
+                f"{word.address} reads what its own block assigns: which of them is first is not told; write two blocks"
+            )
 
 
 def bounded(given: Given, address: str) -> float:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from toolpace.reading.control.control import Control
 from toolpace.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Corners
@@ -39,10 +41,23 @@ class Motion:
         self.programmed = list(control.words)
         """End of the last motion, in the coordinates of then: IC() and G91 count from it, so that a new frame
         shifts them too (SD42440 = 1)."""
+        self.unsure: set[int] = set()
+        """Slots that a frame has shifted, and no word has named behind it: whether their next distance counts from the
+        shifted place is not told."""
 
-    def here(self) -> None:
-        """Count distances from where the machine is."""
-        self.programmed = self.control.words
+    @contextmanager
+    def placed(self, *, frames: bool = False) -> Iterator[None]:
+        """Within, something else than words of a block moves the machine, or changes its frames: distances count from
+        where it is then."""
+        before, shifted = self.control.words, self.shifted()
+        yield
+        changed = {slot for slot, value in enumerate(self.control.words) if value != before[slot]}
+        self.unsure = self.unsure | shifted | changed if frames else (self.unsure | shifted) - changed
+        self.programmed, self.state.tangent = self.control.words, None
+
+    def shifted(self) -> set[int]:
+        """Slots whose words a frame has changed since the last motion."""
+        return {slot for slot, value in enumerate(self.control.words) if abs(self.programmed[slot] - value) > 1e-9}
 
     def has_axes(self, words: Words) -> bool:
         """Whether words ask for motion."""
@@ -76,7 +91,7 @@ class Motion:
             if not len(control.moves):
                 control.begin_here()
             self.splines.point(target, named, words, self._number())
-            self.programmed = target
+            self.programmed, state.tangent = target, None
             return path_axis
         corner = self._corner(words)
         vector = self.vectors.taken(words)
@@ -152,6 +167,7 @@ class Motion:
         control = self.control
         target, named = list(control.words), 0
         slots = control.slots
+        unsure = self.unsure | (set() if self.programmed is control.words else self.shifted())
         for address in [address for address in words if len(address) == 1 and address in LETTERS]:
             slot = slots.get(address)
             if slot is None:
@@ -159,11 +175,14 @@ class Motion:
             target[slot] = self._coordinate(address, slot, words.pop(address))
             if slot < 3:
                 named |= 1 << slot
+            unsure.discard(slot)
         if "AP" in words or "RP" in words:
             polar = end_by_pole(self.state, words, target)
             if polar & named:
                 raise ValueFault("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
             named |= polar
+            unsure.difference_update(circles.AXES[self.state.plane])
+        self.unsure = unsure
         return target, named
 
     def _coordinate(self, address: str, slot: int, given: Given) -> float:
@@ -171,6 +190,11 @@ class Motion:
         form = given.form
         value *= self.state.unit if slot < 3 else DEGREE
         if form == "IC" or (not form and not self.state.absolute):
+            if slot in self.unsure:
+                raise ValueFault(
+                    f"{address} is a distance, and {address} was not named since a frame or a length changed and "
+                    f"something else moved: whether that shift counts is not told; write {address}=AC() once before"
+                )
             return self.programmed[slot] + value
         if form in ("", "AC"):
             return value
@@ -242,6 +266,7 @@ class Motion:
         with self.control.feed.held(abs(lead) * self.state.unit * self.control.feed.spindle):
             self.control.straight(target, named, rapid=False)
         self.control.stop()
+        self.state.tangent = None
 
     def in_machine(self, words: Words, *, stop: bool) -> bool:
         """SUPA, G53, G153: a motion to machine coordinates."""
@@ -266,8 +291,8 @@ class Motion:
             )
         if control.coordinates.compensated and control.poses.machine is not None:
             control.findings.assumed("machine coordinates (SUPA, G53) are those of the axes, without tool length")
-        straight_in_machine(control, coordinates, rapid=self.state.motion == "G0")
-        self.here()
+        with self.placed():
+            straight_in_machine(control, coordinates, rapid=self.state.motion == "G0")
         if stop:
             control.stop()
         return any(address in "XYZ" for address in coordinates)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from toolpace.reading.control.control import Control
 from toolpace.reading.controllers.controller import Controller
 from toolpace.reading.options import ReadOptions
+from toolpace.reading.sinumerik.compensation import Compensation
 from toolpace.reading.sinumerik.flow.memory import Store
 from toolpace.reading.sinumerik.frames import Frames
 from toolpace.reading.sinumerik.motion import Motion
@@ -23,11 +24,12 @@ class Run:
 
     def __init__(self, control: Control, controller: Controller, options: ReadOptions) -> None:
         self.control, self.findings = control, control.findings
-        self.state = State()
-        self.frames = Frames(control)
+        self.vocabulary = Vocabulary(controller)
+        self.state = State(base_unit=self.vocabulary.base_unit)
+        self.frames = Frames(control, self.state)
         self.motion = Motion(control, self.state, self.frames)
         self.tooling = Tooling(control, self.state, options)
-        self.vocabulary = Vocabulary(controller)
-        self.memory = Store(options.setup.variables, System(control, self.state, self.frames).read)
+        self.compensation = Compensation(control, self.state, self.tooling)
+        self.memory = Store(options.setup.variables, System(control, self.state, self.frames, self.motion).read)
         self.modal: Modal | None = None
         """What MCALL asked for, with its arguments."""

@@ -7,6 +7,7 @@ import math
 from toolpace.reading.control.control import Control
 from toolpace.reading.coordinates.setup import Tool
 from toolpace.reading.sinumerik.frames import Frames
+from toolpace.reading.sinumerik.motion import Motion
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, whole
 from toolpace.units import DEGREE
@@ -19,8 +20,8 @@ _CURE = "what the control holds there is not known: put it on the set-up sheet a
 class System:
     """Reads $ variables as they stand at a block."""
 
-    def __init__(self, control: Control, state: State, frames: Frames) -> None:
-        self.control, self.state, self.frames = control, state, frames
+    def __init__(self, control: Control, state: State, frames: Frames, motion: Motion) -> None:
+        self.control, self.state, self.frames, self.motion = control, state, frames, motion
 
     def read(self, name: str, index: tuple[Value, ...]) -> Value:
         """The value of a variable. Raises Unread."""
@@ -33,13 +34,13 @@ class System:
         if name == "$P_TOOLR":
             tool = self.control.setup.tool(self.control.tool)
             if tool is not None:
-                return self._radius(name, tool) / self.state.unit
+                return self._radius(name, tool) / self.state.unit_of_control()
         if name == "$P_TOOLNO" and self.control.tool.isdecimal():
             return int(self.control.tool)
         if name in ("$TC_DP3", "$TC_DP6") and index:
             tool = self.control.setup.tools.get(str(whole(index[0])))
             if tool is not None:
-                return (tool.length if name == "$TC_DP3" else self._radius(name, tool)) / self.state.unit
+                return (tool.length if name == "$TC_DP3" else self._radius(name, tool)) / self.state.unit_of_control()
         if name == "$P_PFRAME" and not index and not self.frames.turns_words:
             return self.frames.programmed()
         if name == "$P_UIFR" and len(index) == 1 and whole(index[0]) in self.frames.settable:
@@ -58,9 +59,11 @@ class System:
         slot = self.control.slots.get(letter)
         if slot is None:
             raise Unread(f"{name}[{letter}]", "the machine has no such axis: name one of its axes")
-        unit = self.state.unit if slot < 3 else DEGREE
+        unit = self.state.unit_of_control() if slot < 3 else DEGREE
         if name != "$P_EP" and self.control.stage is not None:
             raise Unread(f"{name}[{letter}]", "the radius is compensated here: read it behind G40 and a motion")
+        if name == "$P_EP" and slot in self.motion.shifted():
+            raise Unread(f"$P_EP[{letter}] behind a change of frames", "in which it is is not told: read it before")
         if name in ("$P_EP", "$AA_IW"):
             return self.control.words[slot] / unit
         control = self.control

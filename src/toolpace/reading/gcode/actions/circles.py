@@ -92,7 +92,8 @@ class ArcReader:
         wanted = _CENTRES[plane]
         letters = [letter for letter, _ in wanted]
         if not any(letter in arc_words for letter in letters):
-            raise WordError(f"the arc lacks its centre: write {letters[0]} and {letters[1]}, or R")
+            cure = f"write {letters[0]} and {letters[1]}, or R; for a straight way G0 or G1, since G2 stays in force"
+            raise WordError(f"the arc lacks its centre: {cure}")
         for letter, slot in wanted:
             value = arc_words.get(letter)
             if value is None:

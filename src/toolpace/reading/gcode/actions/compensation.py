@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolpace.reading.compensation.ends import follow, leave
+from toolpace.reading.compensation.ends import Departing, follow, leave
 from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.linuxcnc import LeavingLinuxcnc, LinuxcncStage, Uncompensated
 from toolpace.reading.compensation.rules import ACROSS, ARC, AROUND, INSIDE, LINES, Rules
@@ -30,10 +30,18 @@ NO_RADIUS = (
     "cutter compensation needs the tool's radius: write it on the set-up sheet ([tools.N] radius), let the CAM system "
     "compensate and {}, or give --compensation program where the program is the path of the tool's centre"
 )
-TYPES = {"type A": ACROSS, "type B": AROUND}
-"""How it begins and ends, by parameter 5003#0 and #1 (Fanuc B-63944EN, "Details of cutter or tool nose radius
-compensation")."""
+TYPES = {
+    "type A": (ACROSS, False),
+    "type B": (AROUND, False),
+    "type C": (ACROSS, True),
+    "type C as B": (AROUND, True),
+}
+"""How it begins and ends, and whether a block without a motion shifts the tool: parameter 5003#0 and #1 (Fanuc
+B-63944EN, "Details of cutter or tool nose radius compensation")."""
 ALARM = "the control stops with an alarm (PS0041)"
+UNKNOWN_CORNERS = (
+    "how this control compensates is not known here: name another with --controller, or let the CAM system compensate"
+)
 WITHOUT_D = "compensation without D is not read: write the number of the tool whose radius counts, like {} D1"
 
 
@@ -50,6 +58,8 @@ class Compensation:
         self.in_xy = by.option("compensation_in_xy", False)
         self.ends_before_stops = by.option("compensation_ends_before_stops", False)
         self.said = by.option("compensation_said", "")
+        self.word = ""
+        """G41 or G42, while it is in force, with a radius of zero too."""
 
     def handlers(self) -> dict[str, Handler]:
         """What carries out each meaning."""
@@ -128,7 +138,7 @@ class Compensation:
         if not self.rs274 and number is None:
             number = self.state.radius_number
             if number is None:
-                raise RefusedError(word, WITHOUT_D.format(word))
+                raise RefusedError(word, WITHOUT_D.format(word) if self.by else UNKNOWN_CORNERS)
         self.state.radius_number = number
         name = f"{number:g}" if number else control.tool if self.rs274 else ""
         if name in ("", "0"):
@@ -143,19 +153,40 @@ class Compensation:
             raise RefusedError(word, NO_RADIUS.format("remove it" if self.rs274 else "write D0"))
         return found.radius
 
+    def choose(self, number: float) -> None:
+        """D without G41 or G42: of the compensation to come. Raises WordError where it changes the one at hand.
+
+        Fanuc: "the vector at the end point of the block is calculated for the new cutter compensation value", and D0
+        cancels (B-63784EN, 14.4.1): which corners there are between two radii is not said.
+        """
+        before, self.state.radius_number = self.state.radius_number, number
+        if self.word and number != before:
+            stage = self.stage
+            at_hand = 0.0 if stage is None else stage.radius
+            try:
+                radius = self._radius(number, self.word)
+            except RefusedError as error:
+                raise WordError(error.cure) from None
+            if radius != at_hand:
+                raise WordError(
+                    f"D{number:g} changes the radius from {at_hand * 1e3:.6g} to {radius * 1e3:.6g} mm under "
+                    f"{self.word}: write G40 and {self.word} D{number:g}, each with a straight motion"
+                )
+
     def _begin(self, side: int, radius: float, word: str) -> None:
         control, state = self.control, self.state
         if self.stage is not None:
-            raise WordError(f"{word} stands where compensation is on already: write G40 before it")
+            raise WordError(f"{word} stands where compensation is on already: remove it, or write G40 before it")
+        self.word = "" if self.by == "linuxcnc" else word
         if self.by == "linuxcnc":
             self._begin_linuxcnc(side, radius, word)
         elif radius and self.by not in TYPES:
-            cure = "name the control with --controller, or let the CAM system compensate"
-            raise RefusedError(word, f"how this control compensates is not known here: {cure}")
+            raise RefusedError(word, UNKNOWN_CORNERS)
         elif radius and state.plane and self.in_xy:
             raise WordError(f"{word} compensates in the plane of G17 alone (alarm 344): write G17 before it")
         elif radius:
-            rules = Rules(self.corners, TYPES[self.by], INSIDE, gouge=ALARM, assumed=self.said)
+            ends, shifts = TYPES[self.by]
+            rules = Rules(self.corners, ends, INSIDE, shifts=shifts, gouge=ALARM, assumed=self.said)
             follow(control, side, radius, state.plane, rules)
 
     def _begin_linuxcnc(self, side: int, radius: float, word: str) -> None:
@@ -171,8 +202,14 @@ class Compensation:
     def end(self, numbers: Numbers, word: str) -> None:
         """G40."""
         numbers.pop("D", None)
+        self.word = ""
         self.control.findings.ignored(word)
         stage = self.control.stage
+        if isinstance(stage, Follower) and numbers.keys() & {"I", "J", "K"}:
+            raise WordError(
+                "I, J, K beside G40 tell in which direction the contour would go on, which is not read: write that "
+                "element out before G40"
+            )
         if isinstance(stage, Follower):
             leave(stage)
         elif isinstance(stage, (LinuxcncStage, Uncompensated)):
@@ -191,5 +228,5 @@ class Compensation:
     def behind_block(self, moves: int) -> None:
         """A block ends, before which there were so many motions."""
         stage = self.control.stage
-        if isinstance(stage, Follower) and len(self.control.moves) == moves:
-            stage.idle_block()
+        if isinstance(stage, (Follower, Departing)):
+            stage.behind_block(len(self.control.moves) != moves)

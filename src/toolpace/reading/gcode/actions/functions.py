@@ -31,7 +31,8 @@ class Functions:
 
     def orient(self, numbers: Numbers, word: str) -> None:
         """M19 R P Q: to an angle, by a direction, within a time."""
-        given = self._take(numbers, "RPQ", word)
+        given = {letter: numbers.pop(letter) for letter in "RPQ" if letter in numbers}
+        self._refuse_cycle(numbers, word, arcs=True)
         if not 0.0 <= given.get("R", 0.0) <= 360.0 or round(given.get("P", 0.0)) not in (0, 1, 2):
             raise WordError(f"{word} takes an angle R from 0 to 360 and a direction P of 0, 1 or 2: correct them")
         if given.get("Q", 1.0) <= 0.0:
@@ -41,7 +42,10 @@ class Functions:
 
     def wait(self, numbers: Numbers, word: str) -> None:
         """M66 P or E, L Q: for how long is not known, nor what is read."""
-        given = self._take(numbers, "PELQ", word)
+        shared = {"P": numbers["P"]} if self.state.arc_here and "P" in numbers else {}
+        given = {letter: numbers.pop(letter) for letter in "PELQ" if letter in numbers}
+        numbers |= shared  # of the turns of an arc too
+        self._refuse_cycle(numbers, word)
         inputs = [given[letter] for letter in "PE" if letter in given]
         waits = round(given.get("L", 0.0))
         if len(inputs) != 1 or round(inputs[0]) < 0:
@@ -51,9 +55,9 @@ class Functions:
         self.variables.common.pop(RESULT, None)
         self.control.stop()
 
-    def _take(self, numbers: Numbers, letters: str, word: str) -> Numbers:
-        """Letters, out of the block. Raises WordError where its motion takes the same."""
+    def _refuse_cycle(self, numbers: Numbers, word: str, *, arcs: bool = False) -> None:
+        """Raise WordError where the motion of the block takes the same letters for something else."""
+        state = self.state
         moves = not numbers.keys().isdisjoint("XYZABCUVWIJK")
-        if moves and (self.state.arc_here or self.state.cycle is not None):
+        if moves and (state.drills_here or (arcs and state.arc_here)):
             raise WordError(f"{word} and an arc or a cycle may take the same letters: write two blocks")
-        return {letter: numbers.pop(letter) for letter in letters if letter in numbers}

@@ -87,6 +87,8 @@ class Holes:
         """Whether G90 was in force where a word was written: G91 behind a cycle places holes, and leaves depths."""
         self.level: float | None = None
         """Along the drill axis, where the cycle began [m]."""
+        self.dwelt = 0.0
+        """P of the last cycle that waits [s]: to LinuxCNC's interpreter that of a tap without P too."""
         self.unit = state.unit
         """In which its words are written [m]."""
 
@@ -252,6 +254,9 @@ class Holes:
             raise WordError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
         if missing is not None:
             raise WordError(f"the cycle lacks {missing}: pecks need Q, dwells P, and boring backwards I, J and K")
+        waits = (state.cycle == "tap" or "P" in kind.needs) if self.rs274 else kind.dwells
+        dwell = words.get("P", self.dwelt if self.rs274 else 0.0) if waits else 0.0
+        self.dwelt = dwell if waits else self.dwelt
         top = words.get("R", 0.0) * unit + (0.0 if self._is_absolute("R") else self.level)
         bottom = words[letter] * unit + (0.0 if self._is_absolute(letter) else top)
         from_above = self.rs274 or state.cycle != "bore backwards"
@@ -263,7 +268,7 @@ class Holes:
             bottom=bottom,
             back=back,
             axis=state.drill_axis,
-            dwell=words.get("P", 0.0) if kind.dwells else 0.0,
+            dwell=dwell,
             out=FEED_BACK if self.rs274 and state.cycle in FED_BACK else kind.out,
             stops=kind.stops,
         )

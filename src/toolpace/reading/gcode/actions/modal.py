@@ -35,6 +35,8 @@ class Modal:
     """Whether this block has the word of a cycle."""
     arc_here: bool = False
     """Whether this block moves along an arc."""
+    drills_here: bool = False
+    """Whether this block drills, by its own cycle or that in force, if it names an axis."""
     whole: frozenset[str] = frozenset()
     """Letters of this block whose numbers have no point."""
     reckoned: frozenset[str] = frozenset()

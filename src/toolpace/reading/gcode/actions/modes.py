@@ -9,6 +9,7 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.reading.control.moves import Joining
 from toolpace.reading.controllers.controller import Controller
+from toolpace.reading.dialect import OSP
 from toolpace.reading.gcode.actions.holes import KINDS, Holes
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
 from toolpace.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
@@ -48,7 +49,7 @@ class Modes:
             "to initial level": self._set("to_initial", True),
             "to R level": self._set("to_initial", False),
             "polar": self._polar,
-            "cartesian": self._set("polar", False),
+            "cartesian": self._cartesian,
             "exact stop": self._set("stop_here", True),
             "machine coordinates": self._set("in_machine", True),
             "dwell": self._dwell,
@@ -69,7 +70,7 @@ class Modes:
 
     def _unit(self, unit: float) -> Handler:
         def set_unit(numbers: Numbers, word: str) -> None:
-            if self.rs274 and self.state.cycle is not None and unit != self.state.unit:
+            if self._drills() and unit != self.state.unit:
                 raise WordError(f"{word} within a cycle changes what its words mean: end the cycle with G80 before it")
             if self.control.stage is not None and unit != self.state.unit:
                 self.control.stage.other_motion(f"a change of the unit ({word})")
@@ -111,6 +112,8 @@ class Modes:
         return chosen
 
     def _end_cycle(self, numbers: Numbers, word: str) -> None:
+        if self.rs274 and self.state.drills_here and self.state.motion_word != word:
+            return  # beside another motion G80 counts for nothing
         self.state.cycle = None
         if not self.cycles_apart:
             self.state.motion = None
@@ -124,9 +127,8 @@ class Modes:
     def _continuous(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = False
         unit = self.state.unit
-        tolerance, cam_tolerance = numbers.get("P"), numbers.pop("Q", None)
-        if not self.state.arc_here:  # an arc takes the same P for its turns
-            numbers.pop("P", None)
+        tolerance = self._taken(numbers, "P", self.state.arc_here or self._drills())
+        cam_tolerance = self._taken(numbers, "Q", self._drills())
         self.control.moves.join(
             Joining(
                 BLENDED,
@@ -139,6 +141,22 @@ class Modes:
         if tolerance is not None or cam_tolerance is not None:
             # noted, and obeyed where that is asked for
             self.control.findings.ignored(f"{word} P")
+
+    def _drills(self) -> bool:
+        return self.rs274 and self.state.drills_here
+
+    @staticmethod
+    def _taken(numbers: Numbers, letter: str, shared: bool) -> float | None:
+        """The number of a letter, out of the block, where its motion does not share it."""
+        if shared and not numbers.keys().isdisjoint("XYZABCUVWIJKR"):
+            return numbers.get(letter)
+        return numbers.pop(letter, None)
+
+    def _cartesian(self, numbers: Numbers, word: str) -> None:
+        if "H" in numbers:
+            numbers.clear()
+            raise RefusedError(f"{word} H", f"it is a work offset of Okuma's OSP, {OSP}")
+        self.state.polar = False
 
     def _polar(self, numbers: Numbers, word: str) -> None:
         self.state.polar, self.state.pole = True, {}
@@ -156,7 +174,7 @@ class Modes:
         letter = next((letter for letter in ("P" if self.rs274 else "PXUF") if letter in numbers), None)
         if letter is None:
             raise WordError(f"{word} needs its time as P in seconds: write it like {word} P0.5")
-        value = numbers.pop(letter)
+        value = self._taken(numbers, letter, self.rs274 and (self.state.arc_here or self._drills())) or 0.0
         self.control.dwell(self.seconds(value) if letter == "P" else value)
         if any(letter in "XYZABCUVW" for letter in numbers) and not self.rs274:
             raise WordError(f"{word} takes its time alone: write the motion in a block of its own")

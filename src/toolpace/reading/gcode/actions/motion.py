@@ -17,7 +17,7 @@ from toolpace.reading.curves.arcs import Arc
 from toolpace.reading.gcode.actions.circles import FARTHEST, ArcReader
 from toolpace.reading.gcode.actions.frames.turned_in_plane import need_on_plane, refuse, turned_alone, turns
 from toolpace.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.reading.gcode.program.words import RefusedError, WordError
+from toolpace.reading.gcode.program.words import NO_EXPONENT, RefusedError, WordError
 from toolpace.units import DEGREE
 
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
@@ -46,6 +46,7 @@ class MotionReader:
         self.rotary = controller.option("rotary", "as written")
         self.rotary_varies = controller.option("rotary_varies", False)
         self.arcs = ArcReader(control, state, controller)
+        self.straight_without_centre = controller.option("arc_without_centre", "refused") == "straight"
         self.by_radius = controller.option("inverse_time_by_radius", False)
         self.fanuc = controller.option("fanuc_checks", False)
         """Whether blocks are refused that Fanuc stops with an alarm."""
@@ -64,6 +65,8 @@ class MotionReader:
         arc_words = {}
         if motion in ARCS:
             arc_words = {letter: numbers.pop(letter) for letter in (*"IJKRP", "B5") if letter in numbers}
+            if self.straight_without_centre and not arc_words:
+                motion = "feed"
         if self.fanuc and state.vectors and any(letter in numbers for letter in "ABC"):
             raise WordError("a rotary word under G43.5 stops with an alarm (PS5421): write I, J, K, or use G43.4")
         vector = {letter: numbers.pop(letter, 0.0) for letter in "IJK"} if self._has_vector(numbers) else None
@@ -279,5 +282,5 @@ class MotionReader:
         if letter in "ABC" or (letter in "UVW" and self.control.poses.machine is not None):
             self.control.slot(letter)
         if letter == "E":
-            raise WordError("E has no meaning here: write numbers without exponent, like 0.00001")
+            raise WordError(NO_EXPONENT)
         raise WordError(f"word {letter} is not known here and might move something: remove it")

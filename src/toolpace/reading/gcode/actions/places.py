@@ -33,10 +33,16 @@ class Places:
             "machine rapid": self.machine_rapid,
         }
 
-    def _named(self, numbers: Numbers) -> Numbers:
-        """Axis words, taken out of the block; the axes that the machine has."""
+    def _named(self, numbers: Numbers, word: str) -> Numbers:
+        """Axis words, taken out of the block; the axes that the machine has. Raises RefusedError, ProgramError."""
         letters = [letter for letter in numbers if letter in "XYZABCUVW"]
         given = {letter: numbers.pop(letter) for letter in letters}
+        for letter in "UVW":
+            if letter in given and not self._moves(letter):
+                raise RefusedError(
+                    f"{word} {letter}",
+                    "the machine has no such axis; on lathes it counts on X or Z, and turning is not read: remove it",
+                )
         slots = self.control.slots
         absent = [letter for letter, value in given.items() if letter not in slots]
         for letter in absent:
@@ -44,6 +50,10 @@ class Places:
             if value and letter != self.motion.along and self.control.poses.machine is not None:
                 self.control.slot(letter)
         return given
+
+    def _moves(self, letter: str) -> bool:
+        """Whether the machine has an axis of this letter."""
+        return letter in self.control.slots or letter == self.motion.along or self.control.poses.machine is None
 
     def reference(self, numbers: Numbers, word: str) -> None:
         """G28: over the place that is named, at rapid, to the reference point with the axes that are named."""
@@ -58,9 +68,10 @@ class Places:
 
     def _reference(self, number: int, numbers: Numbers, word: str) -> None:
         control = self.control
-        given = self._named(numbers)
-        if not given and not self.all_axes:
-            control.findings.ignored(f"{word} without axes")
+        any_named = any(letter in numbers for letter in "XYZABCUVW")
+        given = self._named(numbers, word)
+        if not given and (any_named or not self.all_axes):
+            control.findings.ignored(f"{word} of axes that the machine lacks" if any_named else f"{word} without axes")
             return
         if given:
             target, named = self.motion.target(dict(given), alone=True)
@@ -89,7 +100,7 @@ class Places:
     def from_reference(self, numbers: Numbers, word: str) -> None:
         """G29: back, over the place over which the reference point was gone to."""
         control = self.control
-        target, named = self.motion.target(self._named(numbers))
+        target, named = self.motion.target(self._named(numbers, word))
         if self.state.between is None:
             raise WordError(f"{word} comes back over the place over which G28 went, and none did: write G28 before it")
         over = list(control.words)
@@ -106,7 +117,7 @@ class Places:
         if self.fanuc and not self.state.absolute:
             numbers.clear()
             raise RefusedError("G53 under G91", "the control passes it over there: write G90 G53")
-        given = self._named(numbers)
+        given = self._named(numbers, "G53")
         slots = control.slots
         places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in given.items()}
         if places:

@@ -6,10 +6,12 @@ After its manual, "M70 Save Modal State", "M72 Restore Modal State" and "M73 Sav
 from __future__ import annotations
 
 from toolpace.reading.control.control import Control
+from toolpace.reading.control.feed import PER_MINUTE
 from toolpace.reading.gcode.actions.frames.frames import Frames
 from toolpace.reading.gcode.actions.modal import Modal
 from toolpace.reading.gcode.program.flow import Flow
 from toolpace.reading.gcode.program.words import Handler, Numbers, WordError
+from toolpace.units import DEGREE, MINUTE
 
 MODES = ("unit", "absolute", "arc_absolute", "plane", "exact_stop", "to_initial", "length_word", "turning")
 """Of `Modal`; the motion in force is not among them."""
@@ -45,6 +47,10 @@ class SavedModes:
             for name, value in modes.items():
                 setattr(self.state, name, value)
             feed.mode, feed.value, feed.turn, feed.unit, feed.spindle = rates
+            number = 0.0 if feed.value is None else feed.turn / DEGREE * (MINUTE if feed.mode == PER_MINUTE else 1.0)
+            if feed.unit != self.state.unit or abs(number - round(number, 1)) > 1e-9:
+                # its interpreter writes F anew, as a number of one decimal in the unit of the saved modes
+                feed.value = None
             coordinates.compensated, coordinates.length_of, coordinates.told = tool
             control.moves.join(joining)
             if position_on != self.frames.position_on:

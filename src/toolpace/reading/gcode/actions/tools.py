@@ -74,6 +74,8 @@ class Tools:
         number = numbers.pop("Q", None)
         if number is None or number != int(number) or number < 0:
             raise WordError(f"{word} needs the number of the tool as Q: write it like {word} Q5")
+        if self.rs274 and self.state.drills_here and not numbers.keys().isdisjoint("XYZ"):
+            raise WordError(f"{word} and a cycle may take the same letters: write two blocks")
         self.control.change_tool(f"{number:g}")
 
     def length(self, numbers: Numbers, word: str) -> None:
@@ -152,6 +154,8 @@ class Tools:
         offset = list(control.coordinates.tool_offset(control.tool))
         tool = numbers.pop("H", None)
         given = self._offset_words(numbers, word)
+        if tool is not None and given:
+            raise WordError(f"{word} has the number of a tool as H, or axes: write one of both")
         if tool is None and not given:
             raise WordError(f"{word} needs the number of a tool as H: write it like {word} H5")
         if tool:

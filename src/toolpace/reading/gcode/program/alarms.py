@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Set
 from typing import NamedTuple
 
-from toolpace.reading.gcode.program.words import WordError
+from toolpace.reading.gcode.program.words import NO_EXPONENT, WordError
 
 LONGEST_LINE = 252
 """Characters of a line, without its end ("Command too long")."""
@@ -118,7 +118,7 @@ def of_codes(words: list[str]) -> Iterator[Alarm]:
             raise WordError(f"{before} and {word} are of one modal group ({group}): write two blocks")
         else:
             yield Alarm(f"{before} and {word} in one block", f"both are of one modal group ({group}): write two blocks")
-    covets = next((word for word in words if word in WITH_AXES), None)
+    covets = next((word for word in words if word in WITH_AXES or word in ("G43.1", "G43.2")), None)
     motion = next((word for word in words if word in MOTIONS and word != "G80"), None)
     if covets and motion:
         raise WordError(f"{covets} and {motion} both take the axes of the block: write two blocks")
@@ -139,7 +139,7 @@ def of_letters(letters: Set[str], words: list[str], in_force: str) -> Iterator[t
         if present.isdisjoint(users):
             told = f"{', '.join(users[:-1])} or {users[-1]}"
             if letter == "E":
-                raise WordError("E has no meaning here: write numbers without exponent, like 0.00001")
+                raise WordError(NO_EXPONENT)
             certain = letter in _OF_TOOLS or (words and in_force not in _CYCLES)
             if not certain or (letter not in _OF_TOOLS and not (present | letters).isdisjoint(_MOVING)):
                 raise WordError(f"{letter} has no use in this block, it belongs to {told}: remove it")
@@ -160,9 +160,9 @@ def refuse_motionless(letters: Set[str], words: list[str], in_force: str) -> Non
 
 def motion(letters: Set[str], words: list[str], in_force: str) -> str:
     """The word of the motion that a block makes; "" where it makes none."""
-    own = next((word for word in words if word in MOTIONS), None)
-    if own is not None:
-        return own
+    own = [word for word in words if word in MOTIONS]
+    if own:
+        return min(own, key=lambda word: word == "G80")  # beside another motion G80 counts for nothing
     if not WITH_AXES.isdisjoint(words):
         return ""
     if not letters.isdisjoint(AXES):

@@ -78,7 +78,7 @@ class Compiler:
     def __init__(self, controller: Controller, *, deletes: bool = True) -> None:
         """deletes: whether what stands behind a `/` is left out."""
         self.vocabulary, self.deletes = Vocabulary(controller), deletes
-        self.nested = controller.option("nested_comments", False)
+        self.nested, self.closed = controller.option("nested_comments", False), controller.option("fanuc_checks", False)
         self.semicolon_ends = controller.option("semicolon_ends_block", False)
         self.rs274 = controller.option("rs274_checks", False)
         self.blanks = controller.option("blanks_mean_nothing", False)
@@ -97,8 +97,7 @@ class Compiler:
         self.last_rules = controller.option("last_of_group_rules", False)
         self.corners = controller.option("corner_words", False)
         self.tool_behind = controller.option("second_tool_is_next", False)
-        first = controller.option("feed_before_units", False)
-        self.last_before_feed = ORDER["inverse time" if first else "inch"]
+        self.last_before_feed = ORDER["inverse time" if controller.option("feed_before_units", False) else "inch"]
 
     def block(self, line: str) -> Block:
         """Raises WordError."""
@@ -110,7 +109,7 @@ class Compiler:
             block.aborts = aborts[1].strip() or "no reason is given" if aborts else ""
             if self.rs274:
                 alarms.refuse_comment_in_word(line)
-        text = without_comments(line, self.nested)
+        text = without_comments(line, self.nested, self.closed and not line.lstrip().startswith("/"))
         if self.rs274:
             block.alarms += alarms.of_line(line)
         if self.semicolon_ends and ";" in line and words_behind(line):

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NoReturn
 
 from toolpace.reading.gcode.program.expressions import Node, value_of, whole
 from toolpace.reading.gcode.program.files import Files, Text
+from toolpace.reading.gcode.program.loops import MOST_REPEATS, Loops
 from toolpace.reading.gcode.program.statements import Statement
 from toolpace.reading.gcode.program.variables import Key, Variables
 from toolpace.reading.source import Source
 
 DEEPEST = 64.0
 """Calls within each other, where a control does not say: it allows four to ten; more calls itself without end."""
-MOST_REPEATS = 1_000_000
 
 
 @dataclass(slots=True)
@@ -33,14 +33,12 @@ class Frame:
     """Local variables of the caller, where it has others; else None."""
     fresh: dict[Key, float | None] | None = None
     """Local variables with which each run begins."""
-    counts: dict[int, int] = field(default_factory=dict)
-    """Of `repeat`: rounds left, by line."""
     saved: Callable[[], None] | None = None
     """Restores the modes that were saved at this level."""
     restores: bool = False
     """Whether it does so on return."""
     arrived: int = -1
-    """The branch that a false condition led to."""
+    """The branch that a false condition led to, until it is run."""
 
 
 class Flow:
@@ -54,6 +52,7 @@ class Flow:
         self.files = Files(source, to_tape_end)
         self.main = self.files.main
         self.frames = [Frame(self.main)]
+        self.loops = Loops()
         self.defined: set[tuple[Text, int]] = set()
         """Subprograms that were come to outside calls."""
         self.ended = False
@@ -157,11 +156,14 @@ class Flow:
             if self.value(statement.value):
                 self.goto(self.value(statement.label))
         elif kind == "while do":
-            partner = self._partner(line)
+            partner = self.frame.text.layout.partner_of(line)
+            crossed = self.frame.text.layout.crossed.get(line)
+            if crossed is not None:
+                self.fail(f"DO{statement.name} crosses the loop of line {crossed + 1}: end the inner within the outer")
             if not self.value(statement.value):
                 self.frame.next = partner + 1
         elif kind == "end":
-            self.frame.next = self._partner(line)
+            self.frame.next = self.frame.text.layout.partner_of(line)
         elif kind == "call":
             self._call_sub(statement)
         elif kind in ("return", "endsub"):
@@ -175,24 +177,12 @@ class Flow:
             if (self.frame.text, line) in self.defined:
                 self.fail(f"O{statement.name} sub is come to twice: write it behind the end, or before the loop")
             self.defined.add((self.frame.text, line))
-            self.frame.next = self._partner(line) + 1
+            self.frame.next = self.frame.text.layout.partner_of(line) + 1
         elif kind in ("if", "elseif", "else", "endif"):
             self._branch(statement, line)
         else:
-            self._loop(statement, line)
-
-    def _times(self, node: Node | None) -> int:
-        """How often `repeat` goes round: to the nearest number, halves to the even one (LinuxCNC's `round_to_int`)."""
-        value = self.value(node)
-        if not -MOST_REPEATS <= value <= MOST_REPEATS:
-            self.fail(f"repeat [{value:g}]: {MOST_REPEATS} rounds are the most")
-        return max(0, round(value))
-
-    def _partner(self, line: int) -> int:
-        found = self.frame.text.layout.partner.get(line)
-        if found is None:
-            self.fail("a loop or subprogram lacks its beginning or its end: write both, with the same number or name")
-        return found
+            value = self.value(statement.value)
+            self.frame.next = self.loops.following(kind, self.frame.text, line, value)
 
     def _call_sub(self, statement: Statement) -> None:
         most = self.variables.locals_to
@@ -214,11 +204,12 @@ class Flow:
     def _branch(self, statement: Statement, line: int) -> None:
         layout, frame = self.frame.text.layout, self.frame
         if statement.kind == "endif":
-            self._partner(line)
+            self.frame.text.layout.partner_of(line)
             return
         if statement.kind != "if" and line not in layout.end:
             self.fail(f"O{statement.name} {statement.kind} belongs to no if: write one with its number or name")
-        if statement.kind != "if" and frame.arrived != line:
+        arrived, frame.arrived = frame.arrived == line, -1
+        if statement.kind != "if" and not arrived:
             # the branch before was run: go behind the last one
             frame.next = layout.end.get(line, line) + 1
         elif statement.kind != "else" and not self.value(statement.value):
@@ -226,33 +217,3 @@ class Flow:
             if following is None:
                 self.fail(f"O{statement.name} {statement.kind} has no endif: write one")
             frame.next = frame.arrived = following
-
-    def _loop(self, statement: Statement, line: int) -> None:
-        kind, frame, layout = statement.kind, self.frame, self.frame.text.layout
-        if kind == "while":
-            partner = self._partner(line)
-            held = bool(self.value(statement.value))
-            if partner < line:  # of do ... while
-                frame.next = partner + 1 if held else line + 1
-            elif not held:
-                frame.next = partner + 1
-        elif kind == "endwhile":
-            frame.next = self._partner(line)
-        elif kind == "repeat":
-            times = self._times(statement.value)
-            if times > 0:
-                frame.counts[line] = times
-            else:
-                frame.next = self._partner(line) + 1
-        elif kind == "endrepeat":
-            begin = self._partner(line)
-            frame.counts[begin] = frame.counts.get(begin, 1) - 1
-            if frame.counts[begin] > 0:
-                frame.next = begin + 1
-        elif kind in ("break", "continue"):
-            loop = layout.end.get(line)
-            if loop is None:
-                self.fail(f"{kind} stands in no loop of its name: write the loop around it")
-            frame.next = self._partner(loop) + (kind == "break")
-        elif kind == "do":
-            self._partner(line)

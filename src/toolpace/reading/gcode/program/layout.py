@@ -7,6 +7,7 @@ from bisect import bisect_right
 from collections import defaultdict
 
 from toolpace.reading.gcode.program.statements import O_WORD
+from toolpace.reading.gcode.program.words import WordError
 from toolpace.reading.source import Source
 
 _LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")
@@ -36,6 +37,12 @@ class Layout:
         """Of `if`, `elseif` and `else` the next of them, or `endif`."""
         self.end: dict[int, int] = {}
         """Of `elseif` and `else` their `endif`; of `break` and `continue` the beginning of their loop."""
+        self.do: set[int] = set()
+        """Beginnings of `do` loops."""
+        self.left: dict[int, list[tuple[int, str]]] = {}
+        """Of the beginning of a loop, where `break` and `continue` of it stand."""
+        self.crossed: dict[int, int] = {}
+        """Of the beginning of a WHILE loop that of another which begins before it, and ends in it."""
         self.taken: dict[int, int] = {}
         """Of what begins with a label that its subprogram has already, the line that has it."""
         self.within: dict[int, int] = {}
@@ -62,6 +69,7 @@ class Layout:
             elif "END" in text and (match := _END.match(text)) and dos[match[1]]:
                 begin = dos[match[1]].pop()
                 self.partner[begin], self.partner[index] = index, begin
+                self.crossed |= {open_: begin for number in dos.values() for open_ in number if open_ > begin}
 
     def _programs_and_words(self, text: str, index: int) -> None:
         word = _O_LINE.match(text)
@@ -104,14 +112,16 @@ class Layout:
             self._close(stack, index)
         elif kind in _OPENS:
             stack.append([kind, index, index])
+            if kind == "DO":
+                self.do.add(index)
         elif kind in ("ELSEIF", "ELSE") and stack and stack[-1][0] == "IF":
             last = stack[-1]
             self.branch[int(last[-1])] = index
             last.append(index)
         elif kind in ("BREAK", "CONTINUE"):
-            loops = [entry for entry in stack if entry[0] in ("WHILE", "DO", "REPEAT")]
-            if loops:
-                self.end[index] = int(loops[-1][1])
+            if stack and stack[-1][0] in ("WHILE", "DO", "REPEAT"):
+                begin = self.end[index] = int(stack[-1][1])
+                self.left.setdefault(begin, []).append((index, kind))
         elif _CLOSES.get(kind) and stack and stack[-1][0] == _CLOSES[kind]:
             self._close(stack, index)
 
@@ -123,6 +133,18 @@ class Layout:
             self.branch[int(entry[-1])] = index
             for branch in entry[3:]:
                 self.end[int(branch)] = index
+
+    def partner_of(self, line: int) -> int:
+        """The end of a loop or subprogram that begins in a line, or the beginning of one that ends there.
+
+        Raises WordError where it is not there.
+        """
+        found = self.partner.get(line)
+        if found is None:
+            raise WordError(
+                "a loop or subprogram lacks its beginning or its end: write both, with the same number or name"
+            )
+        return found
 
     def label(self, number: int, behind: int) -> int | None:
         """Line of a sequence number: the next behind a line, else the first of the file."""

@@ -38,7 +38,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "clear position", "suspend position", "restore position", "turn to plane", "turn to plane about tip",
         "macro call", "hole circle", "hole arc", "modal macro call", "modal macro off", "only off",
         "datum", "datum added", "tilt by axes", "machine rapid", "run cycle",
-        "end of data", "limits", "settings",
+        "end of data", "limits", "settings", "no motion",
         "define drill", "define peck", "define tap", "define bore", "define bore and stop",
     ),
     "machine coordinates": ("machine coordinates",),

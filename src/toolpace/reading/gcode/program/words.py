@@ -20,6 +20,9 @@ Handler = Callable[[Numbers, str], None]
 """Carries out a word: takes what belongs to it out of the numbers of the block."""
 
 
+NO_EXPONENT = (
+    "E has no meaning here: write numbers without exponent, like 0.00001 (extruders of printers are not read)"
+)
 ROUND_HANDED_OVER = (
     "ROUND in an argument of a macro",
     "it may round to whole numbers or to least increments: set a variable to it in a block before",
@@ -41,17 +44,18 @@ class RefusedError(WordError):
         super().__init__(f"{word} is not read: {cure}")
 
 
-def without_comments(line: str, nested: bool = False) -> str:
+def without_comments(line: str, nested: bool = False, closed: bool = False) -> str:
     """The block in capitals, without `( )` and `;` comments and outer blanks.
 
     nested: comments may hold comments, and one that is open at the end of the line ends there.
+    closed: that one is an error. Raises WordError.
     """
     if "(" in line or ")" in line or ";" in line:
         semicolon = line.find(";")
         if semicolon >= 0 and "(" not in line[:semicolon]:
             line = line[:semicolon]
         if nested:
-            line = _outside(line)
+            line = _outside(line, closed)
         else:
             line = _COMMENT.sub(" ", line)
         line = line.split(";", 1)[0]
@@ -60,17 +64,21 @@ def without_comments(line: str, nested: bool = False) -> str:
     return line.upper().strip()
 
 
-def _outside(line: str) -> str:
+def _outside(line: str, closed: bool) -> str:
     kept: list[str] = []
-    depth = 0
-    for piece in re.split(r"([()])", line):
+    depth, opened = 0, False
+    for piece in re.split(r"([();])", line):
+        if piece == ";" and not depth:
+            break
         if piece == "(":
-            depth += 1
+            depth, opened = depth + 1, True
         elif piece == ")" and depth:
-            depth -= 1
+            depth, opened = depth - 1, False
             kept.append(" ")
         elif not depth:
             kept.append(piece)
+    if opened and closed:
+        raise WordError("the comment is open at the end of its line, and may hide all up to the next ): close it")
     return "".join(kept)
 
 
@@ -121,4 +129,6 @@ def fault(block: str) -> str:
         return f"letter {rest[0]} has no number after it: write one, like {rest[0]}1.5"
     if rest[:1] and rest[0] in "+-.0123456789":
         return f"number '{rest.split()[0][:20]}' has no letter before it: write it like X1.5"
+    if rest.strip() == "*":
+        return "'*' ends blocks of Heidenhain's DIN/ISO, which is not read: convert it to Klartext on the control"
     return f"'{rest[:1]}' has no meaning in G-code: remove it, or write it as a comment in ( )"

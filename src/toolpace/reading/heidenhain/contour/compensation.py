@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from toolpace.reading.compensation.ends import follow, leave
 from toolpace.reading.compensation.following import Follower
 from toolpace.reading.compensation.rules import ACROSS, ARC, Rules
 from toolpace.reading.control.control import Control
+from toolpace.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.reading.heidenhain.state import ARC_PLANE, State
 
+LENGTHENED = {"R+": 1.0, "R-": -1.0}
+"""What makes the way of one axis longer or shorter by the tool's radius."""
 UNKNOWN = (
     "the tool's radius is not known: write it on the set-up sheet ([tools.N] radius), give --compensation program "
     "where the contour is the tool's centre, or write R0"
@@ -38,11 +42,14 @@ class Compensation:
 
     def take(self, side: str) -> None:
         """R0, RL, RR, or none. Raises BlockError."""
-        before, self.state.side = self.state.side, side or self.state.side
         follower = self.follower
+        if side in LENGTHENED:
+            raise BlockError(f"{side} belongs to a block of one axis, like X+50 {side}: write RL or RR here")
+        before, self.state.side = self.state.side, side or self.state.side
         if side in ("", "R0"):
             if side and follower is not None:
                 leave(follower)
+                self.state.looks_ahead = 0
         elif follower is not None:
             if before != side:
                 raise BlockError(f"{side} changes the side of the tool while it compensates: write R0 before it")
@@ -51,9 +58,11 @@ class Compensation:
 
     def radius(self) -> float:
         """How far beside the contour the centre goes [m]. Raises BlockError."""
-        control, side = self.control, self.state.side
-        if side == "R0":
-            return 0.0
+        return 0.0 if self.state.side == "R0" else self.of_tool(self.state.side)
+
+    def of_tool(self, side: str) -> float:
+        """Radius of the tool in the spindle, with DR, for a word that compensates it [m]. Raises BlockError."""
+        control = self.control
         if self.as_programmed:
             control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
             return 0.0
@@ -69,4 +78,12 @@ class Compensation:
     def begin(self, radius: float) -> None:
         """Go beside the contour from here on."""
         side = 1 if self.state.side == "RL" else -1
-        follow(self.control, side, radius, ARC_PLANE[self.state.tool_axis], RULES)
+        rules = replace(RULES, looks_ahead=self.state.looks_ahead)
+        follow(self.control, side, radius, ARC_PLANE[self.state.tool_axis], rules)
+
+    def look_ahead(self, elements: Value | None) -> None:
+        """M120 with LA: loops of the way are left out; without it, or with 0, they are not."""
+        self.control.findings.ignored("M120")
+        self.state.looks_ahead = 0 if elements is None else int(evaluate(elements))
+        if self.follower is not None:
+            self.follower.rules = replace(self.follower.rules, looks_ahead=self.state.looks_ahead)

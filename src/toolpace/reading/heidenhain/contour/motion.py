@@ -99,6 +99,10 @@ class Motion:
         words, named = list(self.control.words), 0
         mirrored = self.frames.mirrored if of_program else ()
         for slot, incremental, value, unit in axes:
+            if slot in self.state.beside:
+                if incremental:
+                    raise BlockError("an incremental way behind R+ or R- has no sure beginning: write an absolute one")
+                self.state.beside.discard(slot)
             figure = value if isinstance(value, float) else value()
             if not -LARGEST <= figure <= LARGEST:
                 raise BlockError(f"a coordinate of {figure:.6g} is beyond any machine: check its figures")

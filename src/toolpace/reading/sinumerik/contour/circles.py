@@ -5,15 +5,25 @@ from __future__ import annotations
 import math
 
 from toolpace.reading.control.control import Control
-from toolpace.reading.curves.arcs import Arc, ArcError, arc_about, centre_of_radius, plane_arc
+from toolpace.reading.curves.arcs import Arc, ArcError, Tolerance, arc_about, centre_of_radius, plane_arc
 from toolpace.reading.sinumerik.given import Words, bounded, number
 from toolpace.reading.sinumerik.state import State
 from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault
-from toolpace.units import DEGREE
+from toolpace.units import DEGREE, MILLIMETRE
 
 AXES = ((0, 1), (2, 0), (1, 2))
 """First and second axis of each plane."""
 MOST_TURNS = 999
+ROUNDING = 1e-9
+"""Of radii that are the same [m]."""
+UNSAID = 5e-6
+"""Difference of radii that the decimals of a program explain [m]."""
+MOST_MOVED = math.sqrt(0.001)
+"""Shift of a centre, as a share of the radius (Diagnostics Guide, 14040)."""
+CENTRE_MOVED = (
+    "the radii of an arc differ at its start and its end: its centre is moved to the nearest place that is as far from "
+    "both (MD21000, MD21010)"
+)
 _ENDLESS = "TURN counts whole turns: write a whole number from 0 to 999"
 
 
@@ -39,12 +49,49 @@ def circle(
     elif opening is not None and not any(letter in words for letter in "IJK"):
         centre = _centre_of_opening(start, target, opening * DEGREE, plane, clockwise)
     else:
-        centre = list(state.pole) if polar and words.keys().isdisjoint("IJK") else _centre(control, state, words)
+        about_pole = polar and words.keys().isdisjoint("IJK")
+        centre = list(state.pole_in_force()) if about_pole else _centre(control, state, words)
         if opening is not None:
             _end_of_opening(start, target, centre, opening * DEGREE, plane, clockwise)
-    made = plane_arc(start, target, centre, plane, clockwise)
+    made = plane_arc(start, target, centre, plane, clockwise, tolerance=_radii(control))
+    if abs(made.r1 - made.r0) > ROUNDING:
+        made = plane_arc(
+            start, target, _moved_centre(control, made, (start, target), centre, plane), plane, clockwise
+        )
     turns = _turns(control, made, turn)
     return made._replace(sweep=made.sweep + 2.0 * math.pi * (turns - 1))
+
+
+def _radii(control: Control) -> Tolerance:
+    """How far the radii of an arc's ends may differ (MD21000, MD21010)."""
+    option = control.controller.option
+    return Tolerance(option("arc_radii_mm", 0.01) * MILLIMETRE, option("arc_radii_percent", 0.1) / 100.0)
+
+
+def _moved_centre(
+    control: Control, arc: Arc, ends: tuple[list[float], list[float]], centre: list[float], plane: int
+) -> list[float]:
+    """The centre where it is as far from the start as from the end: controls move it (Parameter Manual, MD21010).
+
+    It is the place nearest to the programmed one. Raises ArcError where that turns the radius by more than alarm 14040
+    allows ("the root of 0.001"): of ends that lie close together a slight difference tells nothing of the centre.
+    """
+    first, second = AXES[plane]
+    start, target = ends
+    along = target[first] - start[first], target[second] - start[second]
+    chord = math.hypot(*along)
+    shift = (arc.r1 - arc.r0) * (arc.r1 + arc.r0) / (2.0 * chord)
+    if abs(shift) > MOST_MOVED * arc.r0:
+        raise ArcError(
+            f"the radii of the arc differ by {abs(arc.r1 - arc.r0) / MILLIMETRE:.4g} mm, and its ends are "
+            f"{chord / MILLIMETRE:.4g} mm apart: its centre is not told (alarm 14040); correct the end or the centre"
+        )
+    if abs(arc.r1 - arc.r0) > UNSAID:
+        control.findings.assumed(CENTRE_MOVED)
+    moved = list(centre)
+    moved[first] += shift * along[0] / chord
+    moved[second] += shift * along[1] / chord
+    return moved
 
 
 def _turns(control: Control, arc: Arc, turn: float) -> int:

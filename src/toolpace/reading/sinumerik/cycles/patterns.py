@@ -13,18 +13,25 @@ from toolpace.units import DEGREE
 
 MOST = 10_000
 """Holes of a pattern."""
+NEARER_END = "HOLES1 begins at the end of its row that is nearer to the tool (Programming Guide Cycles)"
 
 
 def places(name: str, values: list[Value | None], control: Control, state: State) -> Iterator[list[float]]:
     """Words (3 + rotary) of the holes of a pattern, in their order; each as high as the one before was left."""
     arguments = Arguments(name, values, 16)
     first, second = ((0, 1), (2, 0), (1, 2))[state.plane]
+    here = control.words[first] / state.unit, control.words[second] / state.unit
     if name == "HOLES1":
         points = _row(arguments)
+        if math.dist(here, points[-1]) < math.dist(here, points[0]):
+            control.findings.assumed(NEARER_END)
+            points.reverse()
     elif name == "HOLES2":
         points = _circle(arguments)
+        if arguments.number(6):
+            control.findings.assumed("HOLES2 goes straight from hole to hole, whatever its argument 7 says")
     else:
-        points = _grid(arguments, (control.words[first] / state.unit, control.words[second] / state.unit))
+        points = _grid(arguments, here)
     for a, b in points:
         words = list(control.words)
         words[first], words[second] = a * state.unit, b * state.unit

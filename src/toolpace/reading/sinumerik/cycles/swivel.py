@@ -81,8 +81,7 @@ def _check(arguments: Arguments, state: State, *, direct: bool) -> None:
 
 def _put(frames: Frames, plane: Matrix, *, tilted: bool) -> None:
     frames.plane, frames.tilted = plane, tilted
-    frames.tool = frames.tool_upon = IDENTITY
-    frames.turned_to = None
+    frames.tool, frames.tool_bound, frames.turned_to = IDENTITY, False, None
     frames.put()
 
 

@@ -6,7 +6,7 @@ from toolpace.reading.sinumerik.flow.memory import Store
 from toolpace.reading.sinumerik.flow.routines import Routine
 from toolpace.reading.sinumerik.flow.stack import Frame, Stack, times_of
 from toolpace.reading.sinumerik.syntax.blocks import Flow
-from toolpace.reading.sinumerik.syntax.values import Compiled, Value, ValueFault, above, equal, real, whole
+from toolpace.reading.sinumerik.syntax.values import Compiled, Row, Value, ValueFault, above, equal, real, whole
 
 
 class Jumps:
@@ -123,6 +123,10 @@ class Jumps:
     @staticmethod
     def _to_end_label(routine: Routine, first: int, index: int) -> int:
         ends = [place for place in routine.labels.get("ENDLABEL", []) if place > first]
+        if ends and routine.read(ends[0])[0].rest.strip():
+            raise ValueFault(
+                "ENDLABEL: beside other words: whether they are repeated is not told; write it in a block of its own"
+            )
         return ends[0] if ends else max(index, first)
 
     def _define(self, flow: Flow, frame: Frame, index: int) -> None:
@@ -134,5 +138,8 @@ class Jumps:
             if frame.defined.setdefault(name, index) != index:
                 raise ValueFault(f"{name} is defined twice (alarm 12170): remove one DEF of it")
             made = self.memory.define(name, kind, tuple(whole(size(self.memory)) for size in sizes if size is not None))
-            if start is not None and not sizes:
-                made.set((), start(self.memory), name)
+            if start is not None:
+                value = start(self.memory)
+                if sizes and not isinstance(value, Row):
+                    raise ValueFault(f"is the value of {name} for all elements, or for the first? Write REP() or SET()")
+                made.set((0,) * len(sizes), value, name)

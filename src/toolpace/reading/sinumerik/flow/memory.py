@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 from toolpace.reading.coordinates.affine import Matrix
 from toolpace.reading.sinumerik.syntax.expressions import r_number
-from toolpace.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, shown, whole
+from toolpace.reading.sinumerik.syntax.values import Axis, Row, Unread, Value, ValueFault, real, rounded, shown, whole
 from toolpace.units import MILLIMETRE
 
 LARGEST_INT = (1 << 31) - 1
 MOST_ELEMENTS = 100_000
 """Elements of one array."""
 MOST_DIMENSIONS = 3
+MOST_OF_ROW = 1000
+"""Elements that one block gives values, lest loops take long."""
 START: Mapping[str, Value] = {"REAL": 0.0, "INT": 0, "BOOL": False, "CHAR": 0, "STRING": "", "AXIS": Axis("X")}
 Local = dict[str, "Variable"]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
@@ -41,9 +44,30 @@ class Variable:
         return found
 
     def set(self, index: tuple[int, ...], value: Value, name: str) -> None:
-        """Give an element a value of the variable's type."""
+        """Give an element a value of the variable's type, or it and those behind it the values of a row."""
         self._check(index, name)
-        self.values[index] = converted(value, self.kind, name)
+        if not isinstance(value, Row):
+            self.values[index] = converted(value, self.kind, name)
+            return
+        begin, elements = 0, math.prod(self.sizes)
+        for place, size in zip(index, self.sizes):
+            begin = begin * size + place
+        count = elements - begin if value.repeated else len(value.values)
+        if count > elements - begin:
+            raise ValueFault(f"{name} has {elements - begin} elements from there on, not {count}: correct them")
+        if count > MOST_OF_ROW:
+            raise ValueFault(f"SET and REP give {MOST_OF_ROW} elements at most here, not {count}: write a loop")
+        for k in range(count):
+            each = converted(value.values[0 if value.repeated else k], self.kind, name)
+            self.values[self._place(begin + k)] = each
+
+    def _place(self, number: int) -> tuple[int, ...]:
+        """Indices of an element by its number; the last index runs first."""
+        found: list[int] = []
+        for size in reversed(self.sizes):
+            number, index = divmod(number, size)
+            found.insert(0, index)
+        return tuple(found)
 
     def _check(self, index: tuple[int, ...], name: str) -> None:
         if len(index) != len(self.sizes):
@@ -54,11 +78,12 @@ class Variable:
 
 
 def converted(value: Value, kind: str, name: str) -> Value:
-    """A value as one of a type: an INT is rounded, a BOOL is whether it is not zero."""
+    """A value as one of a type: an INT is rounded as ROUND does it, a BOOL is whether it is not zero (Job Planning,
+    "Possible type conversions")."""
     if kind == "REAL":
         return float(real(value))
     if kind in ("INT", "CHAR"):
-        whole_number = round(real(value))
+        whole_number = int(rounded(real(value)))
         if not -LARGEST_INT - 1 <= whole_number <= LARGEST_INT:
             raise ValueFault(f"{name} is of type {kind} and cannot be {whole_number}: correct it")
         return whole_number

@@ -48,7 +48,7 @@ def along(direction: Sequence[float], rule: str = BOTH) -> Matrix:
     return affine.linear([[first[k], second[k], direction[k]] for k in range(3)])
 
 
-def turn_along_tool(control: Control, frames: Frames, state: State, rule: str) -> None:
+def turn_along_tool(control: Control, frames: Frames, state: State, rule: str, *, bound: bool = False) -> None:
     """TOROT: turn the frame in force about its origin until Z lies along the tool (Function Manual K2, TOROT).
 
     Without a transformation or a tilted plane the tool stands along Z already ("if no toolholder is active, the Z
@@ -69,4 +69,4 @@ def turn_along_tool(control: Control, frames: Frames, state: State, rule: str) -
         return
     if min(abs(direction[0]), abs(direction[1])) > SAME:
         control.findings.assumed(f"TOROT: X and Y of the frame are as $SC_TOFRAME_MODE = {rule} has them (SD42980)")
-    frames.turn_before_programmed(along(direction, rule))
+    frames.turn_before_programmed(along(direction, rule), bound=bound)

@@ -8,8 +8,8 @@ from toolpace.reading.control.control import Control
 from toolpace.reading.control.tool_axis import direction_on_part, rotary_for
 from toolpace.reading.control.unroll import AXIS_GAP
 from toolpace.reading.coordinates import affine
-from toolpace.reading.sinumerik.given import Words, bounded
-from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, State
+from toolpace.reading.sinumerik.given import Words, number
+from toolpace.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, VIRTUAL, State
 from toolpace.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.units import DEGREE
 
@@ -17,6 +17,9 @@ VECTOR, ANGLES = ("A3", "B3", "C3"), ("A2", "B2", "C2")
 OF_VECTOR, ASKED = frozenset(VECTOR), frozenset((*VECTOR, *ANGLES))
 SAME = 1e-9
 """Between directions that are one."""
+OF_TWO_GROUPS = (
+    "ORIWKS or ORIMKS asks for another way between tool vectors than ORIVECT or ORIAXES: the last counts (MD21104)"
+)
 MOST_HALVINGS = 10
 """Of the way between two tool vectors."""
 
@@ -41,18 +44,13 @@ class Vectors:
         if not self.control.coordinates.tip_mode:
             raise ValueFault("tool vectors (A3=, A2=) need TRAORI: switch it on before them")
         if not OF_VECTOR.isdisjoint(words):
-            vector = [self._one(words, address) for address in VECTOR]
+            vector = [number(words, address) or 0.0 for address in VECTOR]
         else:
-            a, b, c = (self._one(words, address) * DEGREE for address in ANGLES)
+            a, b, c = ((number(words, address) or 0.0) * DEGREE for address in ANGLES)
             vector = self._by_angles(a, b, c)
         if math.hypot(*vector) < 1e-6:
             raise ValueFault("the tool vector is zero: give the direction from the tip to the spindle")
         return direction_on_part(self.control, vector)
-
-    @staticmethod
-    def _one(words: Words, address: str) -> float:
-        given = words.pop(address, None)
-        return 0.0 if given is None else bounded(given, address)
 
     def _by_angles(self, a: float, b: float, c: float) -> list[float]:
         """The tool axis (3,) by A2, B2, C2 [rad], of a vector that was along Z.
@@ -62,6 +60,8 @@ class Vectors:
         Unread.
         """
         upright = (0.0, 0.0, 1.0)
+        if self.state.angles == VIRTUAL:
+            raise Unread("A2, B2 or C2 under ORIVIRT1 or ORIVIRT2", "their axes are data of the machine: write A3=")
         if self.state.angles == EULER:
             return list(affine.direct(affine.turns((2, a), (0, b), (2, c)), upright))
         found = affine.direct(affine.turns((2, c), (1, b), (0, a)), upright)
@@ -83,6 +83,8 @@ class Vectors:
         """Move straight, while the tool turns in the plane of both vectors, or the rotary axes in proportion."""
         control = self.control
         start = list(control.words)
+        if self.state.of_frames and self.state.of_axes and self.state.of_frames != self.state.of_axes:
+            control.findings.assumed(OF_TWO_GROUPS)
         if rapid or self.state.turning != GREAT_CIRCLE or control.poses.machine is None:
             control.straight([*target[:3], *self.rotary(vector)], named, rapid=rapid, number=number)
             return

@@ -30,6 +30,7 @@ from toolpace.reading.sinumerik.syntax.values import (
     Axis,
     Compiled,
     Memory,
+    Row,
     Value,
     ValueFault,
     above,
@@ -140,6 +141,23 @@ class Parser:
         self.depth -= 1
         return left
 
+    def assigned(self) -> Compiled:
+        """What an element of an array is given: an expression, or SET(...) and REP(...) for those behind it too."""
+        name, bracket = self.token, self.tokens[min(self.at + 1, len(self.tokens) - 1)]
+        if name.kind != NAME or name.text not in ROWS or bracket.text != "(":
+            return self.expression()
+        self.take()
+        self.take()
+        return self.row(name.text)
+
+    def row(self, name: str) -> Compiled:
+        """The values of SET or REP; the opening bracket was passed."""
+        arguments = self.arguments()
+        given = [argument for argument in arguments if argument is not None]
+        if not given or len(given) < len(arguments) or (name == "REP" and len(given) > 1):
+            raise SyntaxFault(f"{name} takes {'one value' if name == 'REP' else 'values'}: write it like {name}(5)")
+        return lambda memory: Row(tuple(value(memory) for value in given), name == "REP")
+
     def arguments(self) -> list[Compiled | None]:
         """Arguments in brackets, None for each that is left out; the opening bracket was passed."""
         found: list[Compiled | None] = []
@@ -212,6 +230,8 @@ class Parser:
         if self.sign("["):
             indices = self.index()
             return lambda memory: memory.variable(name, tuple(whole(index(memory)) for index in indices))
+        if self.token.kind == SIGN and self.token.text == "(":
+            raise SyntaxFault(f"{name[:30]}(..) is no function that is read: write what it gives")
         return Named(name)
 
 
@@ -226,6 +246,7 @@ class Named:
         return memory.variable(self.name, ())
 
 
+ROWS = ("SET", "REP")
 MOST_R = 32_536
 """Of MD28050, which says how many a machine has."""
 

@@ -29,8 +29,8 @@ def read(parser: Parser) -> Flow | None:
     if reading is None:
         return None
     parser.take()
-    if kind == "RET" and parser.sign("("):
-        parser.arguments()
+    if kind == "RET" and parser.sign("(") and parser.arguments():
+        raise SyntaxFault("RET with a block to go on at, or with levels: write RET alone, and a jump behind the call")
     return reading(parser, kind)
 
 
@@ -150,15 +150,16 @@ def _define(parser: Parser, kind: str) -> Flow:
         sizes = parser.index() if parser.sign("[") else []
         names.append(str(len(sizes)))
         values.extend(sizes)
-        values.append(_start_value(parser) if parser.sign("=") else None)
+        values.append(_start_value(parser, bool(sizes)) if parser.sign("=") else None)
         if not parser.sign(","):
             return Flow("DEF", tuple(values), tuple(names))
 
 
-def _start_value(parser: Parser) -> Compiled:
-    if parser.token.text in ("SET", "REP") and parser.token.kind == NAME:
-        raise SyntaxFault("start values of arrays (SET, REP) are not read: assign the elements one by one")
-    return parser.expression()
+def _start_value(parser: Parser, of_array: bool) -> Compiled:
+    """Behind DEF NAME=, or of an array DEF NAME[3]=SET(1, 2, 3), =(1, 2, 3) or =REP(5) (Job Planning, "DEF")."""
+    if of_array and parser.sign("("):
+        return parser.row("SET")
+    return parser.assigned()
 
 
 def _procedure(parser: Parser, kind: str) -> Flow:

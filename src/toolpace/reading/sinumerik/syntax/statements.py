@@ -244,7 +244,7 @@ class _Reader(Parser):
             if name in ADDRESSES:
                 self._value(name, index)
             else:
-                self.assignments.append(Assignment(name, index, self.expression()))
+                self.assignments.append(Assignment(name, index, self.assigned()))
         elif self.sign("("):
             try:
                 self.calls.append(Call(name, tuple(self.arguments()), True))

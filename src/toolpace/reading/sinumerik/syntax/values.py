@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from toolpace.reading.coordinates.affine import Matrix
@@ -21,7 +22,15 @@ class Axis(NamedTuple):
         return self.name[0] if len(self.name) == 1 or self.name[1:].isdigit() else self.name
 
 
-Value = float | int | bool | str | Axis | Matrix
+@dataclass(frozen=True)
+class Row:
+    """Values of several elements of an array: SET(1, 2, 3), or REP(5) for all from an element on."""
+
+    values: tuple[Value, ...]
+    repeated: bool = False
+
+
+Value = float | int | bool | str | Axis | Matrix | Row
 
 
 class Memory(Protocol):
@@ -81,6 +90,8 @@ def shown(value: Value) -> str:
         return f"axis {value.name}"
     if isinstance(value, str):
         return f'"{value[:30]}"'
+    if isinstance(value, Row):
+        return "several values"
     return f"{value:g}" if isinstance(value, (float, int)) else "a frame"
 
 
@@ -119,6 +130,11 @@ def _within(name: str, value: float, low: float, high: float) -> float:
     return value
 
 
+def rounded(x: float) -> float:
+    """To the next whole number, halves away from zero: ROUND, and a REAL that an INT is given."""
+    return math.copysign(math.floor(abs(x) + 0.5), x)
+
+
 def _rounded_up(x: float) -> float:
     return float(math.ceil(x)) if x > 0 else float(math.floor(x))
 
@@ -134,7 +150,7 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
     "ABS": (1, abs),
     "POT": (1, lambda x: x * x),
     "TRUNC": (1, lambda x: float(math.trunc(x))),
-    "ROUND": (1, lambda x: math.copysign(math.floor(abs(x) + 0.5), x)),
+    "ROUND": (1, rounded),
     "ROUNDUP": (1, _rounded_up),
     "LN": (1, lambda x: math.log(_within("LN", x, 5e-324, math.inf))),
     "EXP": (1, lambda x: math.exp(_within("EXP", x, -700, 700))),

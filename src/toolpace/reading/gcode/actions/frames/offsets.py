@@ -32,6 +32,8 @@ class Offsets:
         if self.offset in control.setup.offsets:
             control.set_offset(self.offset)
         self.always_absolute = by.option("offsets_are_absolute", False)
+        self.plain = by.option("rs274_checks", False)
+        """Whether P beside G54 is of another word."""
         self.turns = by.option("offsets_turn", False)
         self.of_zero = by.option("offset_zero", "in force")
         """What P0 of G10 L2 names: the offset in force, that which is added to all, or the local shift (G52)."""
@@ -52,7 +54,7 @@ class Offsets:
 
     def work_offset(self, numbers: Numbers, word: str) -> None:
         """G54 to G59.3; Fanuc's G54 P3 is G54.1 P3."""
-        number = numbers.pop("P", None) if word == "G54" else None
+        number = numbers.pop("P", None) if word == "G54" and not self.plain else None
         self.take(word if number is None else f"G54.1 P{self._number(number, word):g}")
 
     def numbered_offset(self, numbers: Numbers, word: str) -> None:

@@ -187,7 +187,10 @@ class Transforms:
         return given * self.factor_of_whole
 
     def scale_off(self, numbers: Numbers, word: str) -> None:
-        """G50."""
+        """G50; with S it limits the spindle of a lathe."""
+        if "S" in numbers:
+            numbers.clear()
+            raise RefusedError(f"{word} S", "it limits the spindle of lathes, and turning is not read: leave it out")
         self._need_inside(word, "turned coordinates (G68)", self.scaled is not None and self.turned is not None)
         self.scaled = None
 
