@@ -386,7 +386,7 @@ def test_a_missing_feed_is_needed_and_not_refused(name, text, tmp_path, capsys):
     assert found["tip_mm"][0] == pytest.approx([0.0, 20.0]) and found["five_axis_blocks"] == 1
     assert main(["inspect", str(program), "-m", "xyzac-trunnion"]) == 0
     page = " ".join(capsys.readouterr().out.split())
-    assert "nothing: it is read whole" in page and "needs line" in page
+    assert "nothing: every word is read" in page and "needs line" in page
     assert main(["inspect", str(program), "-m", "xyzac-trunnion", "--feed", "100mm/min", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)[0]["needs"] == []
 

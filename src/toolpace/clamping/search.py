@@ -130,7 +130,7 @@ def refuse_two_lengths(toolpath: ToolPath, choices: Choices) -> None:
     """Raise UsageError where the length of the tool is to be chosen, and the set-up sheet tells it."""
     if choices.tool_length is not None and not np.isnan(toolpath.tool_length).all():
         raise UsageError(
-            "tool_length is to be chosen, and the set-up sheet tells the lengths of the program's tools; leave one of "
+            "tool_length is to be chosen, and the set-up sheet gives the lengths of the program's tools; leave one of "
             "both out"
         )
 

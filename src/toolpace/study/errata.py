@@ -119,7 +119,7 @@ CHOICES = Table(
          " and more, by how far it does. Each interval has a stream of random numbers of its own."),
         ("Periods held to the limits",
          "at 33 points of every interval, checked at 65 on both sides of each reference point, and tightened"
-         " where a limit is passed between."),
+         " where a limit is exceeded between."),
         ("What is minimised",
          "each T_i by itself, which is the sum of Eq. T = ΣT_i as well, for the speeds at the points are set"
          " and the intervals do not touch each other."),
