@@ -14,7 +14,7 @@ from rich.progress import track
 from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from testbed.cases import Case, all_cases
-from toolpace.errors import ToolpaceError
+from toolpace.common.errors import ToolpaceError
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.bound.prove import prove_run

@@ -13,9 +13,9 @@ import numpy as np
 
 import toolpace as tp
 from benchmarks.machine import RESULTS, written_by
-from toolpace.clamping.choices import Choices
-from toolpace.clamping.trial import Task, centre_of, tried
-from toolpace.cluster import open_pool
+from toolpace.common.cluster import open_pool
+from toolpace.setup_search.choices import Choices
+from toolpace.setup_search.trial import Task, centre_of, tried
 
 STEP = 1000
 POINTS = 14

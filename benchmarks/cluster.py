@@ -25,7 +25,7 @@ import numpy as np
 import psutil
 
 from benchmarks.machine import RESULTS, written_by
-from toolpace import demo
+from toolpace.cli import demo_programs
 
 MACHINE = "xyzac-trunnion"
 FEWEST, MOST = 500, 5000
@@ -73,7 +73,7 @@ def programs(folder: Path, count: int) -> list[int]:
     sizes = []
     for k in range(count):
         blocks = round(FEWEST * (MOST / FEWEST) ** ((k + 0.5) / count))
-        text = demo.spiral_program(blocks, spacing=rng.uniform(0.2e-3, 0.8e-3), decimals=rng.choice((3, 4)))
+        text = demo_programs.spiral_program(blocks, spacing=rng.uniform(0.2e-3, 0.8e-3), decimals=rng.choice((3, 4)))
         (folder / f"part-{k:03}.ngc").write_text(text)
         sizes.append(blocks)
     return sizes
@@ -193,7 +193,7 @@ def small() -> dict[str, Any]:
     """What an item costs beside its work, and memory of scheduler and client over many of them."""
     from distributed import Client
 
-    from toolpace.cluster import open_pool
+    from toolpace.common.cluster import open_pool
 
     with by_hand(2) as ((scheduler, *_), address), open_pool(address) as pool, Client(address) as observer:
         assert len(list(pool.each(nothing, None, range(100)))) == 100

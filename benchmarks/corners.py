@@ -21,15 +21,15 @@ from benchmarks.tables import Table
 from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.run import run_program
 from testbed.linuxcnc.times import usage
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
+from toolpace.controls.timing.linuxcnc import linuxcnc_times
 from toolpace.machine.machine import Machine
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.program_plan import plan_program
 from toolpace.planning.second_order.planner import SecondOrder
-from toolpace.reading import Source, read_commanded, read_text
-from toolpace.reading.options import ReadOptions
-from toolpace.timing.linuxcnc import linuxcnc_times
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading import Source, read_commanded, read_text
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.toolpath import ToolPath
 
 MACHINE = "linuxcnc-xyzac-trt"
 SIDE, FEED = 20.0, 1200.0

@@ -20,13 +20,13 @@ from benchmarks.peers import Stopwatch, toppra
 from benchmarks.tables import Table
 from testbed.cases import Case, all_cases, random_case
 from testbed.from_positions import used_by_positions
-from toolpace.axispath.axispath import AxisPath
-from toolpace.demo import MACHINE, impeller_program
+from toolpace.cli.demo_programs import MACHINE, impeller_program
 from toolpace.machine.machine import Machine
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
-from toolpace.reading import read_text
+from toolpace.programs.reading import read_text
 
 DEMO = "demo"
 HARMONICS = 40

@@ -25,8 +25,8 @@ from testbed.programs import waves
 from toolpace.machine.machine import Machine
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.program_plan import EFFORTS, plan_program
-from toolpace.reading import read, read_text
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading import read, read_text
+from toolpace.programs.toolpath import ToolPath
 
 CURVES = range(12)
 BLOCKS = 25_000, 50_000, 100_000

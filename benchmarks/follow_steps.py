@@ -9,8 +9,8 @@ import numba
 import numpy as np
 
 from benchmarks.tables import Table
-from toolpace.arrays import Floats, Ints
-from toolpace.follow import Follower
+from toolpace.common.arrays import Floats, Ints
+from toolpace.deflection.following import Follower
 from toolpace.kernels.follow import layout as at
 from toolpace.kernels.follow.aim import chain_of
 from toolpace.kernels.follow.correction import correct

@@ -18,8 +18,8 @@ from benchmarks.tables import Table
 from testbed.followed.campaign import campaign
 from testbed.followed.cases import CASES
 from testbed.followed.judge import Verdict
-from toolpace.arrays import Floats
-from toolpace.follow import Status
+from toolpace.common.arrays import Floats
+from toolpace.deflection.following import Status
 
 
 @dataclass

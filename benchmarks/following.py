@@ -17,13 +17,13 @@ from benchmarks.tables import Table
 from testbed.followed.cases import CASES, RESERVES, case
 from testbed.followed.holds import PLACES, hold_times
 from testbed.followed.plant import Plant, below, critical, followed, grows, largest_root
-from toolpace.arrays import Floats
-from toolpace.follow import Follower
-from toolpace.follow.figures import Figures
+from toolpace.common.arrays import Floats
+from toolpace.deflection.following import Follower
+from toolpace.deflection.following.figures import Figures
 from toolpace.machine.machine import Machine
+from toolpace.motion.trajectory import Trajectory
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
-from toolpace.trajectory import Trajectory
 
 GAINS, DELAYS, RHOS = (0.05, Figures.gain, 0.1), (0, 2, 4, 6, 8, 10), (0.0, 0.3, 0.6, 0.9)
 TURN = 10

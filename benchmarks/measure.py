@@ -12,7 +12,7 @@ from benchmarks.peers import Outcome, copp, ipopt, lp, ours, ruckig, toppra
 from benchmarks.tables import Row
 from testbed.cases import Case
 from testbed.mesh_problem import mesh_problem
-from toolpace.errors import ToolpaceError
+from toolpace.common.errors import ToolpaceError
 from toolpace.planning.optimal.planner import fastest_law
 
 MESHES = (200, 1000, 5000)

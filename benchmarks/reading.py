@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from toolpace.machine.machine import Machine
-from toolpace.reading import read_text
+from toolpace.programs.reading import read_text
 
 BLOCKS = 100_000
 MACHINE = "xyzac-trunnion"

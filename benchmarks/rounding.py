@@ -17,13 +17,13 @@ import numpy as np
 
 from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
-from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath
+from toolpace.common.arrays import Floats
 from toolpace.machine.machine import Machine
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
-from toolpace.reading import read_text
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading import read_text
+from toolpace.programs.toolpath import ToolPath
 
 Curve = Callable[[Floats], tuple[Floats, Floats]]
 """u (n,) to tip (4, n, 3) [m] and rotary joints (4, n, 2) [rad], with derivatives."""

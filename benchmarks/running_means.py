@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from benchmarks.tables import Table
-from toolpace.arrays import Floats
-from toolpace.follow.law import TO_CORRECTION
+from toolpace.common.arrays import Floats
+from toolpace.deflection.following.law import TO_CORRECTION
 from toolpace.kernels.follow.jerk_limited import approach
 from toolpace.machine.machine import Machine
 

@@ -21,18 +21,18 @@ import numpy as np
 from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from testbed.curved_pass import curved_pass
-from toolpace.clamping.choices import Choices
-from toolpace.clamping.clamping import Clamping
-from toolpace.clamping.confirmed import PlannedSetUp, confirmed
-from toolpace.clamping.search import search_setup
-from toolpace.clamping.trial import Task, Trial, as_tips_and_axes, centre_of, tried
-from toolpace.demo import MACHINE, impeller_program
-from toolpace.errors import ToolpaceError
+from toolpace.cli.demo_programs import MACHINE, impeller_program
+from toolpace.common.errors import ToolpaceError
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path as Curve
 from toolpace.planning.planner import plan
-from toolpace.reading import read, read_text
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading import read, read_text
+from toolpace.programs.toolpath import ToolPath
+from toolpace.setup_search.choices import Choices
+from toolpace.setup_search.clamping import Clamping
+from toolpace.setup_search.search import search_setup
+from toolpace.setup_search.trial import Task, Trial, as_tips_and_axes, centre_of, tried
+from toolpace.setup_search.verified_set_up import PlannedSetUp, confirmed
 
 Row = dict[str, Any]
 SEEDS = (1, 2, 3)

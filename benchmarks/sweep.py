@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from toolpace.arrays import Floats
-    from toolpace.axispath.run import AxisRun
+    from toolpace.common.arrays import Floats
+    from toolpace.path.axispath.run import AxisRun
 
 LONGEST = 120
 """Time after which a plan is given up [s]."""
@@ -37,7 +37,7 @@ def one(seed: int) -> dict[str, Any]:
     from testbed.from_positions import used_by_positions
     from testbed.random_plans import FAMILIES, WAYS, random_plan
     from testbed.slow_plans import watched, work_of
-    from toolpace.errors import InfeasibleError, ToolpaceError
+    from toolpace.common.errors import InfeasibleError, ToolpaceError
     from toolpace.planning.planner import plan
 
     row: dict[str, Any] = {"seed": seed, "family": FAMILIES[(seed // 3) % len(FAMILIES)], "way": WAYS[seed % 3]}

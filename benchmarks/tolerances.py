@@ -21,12 +21,12 @@ from benchmarks.machine import RESULTS, written_by
 from benchmarks.rounding import curve, gcode, places
 from benchmarks.tables import Table
 from testbed.programs import contour, s_shape, tulsyan
-from toolpace.demo import impeller_program
+from toolpace.cli.demo_programs import impeller_program
 from toolpace.machine.machine import Machine
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.program_plan import plan_program
-from toolpace.reading import read_text
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading import read_text
+from toolpace.programs.toolpath import ToolPath
 
 MACHINE = "xyzac-trunnion"
 TIPS = (1e-6, 2e-6, 5e-6, 10e-6, 20e-6, 50e-6, 100e-6)

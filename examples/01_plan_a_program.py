@@ -14,14 +14,14 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import toolpace as tp
-from toolpace import demo
+from toolpace.cli import demo_programs
 
 # %%
 # The program is one pass round a blade, 300 blocks of half a millimetre. Any program of yours will do.
 
 folder = Path(tempfile.mkdtemp())
 program = folder / "blade.ngc"
-program.write_text(demo.spiral_program(300))
+program.write_text(demo_programs.spiral_program(300))
 
 # %%
 # The curve may stray 10 micrometres from the program, and the tool axis 0.0008 radians: that makes it smooth. Without

@@ -14,13 +14,13 @@ import numpy as np
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 import toolpace as tp
-from toolpace import demo
+from toolpace.cli import demo_programs
 
 # %%
 # An impeller of seven blades, by a tool that goes down one side of a blade and up the other.
 
 machine = tp.Machine.load("xyzac-trunnion")
-toolpath = tp.read_text(demo.impeller_program(machine, 60), machine)
+toolpath = tp.read_text(demo_programs.impeller_program(machine, 60), machine)
 path = tp.Path.fit(toolpath, machine=machine)
 trajectory = tp.plan(path, machine)
 
@@ -65,7 +65,7 @@ print(f"slowest at {points.t[slowest]:.3f} s, block {points.block[slowest]}: {sp
 
 figure = plt.figure(figsize=(9, 6.5), layout="constrained")
 space = figure.add_subplot(projection="3d")
-rapid = speed[1:] > 1.02 * demo.FEED * 60.0
+rapid = speed[1:] > 1.02 * demo_programs.FEED * 60.0
 pieces = np.stack([tip[:-1], tip[1:]], axis=1)
 space.add_collection3d(Line3DCollection(pieces[rapid], color="grey", linewidths=0.6))
 coloured = Line3DCollection(pieces[~rapid], cmap="plasma", linewidths=2.2)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import matplotlib.pyplot as plt
 
 import toolpace as tp
-from toolpace import demo
+from toolpace.cli import demo_programs
 
 TOLERANCES = (2e-6, 5e-6, 10e-6, 20e-6, 50e-6)
 """[m]"""
@@ -19,7 +19,7 @@ TOLERANCES = (2e-6, 5e-6, 10e-6, 20e-6, 50e-6)
 # Seven blades of 30 blocks each, as fast as the machine can. Tip and axis tolerance are in proportion.
 
 machine = tp.Machine.load("xyzac-trunnion")
-toolpath = tp.read_text(demo.impeller_program(machine, 30), machine, feed="none")
+toolpath = tp.read_text(demo_programs.impeller_program(machine, 30), machine, feed="none")
 durations = []
 for tolerance in TOLERANCES:
     path = tp.Path.fit(toolpath, tip_tolerance=tolerance, axis_tolerance=100.0 * tolerance, machine=machine)

@@ -16,8 +16,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import toolpace as tp
-from toolpace.follow import SetPoint, Status
-from toolpace.reporting import follow_report, limit_shares
+from toolpace.deflection.following import SetPoint, Status
+from toolpace.results.report import follow_report, limit_shares
 
 reserve, lag, late = 0.1, 5, 4  # set-points by which the drives come late, and the measurements
 machine = tp.Machine.load("paper-ab")

@@ -26,9 +26,9 @@ from testbed.linuxcnc.nested import nested_job
 from testbed.linuxcnc.programs import random_job
 from testbed.linuxcnc.rs274 import NAME, copy_called, judged
 from testbed.linuxcnc.walk import Walk
-from toolpace.errors import ToolpaceError
-from toolpace.reading import read, read_text
-from toolpace.toolpath import ToolPath
+from toolpace.common.errors import ToolpaceError
+from toolpace.programs.reading import read, read_text
+from toolpace.programs.toolpath import ToolPath
 
 SAME, BOTH, OURS, THEIRS, DIFFERENT, UNTOLD = (
     "same", "refused by both", "refused by us only", "refused by rs274 only", "different", "not told by rs274",

@@ -8,11 +8,11 @@ import numpy as np
 
 from testbed import published
 from testbed.jets import path_of
-from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axispath.run import AxisRun
 from toolpace.path.path import Path
 
 RANDOM_CASES = 24

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.toolpath import ToolPath
+from toolpace.programs.toolpath import ToolPath
 
 
 def curved_pass(points: int = 60, lean: float = 50.0, feed: float = 0.5) -> ToolPath:

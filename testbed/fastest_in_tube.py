@@ -21,13 +21,13 @@ from scipy import sparse as sparse_arrays
 from scipy.interpolate import BSpline
 
 from testbed.ipopt import ANSWERED, dm
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.kernels.fit.polyline import circular, straight
 from toolpace.kernels.kinematics.geometry import A0, C0, C1, C2, LINEAR, U1, U2
 from toolpace.machine.machine import Machine
+from toolpace.motion.trajectory import Trajectory
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
-from toolpace.toolpath import ToolPath
-from toolpace.trajectory import Trajectory
+from toolpace.programs.toolpath import ToolPath
 
 CELL = 8e-3
 """About the time between knots [s]."""

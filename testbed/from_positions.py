@@ -10,9 +10,9 @@ import itertools
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.motion import least_changes
-from toolpace.trajectory import Trajectory
+from toolpace.motion.trajectory import Trajectory
 
 WEIGHTS = (np.array([-1.0, 1.0]), np.array([1.0, -2.0, 1.0]), np.array([-1.0, 3.0, -3.0, 1.0]))
 FIRST_STEP = 1.0 / 4000.0

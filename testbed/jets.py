@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
-from toolpace.axispath.axispath import AxisPath
+from toolpace.common.arrays import Floats
+from toolpace.path.axispath.axispath import AxisPath
 
 Jets = Callable[[Floats], Floats]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from testbed.jets import path_of
-from toolpace.axispath.axispath import AxisPath
 from toolpace.kernels.fit.quintic_spline import jets
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
 
 JOINTS = 5
 CELLS_A_FEATURE = 50

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.machine.machine import Machine
-from toolpace.toolpath import ToolPath
+from toolpace.programs.toolpath import ToolPath
 
 TULSYAN = """
     -126.8941 -218.1150  0.0020  -0.0903 -0.0045 0.9959

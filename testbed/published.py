@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbed.jets import Remembered
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path

@@ -10,8 +10,8 @@ import numpy as np
 
 from testbed import nasty_paths
 from testbed.jets import along, beside, harmonics, path_of, standing
-from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.endstate import EndState
 from toolpace.planning.planner import plan
 

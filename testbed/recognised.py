@@ -24,14 +24,14 @@ import toolpace as tp
 from testbed.one_program.generate import generate
 from testbed.one_program.run import WRITERS, machine, set_up
 from testbed.one_program.writer import CannotWriteError
-from toolpace.errors import ToolpaceError
+from toolpace.common.errors import ToolpaceError
 from toolpace.machine.machine import Machine
-from toolpace.reading import read_source
-from toolpace.reading.coordinates.setup import SetUp
-from toolpace.reading.languages import recognised
-from toolpace.reading.options import ReadOptions
-from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading import read_source
+from toolpace.programs.reading.coordinates.setup import SetUp
+from toolpace.programs.reading.languages import recognised
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.source import Source
+from toolpace.programs.toolpath import ToolPath
 
 MACHINES = ("xyzac-trunnion", "xyzbc-trunnion")
 """Programs are read on the first of them that reads them as their true control's."""

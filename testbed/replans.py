@@ -22,7 +22,7 @@ import numpy as np
 import toolpace as tp
 from testbed.true_tip.cases import BUILTIN
 from testbed.true_tip.chain import Chain
-from toolpace.errors import InfeasibleError
+from toolpace.common.errors import InfeasibleError
 
 FEEDS = (10.0, 60.0, 180.0, 600.0, 1800.0, 6000.0, 20000.0)
 """[mm/min]"""

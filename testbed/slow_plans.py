@@ -51,7 +51,7 @@ class Work:
 def watched() -> Iterator[Work]:
     """What the planner does from now on."""
     from toolpace.kernels.optimal import relaxation, solver
-    from toolpace.planning.optimal import guard, planner
+    from toolpace.planning.optimal import inter_sample_limits, planner
 
     work = Work()
 
@@ -73,7 +73,7 @@ def watched() -> Iterator[Work]:
     # what is called by this name at each call; kernels take the time of their thread, another try that of all
     places: list[tuple[Any, str, Callable[[], float], Callable[[float, Any], None]]] = [
         (solver, "maximise_speed", time.thread_time, solved), (relaxation, "relax", time.thread_time, bounded),
-        (guard, "looked_at", time.thread_time, looked), (planner, "another_try", time.process_time, tried),
+        (inter_sample_limits, "looked_at", time.thread_time, looked), (planner, "another_try", time.process_time, tried),
     ]  # fmt: skip
     before = [getattr(module, name) for module, name, _, _ in places]
     for (module, name, clock, told), function in zip(places, before):

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace.errors import ToolpaceError
-from toolpace.toolpath import ToolPath
+from toolpace.common.errors import ToolpaceError
+from toolpace.programs.toolpath import ToolPath
 
 ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 """What names an array in a signature."""
@@ -57,7 +57,7 @@ BENDING = tp.Bending(np.diag([1e-7, 1e-7, 2e-8]))
 KNOTS = np.array([0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0])
 CONTROL = f32(RNG.uniform(0.0, 0.1, (5, 3)))
 ZONE = tp.Zone("box", {"X": (-0.1, 0.1)})
-HASTE = tp.Haste(np.linspace(0.0, 1.0, 6), np.stack([np.full(6, 0.5), np.zeros(6), np.zeros(6)]), 0.05, 5.0)
+HASTE = tp.SpeedWeights(np.linspace(0.0, 1.0, 6), np.stack([np.full(6, 0.5), np.zeros(6), np.zeros(6)]), 0.05, 5.0)
 LINE = {
     "tip": f32(np.linspace([0.0, 0.0, 0.0], [0.05, 0.0, 0.0], 6)), "axis": np.tile([0.0, 0.0, 1.0], (6, 1)),
     "feed": np.full(6, 0.03125), "least_time": np.zeros(6), "block": LINES, "stop": np.arange(6) % 5 == 0,

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import toolpace as tp
-from toolpace import demo
+from toolpace.cli import demo_programs
 from tools import pages
 
 TOP = Path(__file__).parents[1]
@@ -71,7 +71,7 @@ def test_pages_are_short():
 
 @pytest.mark.parametrize("page", sorted(page.stem for page in (DOCS / "tutorial").glob("*.md")))
 def test_tutorial_runs(page, tmp_path, monkeypatch):
-    (tmp_path / "part.ngc").write_text(demo.spiral_program(60), encoding="utf-8")
+    (tmp_path / "part.ngc").write_text(demo_programs.spiral_program(60), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     for kind, code in BLOCK.findall((DOCS / "tutorial" / f"{page}.md").read_text(encoding="utf-8")):

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
 from toolpace.planning.planner import plan
 
 MACHINE = tp.Machine.load("xyzac-trunnion")

@@ -9,8 +9,8 @@ import pytest
 
 from tests.support import motions
 from tests.support.growth import python_calls
-from toolpace.errors import UsageError
-from toolpace.setpoints import SetPoints
+from toolpace.common.errors import UsageError
+from toolpace.motion.setpoints import SetPoints
 
 POINTS = motions.set_points(dt=1e-2)
 

@@ -11,14 +11,14 @@ import numpy.typing as npt
 import pytest
 
 import toolpace as tp
-from toolpace.bending.tool_file import load_tool
 from toolpace.cli import main
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
+from toolpace.common.workers import Workers
+from toolpace.cutting.tool_file import load_tool
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal.guard import at_least_as_fast
+from toolpace.planning.optimal.inter_sample_limits import at_least_as_fast
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import held_law
-from toolpace.workers import Workers
 
 MACHINE = tp.Machine.load("xyzac-trunnion")
 POINTS = [[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]]

@@ -10,12 +10,12 @@ import pytest
 
 import toolpace as tp
 from tests.support.tool_paths import tilted, toolpath_through
-from toolpace import units
-from toolpace.errors import UsageError
-from toolpace.planning.guarantee import PROMISED
+from toolpace.common import units
+from toolpace.common.errors import UsageError
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.program_plan import plan_program
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import Operation
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import Operation
 
 AXIS = math.radians(0.05)
 WIDE, NARROW = 50e-6, 4e-6

@@ -8,7 +8,7 @@ import pytest
 import toolpace as tp
 from testbed.true_tip.cases import BUILTIN
 from testbed.true_tip.chain import Chain
-from toolpace.reading.setup_file import setup_of_text
+from toolpace.programs.reading.setup_file import setup_of_text
 
 MACHINES = ("xyzac-trunnion", "xyzbc-head", "xyzbc-nutating")
 OFFSET, ZERO = np.array([0.02, -0.03, -0.15]), np.array([0.05, 0.02, 0.1])

@@ -12,8 +12,8 @@ import toolpace as tp
 from testbed.true_tip.cases import MACHINES, MODES, Maker
 from testbed.true_tip.dialects import DIALECTS, off
 from testbed.true_tip.held import held
-from toolpace.errors import ToolpaceError
-from toolpace.reading.setup_file import setup_of_text
+from toolpace.common.errors import ToolpaceError
+from toolpace.programs.reading.setup_file import setup_of_text
 
 TIP = 10.05e-6
 """Within which the real tip is found [m]: the tolerance, and its grace."""

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from toolpace import units
-from toolpace.errors import UsageError
+from toolpace.common import units
+from toolpace.common.errors import UsageError
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from toolpace.workers import CallersProgress, Progress, Workers, side_by_side
+from toolpace.common.workers import CallersProgress, Progress, Workers, side_by_side
 
 
 @pytest.fixture

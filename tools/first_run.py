@@ -22,14 +22,14 @@ def main() -> int:
         if "--record" in sys.argv:
             return record(Path(folder))
         began = time.perf_counter()
-        subprocess.run([sys.executable, "-m", "toolpace.kernels.warm"], check=True)
+        subprocess.run([sys.executable, "-m", "toolpace.kernels.ahead_of_time"], check=True)
         seconds = time.perf_counter() - began
         processor = time_of_children()
-        warm = kernel_files(Path(folder))
+        ahead_of_time = kernel_files(Path(folder))
         demo = [sys.executable, "-m", "toolpace", "demo", "--out", str(Path(folder) / "demo")]
         subprocess.run(demo, check=True, stdout=subprocess.DEVNULL)
-        late = sorted(set(kernel_files(Path(folder))) - set(warm))
-        count = Counter(name.rpartition("-")[0] for name in [*warm, *late])
+        late = sorted(set(kernel_files(Path(folder))) - set(ahead_of_time))
+        count = Counter(name.rpartition("-")[0] for name in [*ahead_of_time, *late])
     twice = sorted(name for name, times in count.items() if times > 1)
     print(f"first run: {len(count)} kernels, {count.total()} specialisations")
     print(f"compiled in {seconds:.1f} s ({processor:.1f} s of processor time)")
@@ -54,10 +54,10 @@ def kernel_files(base: Path) -> list[str]:
 def record(folder: Path) -> int:
     """Write the signatures of all kernels that a demo compiles."""
     from toolpace.cli import main as toolpace
-    from toolpace.kernels import signatures, warm
+    from toolpace.kernels import ahead_of_time, signatures
     from toolpace.kernels.jit import KERNELS
 
-    warm.is_warm = lambda: True  # nothing is compiled beforehand
+    ahead_of_time.is_warm = lambda: True  # nothing is compiled beforehand
     toolpace(["demo", "--out", str(folder / "demo")])
     found = {}
     for name, kernel in KERNELS.items():

@@ -10,9 +10,9 @@ import copp_py as copp
 import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed, resting, usage
-from toolpace.axispath.axispath import AxisPath
-from toolpace.axispath.run import AxisRun
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axispath.run import AxisRun
 
 PASSES = 12
 SETTLED = 1e-5

@@ -10,8 +10,8 @@ import numpy as np
 import ruckig
 
 from benchmarks.peers import Outcome, Stopwatch, failed
-from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
 
 DEVIATION = 1e-3
 UNLIMITED = 1e6

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed
-from toolpace.axispath.axispath import AxisPath
-from toolpace.errors import ToolpaceError
+from toolpace.common.errors import ToolpaceError
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.second_order.planner import peaks_in_cells, second_order_law
 from toolpace.planning.second_order.problem import Cells
 

@@ -10,9 +10,9 @@ from toppra.constraint import JointAccelerationConstraint, JointVelocityConstrai
 from toppra.interpolator import AbstractGeometricPath
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage
-from toolpace.axispath.axispath import AxisPath
-from toolpace.axispath.run import AxisRun
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axispath.run import AxisRun
 
 logging.getLogger("toppra").setLevel(logging.CRITICAL)
 UNLIMITED = 1e6

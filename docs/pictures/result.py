@@ -10,7 +10,7 @@ import numpy as np
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 import toolpace as tp
-from toolpace import demo
+from toolpace.cli import demo_programs
 
 BLADE = (5.0, 10.2)
 """The stretch of time that is shown: one blade [s]."""
@@ -18,8 +18,8 @@ BLADE = (5.0, 10.2)
 
 def plan() -> tp.Trajectory:
     """The demo's impeller, with 200 blocks a blade."""
-    machine = tp.Machine.load(demo.MACHINE)
-    toolpath = tp.read_text(demo.impeller_program(machine, 200), machine)
+    machine = tp.Machine.load(demo_programs.MACHINE)
+    toolpath = tp.read_text(demo_programs.impeller_program(machine, 200), machine)
     return tp.plan(tp.Path.fit(toolpath, machine=machine), machine)
 
 
@@ -33,7 +33,7 @@ def draw(trajectory: tp.Trajectory, target: Path) -> None:
     left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.15))
 
     space = left.add_subplot(projection="3d")
-    cutting = speed[1:] < 1.02 * 60.0 * demo.FEED
+    cutting = speed[1:] < 1.02 * 60.0 * demo_programs.FEED
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
     space.add_collection3d(Line3DCollection(pieces[~cutting], color="silver", linewidths=0.7))
     coloured = Line3DCollection(pieces[cutting], cmap="plasma", linewidths=1.8)

@@ -17,61 +17,61 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from toolpace.version import __version__
+from toolpace.common.version import __version__
 
 if TYPE_CHECKING:
-    from toolpace import deflect
-    from toolpace.axispath.axispath import AxisPath
-    from toolpace.axispath.run import AxisRun
-    from toolpace.batching import Batch, BatchJob, BatchRow, batch
-    from toolpace.bending.aim_off import AimedOff, aim_off
-    from toolpace.bending.compliance import Bending
-    from toolpace.bending.cutting_forces import CuttingForces
-    from toolpace.bending.tool_file import load_tool
-    from toolpace.clamping.choices import Choice, Choices
-    from toolpace.clamping.choices_file import load_choices
-    from toolpace.clamping.clamping import Clamping
-    from toolpace.clamping.confirmed import PlannedSetUp
-    from toolpace.clamping.found import FoundSetUp
-    from toolpace.clamping.place_map import PlaceMap
-    from toolpace.clamping.search import search_setup
-    from toolpace.clamping.zones import Zone
-    from toolpace.cuttingtool import Coefficients, Cut, Cutter, CuttingTool, Engagement
-    from toolpace.deflect.replanning import replan
-    from toolpace.errors import ToolpaceError, UnitWarning
-    from toolpace.exporting import Exported, ReadBack, export
-    from toolpace.follow import Follower, Measurement, SetPoint, Status
+    from toolpace.common.errors import ToolpaceError, UnitWarning
+    from toolpace.common.workers import Progress, Workers
+    from toolpace.controls.export import Exported, ReadBack, export
+    from toolpace.controls.timing.program import program_time
+    from toolpace.controls.timing.program_time import PartTime, ProgramTime
+    from toolpace.cutting.bending.compensated_program import BendingCompensation, compensate_bending
+    from toolpace.cutting.bending.compliance import Bending
+    from toolpace.cutting.forces import CuttingForces
+    from toolpace.cutting.tool_file import load_tool
+    from toolpace.deflection import replanning
+    from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
+    from toolpace.deflection.replanning.new_trajectory import replan
+    from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
     from toolpace.judge import Check, Sampled, Verification, verify
-    from toolpace.laws.law import Probe, TimeLaw
+    from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, Engagement
     from toolpace.machine.file import ChainFile, JointFile, MachineFile
     from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
-    from toolpace.path.fit.haste import Haste
+    from toolpace.motion.laws.law import Probe, TimeLaw
+    from toolpace.motion.setpoints import SetPoints
+    from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
+    from toolpace.path.axispath.axispath import AxisPath
+    from toolpace.path.axispath.run import AxisRun
+    from toolpace.path.fit.speed_weights import SpeedWeights
     from toolpace.path.path import Path
     from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.endstate import EndState
     from toolpace.planning.genetic.planner import Genetic
     from toolpace.planning.optimal.planner import Optimal
-    from toolpace.planning.pace_rounds import Round
+    from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.planned_run import PlannedRun
     from toolpace.planning.planner import Planner, plan
     from toolpace.planning.program_plan import ProgramPlan, plan_program
     from toolpace.planning.second_order.planner import SecondOrder
-    from toolpace.reading import Kinematics, apply_feed, read, read_text
-    from toolpace.reading.controllers.controller import Controller, Sign
-    from toolpace.reading.coordinates.setup import SetUp, Tool
-    from toolpace.reporting import report
-    from toolpace.setpoints import SetPoints
-    from toolpace.timing.program import program_time
-    from toolpace.timing.program_time import PartTime, ProgramTime
-    from toolpace.tolerances.tolerances import Tolerances
-    from toolpace.toolpath import Operation, ToolPath
-    from toolpace.trajectory import OpenPlace, Skipped, Trajectory
-    from toolpace.workers import Progress, Workers
-    from toolpace.write.set_up_folder import write_set_up
+    from toolpace.programs.reading import Kinematics, apply_feed, read, read_text
+    from toolpace.programs.reading.controllers.controller import Controller, Sign
+    from toolpace.programs.reading.coordinates.setup import SetUp, Tool
+    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.toolpath import Operation, ToolPath
+    from toolpace.results.report import report
+    from toolpace.results.write.set_up_folder import write_set_up
+    from toolpace.setup_search.choices import Choice, Choices
+    from toolpace.setup_search.choices_file import load_choices
+    from toolpace.setup_search.clamping import Clamping
+    from toolpace.setup_search.place_map import PlaceMap
+    from toolpace.setup_search.search import search_setup
+    from toolpace.setup_search.search_result import FoundSetUp
+    from toolpace.setup_search.verified_set_up import PlannedSetUp
+    from toolpace.setup_search.zones import Zone
 
 __all__ = [
     "AimedOff",
@@ -165,92 +165,92 @@ __all__ = [
 ]
 
 _HOME = {
-    "AimedOff": "bending.aim_off",
-    "AxisPath": "axispath.axispath",
-    "AxisRun": "axispath.run",
-    "Batch": "batching",
-    "BatchJob": "batching",
-    "BatchRow": "batching",
-    "Bending": "bending.compliance",
+    "AimedOff": "cutting.bending.compensated_program",
+    "AxisPath": "path.axispath.axispath",
+    "AxisRun": "path.axispath.run",
+    "Batch": "jobs.batch",
+    "BatchJob": "jobs.batch",
+    "BatchRow": "jobs.batch",
+    "Bending": "cutting.bending.compliance",
     "ChainFile": "machine.file",
     "Check": "judge",
-    "Choice": "clamping.choices",
-    "Choices": "clamping.choices",
-    "Clamping": "clamping.clamping",
-    "Coefficients": "cuttingtool",
-    "Controller": "reading.controllers.controller",
-    "Cut": "cuttingtool",
-    "Cutter": "cuttingtool",
-    "CuttingForces": "bending.cutting_forces",
-    "CuttingTool": "cuttingtool",
+    "Choice": "setup_search.choices",
+    "Choices": "setup_search.choices",
+    "Clamping": "setup_search.clamping",
+    "Coefficients": "machine.cutting_tool",
+    "Controller": "programs.reading.controllers.controller",
+    "Cut": "machine.cutting_tool",
+    "Cutter": "machine.cutting_tool",
+    "CuttingForces": "cutting.forces",
+    "CuttingTool": "machine.cutting_tool",
     "EndState": "planning.endstate",
-    "Engagement": "cuttingtool",
-    "Exported": "exporting",
-    "Follower": "follow",
-    "FoundSetUp": "clamping.found",
+    "Engagement": "machine.cutting_tool",
+    "Exported": "controls.export",
+    "Follower": "deflection.following",
+    "FoundSetUp": "setup_search.search_result",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
-    "Haste": "path.fit.haste",
+    "Haste": "path.fit.speed_weights",
     "JointFile": "machine.file",
-    "Kinematics": "reading",
+    "Kinematics": "programs.reading",
     "Limits": "machine.limits",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
-    "Measurement": "follow",
+    "Measurement": "deflection.following",
     "Motion": "motion",
-    "OpenPlace": "trajectory",
-    "Operation": "toolpath",
+    "OpenPlace": "motion.trajectory",
+    "Operation": "programs.toolpath",
     "Optimal": "planning.optimal.planner",
-    "PartTime": "timing.program_time",
+    "PartTime": "controls.timing.program_time",
     "Path": "path.path",
     "PathJet": "path.run",
     "PathRun": "path.run",
-    "PlaceMap": "clamping.place_map",
+    "PlaceMap": "setup_search.place_map",
     "PlannedRun": "planning.planned_run",
-    "PlannedSetUp": "clamping.confirmed",
+    "PlannedSetUp": "setup_search.verified_set_up",
     "Planner": "planning.planner",
-    "Probe": "laws.law",
+    "Probe": "motion.laws.law",
     "ProgramPlan": "planning.program_plan",
-    "ProgramTime": "timing.program_time",
-    "Progress": "workers",
-    "ReadBack": "exporting",
-    "Round": "planning.pace_rounds",
+    "ProgramTime": "controls.timing.program_time",
+    "Progress": "common.workers",
+    "ReadBack": "controls.export",
+    "Round": "planning.path_and_pace.alternating",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order.planner",
-    "SetPoint": "follow",
-    "SetPoints": "setpoints",
-    "SetUp": "reading.coordinates.setup",
-    "Sign": "reading.controllers.controller",
-    "Skipped": "trajectory",
-    "Status": "follow",
-    "TimeLaw": "laws.law",
-    "Tool": "reading.coordinates.setup",
-    "Tolerances": "tolerances.tolerances",
-    "ToolPath": "toolpath",
-    "ToolpaceError": "errors",
-    "Trajectory": "trajectory",
-    "UnitWarning": "errors",
+    "SetPoint": "deflection.following",
+    "SetPoints": "motion.setpoints",
+    "SetUp": "programs.reading.coordinates.setup",
+    "Sign": "programs.reading.controllers.controller",
+    "Skipped": "motion.trajectory",
+    "Status": "deflection.following",
+    "TimeLaw": "motion.laws.law",
+    "Tool": "programs.reading.coordinates.setup",
+    "Tolerances": "programs.tolerances.tolerances",
+    "ToolPath": "programs.toolpath",
+    "ToolpaceError": "common.errors",
+    "Trajectory": "motion.trajectory",
+    "UnitWarning": "common.errors",
     "Usage": "motion",
     "Verification": "judge",
-    "Workers": "workers",
-    "Zone": "clamping.zones",
-    "aim_off": "bending.aim_off",
-    "apply_feed": "reading",
-    "batch": "batching",
-    "export": "exporting",
-    "load_choices": "clamping.choices_file",
-    "load_tool": "bending.tool_file",
+    "Workers": "common.workers",
+    "Zone": "setup_search.zones",
+    "aim_off": "cutting.bending.compensated_program",
+    "apply_feed": "programs.reading",
+    "batch": "jobs.batch",
+    "export": "controls.export",
+    "load_choices": "setup_search.choices_file",
+    "load_tool": "cutting.tool_file",
     "plan": "planning.planner",
     "plan_program": "planning.program_plan",
-    "program_time": "timing.program",
+    "program_time": "controls.timing.program",
     "prove": "planning.bound.prove",
-    "read": "reading",
-    "read_text": "reading",
-    "replan": "deflect.replanning",
-    "report": "reporting",
-    "search_setup": "clamping.search",
+    "read": "programs.reading",
+    "read_text": "programs.reading",
+    "replan": "deflection.replanning.new_trajectory",
+    "report": "results.report",
+    "search_setup": "setup_search.search",
     "verify": "judge",
-    "write_set_up": "write.set_up_folder",
+    "write_set_up": "results.write.set_up_folder",
 }
 """Public name to the module that defines it. No public function is named like a module: see docs/design/house.md."""
 _MODULES = ("deflect",)

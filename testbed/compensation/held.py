@@ -11,10 +11,10 @@ import numpy as np
 from testbed.compensation.contours import Contour, R, contour
 from testbed.compensation.sampled import NoFitError, Rule, apart, way
 from testbed.compensation.written import Form, klartext, word_address
-from toolpace.errors import ProgramError
-from toolpace.reading import read_text
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.coordinates.setup import SetUp, Tool
+from toolpace.common.errors import ProgramError
+from toolpace.programs.reading import read_text
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.coordinates.setup import SetUp, Tool
 
 MOST_APART = 2e-3
 """Beyond which two ways are not the same [mm]; points lie within half a micrometre of arcs, chords within 0.1."""

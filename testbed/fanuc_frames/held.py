@@ -9,8 +9,8 @@ import numpy as np
 
 import toolpace as tp
 from testbed.fanuc_frames.draw import Program
-from toolpace.errors import ToolpaceError
-from toolpace.reading.setup_file import setup_of_text
+from toolpace.common.errors import ToolpaceError
+from toolpace.programs.reading.setup_file import setup_of_text
 
 
 @dataclass

@@ -10,7 +10,7 @@ from testbed.followed.cases import CASES, RESERVES, case
 from testbed.followed.disturbed import disturbed, figures
 from testbed.followed.drive import driven
 from testbed.followed.judge import Verdict, judged
-from toolpace.follow import Follower
+from toolpace.deflection.following import Follower
 
 RUNS_EACH = 10
 """Runs with one set of figures."""

@@ -10,12 +10,12 @@ import numpy as np
 
 import toolpace as tp
 from testbed import published
-from toolpace import demo
-from toolpace.arrays import Floats
+from toolpace.cli import demo_programs
+from toolpace.common.arrays import Floats
 from toolpace.machine.machine import Machine
+from toolpace.motion.trajectory import Trajectory
 from toolpace.path.path import Path
-from toolpace.toolpath import ToolPath
-from toolpace.trajectory import Trajectory
+from toolpace.programs.toolpath import ToolPath
 
 RESERVES = (0.02, 0.1, 0.4)
 """Reserves that motions are planned with; a follower with another one slows the plan down, or leaves some unused."""
@@ -50,7 +50,7 @@ def arc() -> tuple[Path, Machine]:
 def impeller() -> tuple[Path, Machine]:
     """The bundled demo, with fewer blocks a blade."""
     machine = Machine.load("xyzac-trunnion")
-    return fitted(tp.read_text(demo.impeller_program(machine, blocks_per_blade=60), machine), machine)
+    return fitted(tp.read_text(demo_programs.impeller_program(machine, blocks_per_blade=60), machine), machine)
 
 
 def fitted(toolpath: ToolPath, machine: Machine) -> tuple[Path, Machine]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints
 
 PERIODS = (5e-4, 1e-3, 2e-3, 4e-3)
 TIP, AXIS, FORCE, BEND_WITH_COMMAND, DEFLECTION = 1, 2, 4, 8, 16

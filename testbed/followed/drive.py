@@ -6,8 +6,8 @@ import numba
 import numpy as np
 
 from testbed.followed.disturbed import AXIS, BEND_WITH_COMMAND, DEFLECTION, FORCE, TIP, Disturbed
-from toolpace.arrays import Floats, Ints
-from toolpace.follow import Follower
+from toolpace.common.arrays import Floats, Ints
+from toolpace.deflection.following import Follower
 from toolpace.kernels.follow import layout as at
 from toolpace.kernels.follow.aim import chain_of
 from toolpace.kernels.follow.path import place_on_path

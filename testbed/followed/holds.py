@@ -7,8 +7,8 @@ import numpy as np
 from testbed.followed.cases import Case
 from testbed.followed.disturbed import Disturbed
 from testbed.followed.drive import driven
-from toolpace.arrays import Floats
-from toolpace.follow import Follower
+from toolpace.common.arrays import Floats
+from toolpace.deflection.following import Follower
 from toolpace.kernels.follow import layout as at
 
 PLACES = 20

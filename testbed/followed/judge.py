@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbed.followed.cases import Case
-from toolpace.arrays import Bools, Floats
-from toolpace.follow import Follower, Status
+from toolpace.common.arrays import Bools, Floats
+from toolpace.deflection.following import Follower, Status
 from toolpace.kernels.follow import layout as at
 
 MOST = 1.0 + 1e-4

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.follow import Follower
+from toolpace.common.arrays import Floats
+from toolpace.deflection.following import Follower
 from toolpace.kernels.follow import layout as at
 from toolpace.kernels.follow.aim import chain_of
 from toolpace.kernels.follow.path import place_on_path

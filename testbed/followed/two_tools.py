@@ -8,8 +8,8 @@ import numpy as np
 
 import toolpace as tp
 from testbed.true_tip.cases import Case, Maker
-from toolpace.follow import Follower, Measurement, Status
-from toolpace.reading.setup_file import setup_of_text
+from toolpace.deflection.following import Follower, Measurement, Status
+from toolpace.programs.reading.setup_file import setup_of_text
 
 SETTLED = 0.3
 """Time after the begin of a cut from which on the tip is to be where the program has it [s]."""

@@ -11,7 +11,7 @@ from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from types import CodeType, ModuleType
 from typing import Any
 
-PACKAGE = "toolpace.reading"
+PACKAGE = "toolpace.programs.reading"
 NAME = "_branches_taken"
 MOST = 1 << 14
 """Branches there may be."""

@@ -13,8 +13,8 @@ from types import FrameType
 
 import numpy as np
 
-from toolpace.errors import ToolpaceError
-from toolpace.toolpath import ToolPath
+from toolpace.common.errors import ToolpaceError
+from toolpace.programs.toolpath import ToolPath
 
 SECONDS = 2.0
 """CPU time that an input of some kilobytes may take."""

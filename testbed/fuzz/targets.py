@@ -13,17 +13,17 @@ import msgspec
 
 from testbed.fuzz.oracle import Wrong, tried
 from testbed.fuzz.words import words_of
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
 from toolpace.machine.machine import Machine
-from toolpace.reading import read_source
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.findings import Findings
-from toolpace.reading.inspection import inspect_source
-from toolpace.reading.options import ReadOptions
-from toolpace.reading.setup_file import check_setup, setup_of_text, setup_text
-from toolpace.reading.setup_sheet import setup_sheet
-from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading import read_source
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.inspection import inspect_source
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.setup_file import check_setup, setup_of_text, setup_text
+from toolpace.programs.reading.setup_sheet import setup_sheet
+from toolpace.programs.reading.source import Source
+from toolpace.programs.toolpath import ToolPath
 
 SEEDS = Path(__file__).parent / "seeds"
 MACHINES = ("", "xyzac-trunnion", "xyzbc-nutating")

@@ -6,16 +6,16 @@ import ast
 import re
 from pathlib import Path
 
-import toolpace.reading
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.languages import READERS
+import toolpace.programs.reading
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.languages import READERS
 
-READING = Path(next(iter(toolpace.reading.__path__)))
+READING = Path(next(iter(toolpace.programs.reading.__path__)))
 _WORD = re.compile(r"[A-Za-z$#_<\[][\w.$#<>\[\] /+-]{0,23}")
 
 
 def words_of(controller: str | None, folders: tuple[str, ...]) -> list[bytes]:
-    """All words, in order; `folders` are those of `toolpace.reading` whose code is looked through."""
+    """All words, in order; `folders` are those of `toolpace.programs.reading` whose code is looked through."""
     found: set[str] = set()
     if controller is not None:
         by = Controller.load(controller)

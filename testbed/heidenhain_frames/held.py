@@ -10,8 +10,8 @@ import numpy as np
 import toolpace as tp
 from testbed.heidenhain_frames.program import Writer
 from testbed.heidenhain_frames.world import World, WrongError
-from toolpace.errors import ToolpaceError
-from toolpace.reading.setup_file import setup_of_text
+from toolpace.common.errors import ToolpaceError
+from toolpace.programs.reading.setup_file import setup_of_text
 
 EXPECTED = (
     "within the travel", "out of travel", "scaled unevenly", "PLANE over a ", "PLANE AXIAL is not read",

@@ -16,7 +16,7 @@ import numpy as np
 
 from testbed.linuxcnc.canon import INCH, Judged, Motion
 from testbed.linuxcnc.job import OFFSETS, Job
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 LETTERS = "XYZABC"
 EXACT = 1e-3

@@ -23,10 +23,10 @@ import toolpace as tp
 from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.play import play
 from testbed.linuxcnc.run import run_program
-from toolpace import demo
-from toolpace.arrays import Floats
-from toolpace.files import write_text
-from toolpace.units import DEGREE, MILLIMETRE, format_time
+from toolpace.cli import demo_programs
+from toolpace.common.arrays import Floats
+from toolpace.common.files import write_text
+from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismach/5axis/table-rotary-tilting/demos")
 SPEED = 6
@@ -53,7 +53,7 @@ def _example(name: str) -> Callable[[], str]:
 
 def _demo() -> str:
     """Our demo in LinuxCNC's words."""
-    return demo.impeller_program(_xyzac()).replace("G43.4 H1", "M428\nG64 P0.01").replace("G49", "M429")
+    return demo_programs.impeller_program(_xyzac()).replace("G43.4 H1", "M428\nG64 P0.01").replace("G49", "M429")
 
 
 def _xyzac() -> tp.Machine:

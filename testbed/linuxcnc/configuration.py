@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from testbed.linuxcnc.patterns import Pattern, as_joints, holding_tip
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
+from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine.machine import Machine
-from toolpace.units import DEGREE, MILLIMETRE
 
 FAR = 1e6
 """Travel and limits of what nothing limits [mm, mm/s, deg, ...]."""

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from testbed.linuxcnc.instance import LinuxCNCError, execute, folder, last_words
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 JOINTS = 5
 SHOWN = (*(f"joint{j}" for j in range(JOINTS)), *(f"deflection-{axis}" for axis in "xyz"))

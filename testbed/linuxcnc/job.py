@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from testbed.linuxcnc.canon import INCH
-from toolpace.arrays import Bools, Floats
-from toolpace.reading.coordinates.setup import SetUp, Tool
-from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.common.arrays import Bools, Floats
+from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.programs.reading.coordinates.setup import SetUp, Tool
 
 OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 AXES = "XYZAC"

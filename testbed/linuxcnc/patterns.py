@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
+from toolpace.common.units import MILLIMETRE
 from toolpace.machine.machine import Machine
-from toolpace.units import MILLIMETRE
 
 ALONG = {"X": (1, 0, 0), "Y": (0, 1, 0), "Z": (0, 0, 1)}
 SAME = 1e-12

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from testbed.linuxcnc.instance import SPEED, LinuxCNCError, execute, folder, last_words
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 
 DEPTH = 20_000

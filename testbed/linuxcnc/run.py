@@ -12,7 +12,7 @@ import numpy as np
 
 from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.instance import SPEED, LinuxCNCError, execute, folder, last_words
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 
 _END = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?(M0*(?:2|30))(?![\d.])", re.IGNORECASE | re.MULTILINE)
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.run import LinuxCNCError, Log, run_program
-from toolpace.arrays import Floats, Ints
-from toolpace.exporting import PlannedMotion
+from toolpace.common.arrays import Floats, Ints
+from toolpace.controls.export import PlannedMotion
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 

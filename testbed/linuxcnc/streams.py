@@ -12,7 +12,7 @@ import numpy as np
 
 from testbed.linuxcnc.streamed import PAD, Streamed, against, play_stream
 from toolpace.cli import main as command
-from toolpace.exporting import PlannedMotion, export
+from toolpace.controls.export import PlannedMotion, export
 
 HEAD = "G21 G90 G17 G94\n"
 SHEET = 'units = { length = "mm", angle = "deg" }\ntools.1.length = 20\ntools.2.length = 35\n'

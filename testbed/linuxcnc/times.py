@@ -21,11 +21,11 @@ from testbed.linuxcnc.machines import xyzbc_trt
 from testbed.linuxcnc.run import Log, run_program
 from testbed.linuxcnc.timed import TUNED
 from testbed.linuxcnc.written_after import AFTER
-from toolpace.commanded import Commanded
+from toolpace.controls.timing.linuxcnc import linuxcnc_times
 from toolpace.machine.machine import Machine
-from toolpace.reading import Source, read_commanded
-from toolpace.reading.options import ReadOptions
-from toolpace.timing.linuxcnc import linuxcnc_times
+from toolpace.programs.commanded import Commanded
+from toolpace.programs.reading import Source, read_commanded
+from toolpace.programs.reading.options import ReadOptions
 
 RESULTS = Path("benchmarks/results/linuxcnc_times.md")
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismach/5axis/table-rotary-tilting/demos")

@@ -8,9 +8,9 @@ import numpy as np
 
 from testbed.linuxcnc.canon import Judged, Motion
 from testbed.linuxcnc.job import Cartesian
-from toolpace.arrays import Floats
-from toolpace.toolpath import ToolPath
-from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.common.arrays import Floats
+from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.programs.toolpath import ToolPath
 
 PRINTED = 3e-4
 """Rounding of a place, in units: four decimals of it and of up to three offsets."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from testbed.one_program.motion import STILL, Move, World
-from toolpace.arrays import Floats
-from toolpace.toolpath import ToolPath
+from toolpace.common.arrays import Floats
+from toolpace.programs.toolpath import ToolPath
 
 FINE = 1e-9
 """Most difference: of places by the size of the motion, of angles [rad], of times by themselves."""

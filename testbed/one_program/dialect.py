@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 from testbed.one_program.motion import Circle, Move
 from testbed.one_program.nodes import Frame, Holes, Plane, Row
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 
 class Dialect(ABC):

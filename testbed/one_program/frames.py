@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 
 def shift(by: Floats) -> Floats:

@@ -27,7 +27,7 @@ from testbed.one_program.nodes import (
     Tool,
     Turn,
 )
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 MACHINES = ("xyzac-trunnion", "xyzbc-head", "xyzbc-nutating", "xyzbc-trunnion", "xyzac-head")
 HOLES = ("drill", "dwell", "peck", "break", "tap", "bore", "bore and dwell")

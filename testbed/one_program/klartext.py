@@ -9,7 +9,7 @@ from testbed.one_program.motion import PLAIN, TIP, Circle, Move
 from testbed.one_program.nodes import Frame, Holes, Plane, Program, Row
 from testbed.one_program.writer import INCH, Writer
 from testbed.one_program.written_out import AXES
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 
 def signed(value: float) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from testbed.one_program import frames
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 FILES = Path(__file__).parents[2] / "src" / "toolpace" / "machine" / "builtin"
 

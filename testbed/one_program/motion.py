@@ -8,7 +8,7 @@ import numpy as np
 
 from testbed.one_program import frames
 from testbed.one_program.machine import Kinematics
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 STILL = 1e-8
 """Motions that are shorter [mm, deg] are none."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from testbed.one_program import frames
 from testbed.one_program.motion import Circle, Move
 from testbed.one_program.nodes import Frame, Holes, Offset, Program
 from testbed.one_program.writer import INCH, Writer
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 CONTROLS_OWN = 0.254
 """How far a deep hole's pecks stay off the last one: no word tells it [mm]."""

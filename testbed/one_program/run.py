@@ -18,16 +18,16 @@ from testbed.one_program.nodes import Program
 from testbed.one_program.points import Points
 from testbed.one_program.sinumerik import Sinumerik
 from testbed.one_program.writer import CannotWriteError, Writer
-from toolpace.errors import ToolpaceError
+from toolpace.common.errors import ToolpaceError
 from toolpace.machine.machine import Machine
-from toolpace.reading.cldata.reader import ClReader
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.coordinates.setup import SetUp, Tool
-from toolpace.reading.findings import Findings
-from toolpace.reading.languages import reader_of
-from toolpace.reading.options import ReadOptions
-from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading.cldata.reader import ClReader
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.coordinates.setup import SetUp, Tool
+from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.languages import reader_of
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.source import Source
+from toolpace.programs.toolpath import ToolPath
 
 WRITERS: dict[str, type[Writer]] = {
     writer.name: writer for writer in (LinuxCnc, Fanuc, Haas, Iso, Mazak, MillPlus, Sinumerik, Klartext, Points)

@@ -10,7 +10,7 @@ from testbed.one_program.nodes import Frame, Holes, Plane, Program, Row
 from testbed.one_program.word_address import WordAddress
 from testbed.one_program.words import text
 from testbed.one_program.written_out import AXES
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 
 class Sinumerik(WordAddress):

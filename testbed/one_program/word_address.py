@@ -8,7 +8,7 @@ from testbed.one_program import frames
 from testbed.one_program.motion import TIP
 from testbed.one_program.nodes import Frame, Holes, Plane, Row
 from testbed.one_program.words import Words, bracket, text
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 CYCLES = {
     "drill": "G81", "dwell": "G82", "peck": "G83", "break": "G73", "tap": "G84", "bore": "G85", "bore and dwell": "G89",

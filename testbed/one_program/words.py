@@ -8,7 +8,7 @@ from testbed.one_program.motion import PLAIN, TIP, Circle, Move
 from testbed.one_program.nodes import Program
 from testbed.one_program.writer import INCH, Writer
 from testbed.one_program.written_out import AXES
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 
 def text(value: float) -> str:

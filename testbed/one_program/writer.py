@@ -36,7 +36,7 @@ from testbed.one_program.nodes import (
     Turn,
 )
 from testbed.one_program.written_out import NORMAL, circle_of, drilled, matrix_of
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 INCH = 25.4
 

@@ -9,7 +9,7 @@ import numpy as np
 from testbed.one_program import frames
 from testbed.one_program.motion import Circle
 from testbed.one_program.nodes import Arc, Dwell, Frame, Holes, Line, Stop
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 NORMAL = (2, 1, 0)
 AXES = ((0, 1), (2, 0), (1, 2))

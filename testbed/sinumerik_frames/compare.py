@@ -9,8 +9,8 @@ import numpy as np
 import toolpace as tp
 from testbed.sinumerik_frames.maker import Found
 from testbed.sinumerik_frames.programs import Program
-from toolpace.errors import ToolpaceError
-from toolpace.reading.setup_file import setup_of_text
+from toolpace.common.errors import ToolpaceError
+from toolpace.programs.reading.setup_file import setup_of_text
 
 DIRECTION = 1e-7
 """Most distance between directions that are one."""

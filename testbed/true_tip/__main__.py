@@ -7,7 +7,7 @@ from collections import defaultdict
 
 from testbed.true_tip.cases import Maker
 from testbed.true_tip.held import held
-from toolpace.errors import ToolpaceError
+from toolpace.common.errors import ToolpaceError
 
 STEP = 2.5e-4
 """Of set-points [s]: where the tip goes round a corner in a millisecond, chords between them are off by 0.4 um."""

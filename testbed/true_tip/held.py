@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 import toolpace as tp
-from toolpace.reading.setup_file import setup_of_text
+from toolpace.programs.reading.setup_file import setup_of_text
 
 
 @dataclass

@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace import demo
-from toolpace.cli import main
+from toolpace.cli import demo_programs, main
 from toolpace.cli.app import app
 from toolpace.machine.machine import Machine
-from toolpace.machine.poses import pose_table
-from toolpace.planning.guarantee import PROMISED
+from toolpace.machine.pose_table import pose_table
+from toolpace.planning.limit_tolerances import PROMISED
 
 CONTRACT = {
     "duration_s", "lower_bound_s", "gap", "solve_s", "fit_s", "mesh_points", "blocks", "stops", "usage", "limited_by",
@@ -30,7 +29,7 @@ def planned(tmp_path_factory):
     """A folder with a program and its plan."""
     folder = tmp_path_factory.mktemp("cli")
     program = folder / "blade.ngc"
-    program.write_text(demo.spiral_program(150))
+    program.write_text(demo_programs.spiral_program(150))
     code = main(["plan", str(program), "--machine", "xyzac-trunnion", "--out", str(folder / "plan"), "--csv"])
     assert code == 0
     return folder
@@ -280,7 +279,7 @@ sys.exit(main(sys.argv[2:]))
 
 @pytest.mark.parametrize("step", ["fitting", "planning"])
 def test_ctrl_c_within_a_step_ends_it_and_leaves_nothing(step, tmp_path):
-    (tmp_path / "blade.ngc").write_text(demo.spiral_program(20_000))
+    (tmp_path / "blade.ngc").write_text(demo_programs.spiral_program(20_000))
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, step, "plan", "blade.ngc", "-m", "xyzac-trunnion", "--out", "out"],
         cwd=tmp_path,

@@ -9,23 +9,22 @@ import subprocess
 import numpy as np
 import pytest
 
-from toolpace import demo
-from toolpace.cli import main
+from toolpace.cli import demo_programs, main
 from toolpace.machine.machine import Machine
-from toolpace.planning.guarantee import PROMISED
-from toolpace.reading import read_text
+from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.programs.reading import read_text
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
 @pytest.fixture(scope="module")
 def machine():
-    return Machine.load(demo.MACHINE)
+    return Machine.load(demo_programs.MACHINE)
 
 
 @pytest.fixture(scope="module")
 def impeller(machine):
-    return read_text(demo.impeller_program(machine), machine)
+    return read_text(demo_programs.impeller_program(machine), machine)
 
 
 def test_impeller_has_its_blocks(impeller):
@@ -34,7 +33,7 @@ def test_impeller_has_its_blocks(impeller):
 
 
 def test_impeller_returns_the_points_it_was_made_of(machine, impeller):
-    tip, axis = demo.blade_flank(400)
+    tip, axis = demo_programs.blade_flank(400)
     first = np.argmin(np.linalg.norm(impeller.tip - tip[0], axis=1))
     part = slice(first, first + 600)
     distance = np.linalg.norm(impeller.tip[part, None] - tip[None], axis=2)
@@ -46,16 +45,16 @@ def test_impeller_returns_the_points_it_was_made_of(machine, impeller):
 
 def test_impeller_blade_keeps_its_distance():
     """The tool lies along the ruling: its centre line keeps the tool radius and half the thickness from the blade."""
-    tip, _ = demo.blade_flank(401)
-    hub, _ = demo._hub(np.linspace(0.0, 1.0, 4001))
+    tip, _ = demo_programs.blade_flank(401)
+    hub, _ = demo_programs._hub(np.linspace(0.0, 1.0, 4001))
     away = np.linalg.norm(tip[:, None] - hub[None], axis=2).min(axis=1)
-    meant = demo.TOOL_RADIUS + demo.HALF_THICKNESS
+    meant = demo_programs.TOOL_RADIUS + demo_programs.HALF_THICKNESS
     assert away.min() > meant - 3e-5
     assert np.allclose(away[20:180], meant, atol=3e-5) and np.allclose(away[220:380], meant, atol=3e-5)
 
 
 def test_flank_is_smooth_round_the_rim():
-    tip, axis = demo.blade_flank(2001)
+    tip, axis = demo_programs.blade_flank(2001)
     step = np.diff(tip, axis=0)
     turn = np.linalg.norm(np.diff(step, axis=0), axis=1) / np.linalg.norm(step[:-1], axis=1)
     assert turn.max() < 0.1
@@ -64,15 +63,15 @@ def test_flank_is_smooth_round_the_rim():
 
 @pytest.mark.parametrize("blocks", [1, 100, 3000])
 def test_spiral_has_as_many_blocks_as_asked(machine, blocks):
-    toolpath = read_text(demo.spiral_program(blocks, machine), machine)
+    toolpath = read_text(demo_programs.spiral_program(blocks, machine), machine)
     moving = np.unique(toolpath.block[1:])
     assert len(moving) == blocks
-    tip, _ = demo.sampled_spiral(blocks + 1, 0.5e-3)
+    tip, _ = demo_programs.sampled_spiral(blocks + 1, 0.5e-3)
     assert np.allclose(np.linalg.norm(np.diff(tip, axis=0), axis=1), 0.5e-3, rtol=2e-3)
 
 
 def test_spiral_is_rounded_as_asked(machine):
-    lines = demo.spiral_program(50, machine, decimals=3).splitlines()
+    lines = demo_programs.spiral_program(50, machine, decimals=3).splitlines()
     assert sum("G1 X" in line for line in lines) == 50
     assert all(len(word.partition(".")[2]) == 3 for line in lines if "G1 X" in line for word in line.split()[1:5])
 

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from toolpace import demo
-from toolpace.cli import main
+from toolpace.cli import demo_programs, main
 from toolpace.machine.machine import Machine
 
 START = "G21 G90 G94 G43.4 H1\nG0 X0 Y0 Z0 A0 C0\n"
@@ -54,7 +53,7 @@ def fails(capsys, tmp_path, arguments, pattern):
 def test_bad_program(case, tmp_path, monkeypatch, capsys):
     name, content, pattern = PROGRAMS[case]
     if case == "truncated":
-        content = demo.spiral_program(300)[:9000]
+        content = demo_programs.spiral_program(300)[:9000]
     if isinstance(content, str):
         content = content.encode()
     monkeypatch.chdir(tmp_path)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from toolpace.jobs import job
-from toolpace.write.plan_json import UsageRecord
+from toolpace.results.write.plan_json import UsageRecord
 
 
 def record(kind, value):

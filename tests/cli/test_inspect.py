@@ -8,10 +8,9 @@ import re
 import pytest
 
 import toolpace as tp
-from toolpace import demo
-from toolpace.cli import main
+from toolpace.cli import demo_programs, main
 from toolpace.machine.machine import Machine
-from toolpace.reading.setup_file import load_setup
+from toolpace.programs.reading.setup_file import load_setup
 
 CONTRACT = {"program", "dialect", "blocks", "five_axis_blocks", "refused", "ignored", "assumed", "machines"}
 FIVE = """\
@@ -247,9 +246,9 @@ def test_a_plan_is_refused_with_the_cure_that_inspect_tells(tmp_path, capsys):
 
 def test_the_demo_is_read_whole(tmp_path, capsys):
     path = tmp_path / "impeller.ngc"
-    path.write_text(demo.impeller_program(Machine.load(demo.MACHINE)))
+    path.write_text(demo_programs.impeller_program(Machine.load(demo_programs.MACHINE)))
     code, (found,) = inspected(capsys, str(path))
-    assert code == 0 and demo.MACHINE in found["machines"] and found["five_axis_blocks"] > 0.9 * found["blocks"]
+    assert code == 0 and demo_programs.MACHINE in found["machines"] and found["five_axis_blocks"] > 0.9 * found["blocks"]
 
 
 def test_a_sheet_to_fill_in_is_written_once(five, tmp_path, capsys):

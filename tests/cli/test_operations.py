@@ -7,7 +7,7 @@ import json
 import pytest
 
 from toolpace.cli import main
-from toolpace.files.seal import KEY, write_seal
+from toolpace.common.files.seal import KEY, write_seal
 
 PROGRAM = """\
 G21 G90 G94

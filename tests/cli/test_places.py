@@ -12,9 +12,8 @@ import time
 import numpy as np
 import pytest
 
-from toolpace import demo
-from toolpace.cli import main
-from toolpace.files.seal import foreign
+from toolpace.cli import demo_programs, main
+from toolpace.common.files.seal import foreign
 from toolpace.machine.machine import Machine
 
 PLAN = ("-m", "xyzac-trunnion", "--no-report")
@@ -24,7 +23,7 @@ RESULTS = {"plan.json", "controller.toml", "setpoints.npz", "machine.toml"}
 
 @pytest.fixture(scope="module")
 def blade():
-    return demo.spiral_program(30)
+    return demo_programs.spiral_program(30)
 
 
 @pytest.fixture
@@ -231,7 +230,7 @@ def test_arguments_beyond_all_bounds_are_one_line_before_the_work(here, capsys, 
 
     monkeypatch.setattr(job, "fit_path", lambda *given: pytest.fail("the work had begun"))
     if case == "no memory":
-        monkeypatch.setattr("toolpace.setpoints.free_memory", lambda: 1e9)
+        monkeypatch.setattr("toolpace.motion.setpoints.free_memory", lambda: 1e9)
     given, says = ARGUMENTS[case]
     began = time.process_time()
     error = refused(capsys, ["plan", "part.ngc", *PLAN, "-o", "out", *given], says)
@@ -240,7 +239,7 @@ def test_arguments_beyond_all_bounds_are_one_line_before_the_work(here, capsys, 
 
 
 def test_results_that_would_not_fit_are_refused_before_the_work(here, capsys, monkeypatch):
-    monkeypatch.setattr("toolpace.files.free_disk", lambda folder: 1e5)
+    monkeypatch.setattr("toolpace.common.files.free_disk", lambda folder: 1e5)
     refused(capsys, ["plan", "part.ngc", *PLAN, "-o", "out"], "the results take more than", "are free there")
     assert sorted(names(here)) == ["part.ngc"]
 

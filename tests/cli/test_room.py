@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
 from toolpace.jobs import job
 from toolpace.machine.machine import Machine
-from toolpace.reading import read_text
-from toolpace.setpoints import COPIES, refuse_too_many
+from toolpace.motion.setpoints import COPIES, refuse_too_many
+from toolpace.programs.reading import read_text
 
 ROW = 8 * (1 + 4 * 5 + 6 + 1)
 
@@ -23,7 +23,7 @@ def test_feeds_least_times_and_dwells_are_what_a_motion_takes_at_least():
 
 @pytest.mark.parametrize(("share", "fine"), [(0.99, True), (1.01, False)])
 def test_memory_is_that_of_the_set_points_as_often_as_they_are_held(monkeypatch, share, fine):
-    monkeypatch.setattr("toolpace.setpoints.free_memory", lambda: 1000.0 * ROW * COPIES / share)
+    monkeypatch.setattr("toolpace.motion.setpoints.free_memory", lambda: 1000.0 * ROW * COPIES / share)
     if fine:
         refuse_too_many(1.0, 1e-3, 5)
         return
@@ -33,7 +33,7 @@ def test_memory_is_that_of_the_set_points_as_often_as_they_are_held(monkeypatch,
 
 def test_memory_is_told_in_gigabytes(monkeypatch):
     """An hour of microseconds, 3.6e9 rows of 28 numbers, three times: 2419 GB."""
-    monkeypatch.setattr("toolpace.setpoints.free_memory", lambda: 8e9)
+    monkeypatch.setattr("toolpace.motion.setpoints.free_memory", lambda: 8e9)
     with pytest.raises(UsageError, match=r"and 2\.42e\+03 GB of memory, of which 8 GB are free"):
         refuse_too_many(3600.0, 1e-6, 5)
 
@@ -44,7 +44,7 @@ def test_disk_is_that_of_the_files(monkeypatch, csv, share, fine):
     """Half of the time is sure; with a table two and a half times as much again; five megabytes for the report."""
     task = SimpleNamespace(machine=Machine.load("xyzac-trunnion"), dt=1e-3, csv=csv, npz=True, out=Path("out"))
     wanted = 0.5e6 * ROW * (3.5 if csv else 1.0) + 5e6
-    monkeypatch.setattr("toolpace.files.free_disk", lambda folder: wanted / share)
+    monkeypatch.setattr("toolpace.common.files.free_disk", lambda folder: wanted / share)
     if fine:
         job.refuse_without_room(task, 1e3, "the motion takes")
         return

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-HEAVY = ("numpy", "numba", "scipy", "toolpace.judge", "toolpace.planning", "toolpace.reading")
+HEAVY = ("numpy", "numba", "scipy", "toolpace.judge", "toolpace.planning", "toolpace.programs.reading")
 
 
 @pytest.mark.parametrize("asked", [["--help"], ["plan", "--help"], ["--version"]])

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from tests.support.tampering import Tamper, column, fails, part_of, put, times
-from toolpace import demo, write
-from toolpace.cli import main
-from toolpace.files.seal import KEY
+from toolpace.cli import demo_programs, main
+from toolpace.common.files.seal import KEY
 from toolpace.jobs import job
 from toolpace.judge.figures import AS_SAID, IN_THE_VERDICT, RECOMPUTED
+from toolpace.results import write
 
 COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block", "joints")
 
@@ -28,7 +28,7 @@ def plan(tmp_path_factory):
     """A folder with a plan of a part with two dwells and a stop."""
     folder = tmp_path_factory.mktemp("plan")
     program = folder / "blade.ngc"
-    lines = demo.spiral_program(120).splitlines()
+    lines = demo_programs.spiral_program(120).splitlines()
     lines.insert(len(lines) // 2, "G4 P0.3")
     lines.insert(len(lines) // 3, "G4 P0.2")
     program.write_text("\n".join(lines) + "\n")

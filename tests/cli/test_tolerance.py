@@ -7,11 +7,10 @@ import re
 import msgspec
 import pytest
 
-from toolpace import demo
-from toolpace.cli import main
+from toolpace.cli import demo_programs, main
 from toolpace.cli.tolerance.picture import drawn, round_values
 from toolpace.cli.tolerance.run import apart
-from toolpace.write import read_plan
+from toolpace.results.write import read_plan
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +23,7 @@ def program(tmp_path_factory):
 
 def test_a_row_a_tolerance_and_a_picture(program, tmp_path, capsys):
     picture = tmp_path / "costs.svg"
-    given = ["tolerance", str(program), "-m", demo.MACHINE, "--feed", "none", "--effort", "low"]
+    given = ["tolerance", str(program), "-m", demo_programs.MACHINE, "--feed", "none", "--effort", "low"]
     assert main([*given, "--tips", "20um,5um", "--out", str(picture)]) == 0
     out = capsys.readouterr().out
     rows = re.findall(r"^ *([\d.]+ [µm]+) +([\d.]+ m?s) +([+-][\d.]+ %)", out, re.MULTILINE)
@@ -37,7 +36,7 @@ def test_a_row_a_tolerance_and_a_picture(program, tmp_path, capsys):
 
 def test_a_length_in_two_units_is_one_row(program, capsys):
     """10um and the usual 0.01mm differ by a rounding, which is no length to divide by."""
-    given = ["tolerance", str(program), "-m", demo.MACHINE, "--feed", "none", "--effort", "low"]
+    given = ["tolerance", str(program), "-m", demo_programs.MACHINE, "--feed", "none", "--effort", "low"]
     assert main([*given, "--tips", "10um,0.02mm,20um,0.00001m"]) == 0
     out = capsys.readouterr().out
     rows = re.findall(r"^ *([\d.]+ [µm]+) +[\d.]+ m?s +", out, re.MULTILINE)
@@ -48,9 +47,9 @@ def test_a_length_in_two_units_is_one_row(program, capsys):
 
 
 def test_what_is_no_tolerance_is_told_in_a_line(program, capsys):
-    assert main(["tolerance", str(program), "-m", demo.MACHINE, "--tips", "5um,soft"]) == 2
+    assert main(["tolerance", str(program), "-m", demo_programs.MACHINE, "--tips", "5um,soft"]) == 2
     assert capsys.readouterr().err.startswith("error: --tips: ")
-    assert main(["tolerance", str(program), "-m", demo.MACHINE, "--tips", "0um"]) == 2
+    assert main(["tolerance", str(program), "-m", demo_programs.MACHINE, "--tips", "0um"]) == 2
     assert "--tips 0um: give a value from" in capsys.readouterr().err
 
 
@@ -94,7 +93,7 @@ def test_tolerances_by_place_are_planned_told_and_judged(tmp_path, capsys, asked
         "plan",
         str(file),
         "-m",
-        demo.MACHINE,
+        demo_programs.MACHINE,
         "--tip-tolerance",
         asked,
         "--effort",
@@ -118,10 +117,10 @@ def test_tolerances_by_place_are_planned_told_and_judged(tmp_path, capsys, asked
 def test_a_place_that_is_not_in_the_program_is_told_in_a_line(tmp_path, capsys):
     file = tmp_path / "two.ngc"
     file.write_text(OPERATIONS)
-    given = ["plan", str(file), "-m", demo.MACHINE, "--out", str(tmp_path / "plan"), "--controller", "linuxcnc"]
+    given = ["plan", str(file), "-m", demo_programs.MACHINE, "--out", str(tmp_path / "plan"), "--controller", "linuxcnc"]
     assert main([*given, "--tip-tolerance", "20um,T22:5um"]) == 2
     assert "tolerance of 'T22'" in (told := capsys.readouterr().err) and "did you mean 'T2'?" in told
     assert main([*given, "--tip-tolerance", "20um,T2:5"]) == 2
     assert "has no unit" in capsys.readouterr().err
-    assert main(["tolerance", str(file), "-m", demo.MACHINE, "--tip-tolerance", "20um,T2:5um"]) == 2
+    assert main(["tolerance", str(file), "-m", demo_programs.MACHINE, "--tip-tolerance", "20um,T2:5um"]) == 2
     assert "one for all here" in capsys.readouterr().err

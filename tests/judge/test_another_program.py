@@ -11,7 +11,7 @@ from tests.support import motions
 from tests.support.walks import AXIS, MACHINE, TIP, least_seconds, random_walk, set_points
 from toolpace.judge import program, verify
 from toolpace.judge.matching import alignment
-from toolpace.toolpath import no_rapids
+from toolpace.programs.toolpath import no_rapids
 
 POINTS = motions.set_points()
 PROGRAM = motions.program()

@@ -13,10 +13,10 @@ from toolpace.judge import verify
 from toolpace.judge.figures import Figures
 from toolpace.machine.machine import Machine
 from toolpace.path.path import Path
-from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
 from toolpace.planning.program_plan import plan_program
-from toolpace.reading import read_text
+from toolpace.programs.reading import read_text
 
 HEAD = "G21 G90 G94\nG0 X0 Y0 Z5 {0}0 {1}0\n"
 

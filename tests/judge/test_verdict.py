@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from toolpace.errors import VerificationError
+from toolpace.common.errors import VerificationError
 from toolpace.judge import Check, Verification
 
 SPEED = Check("velocity", 0.06, 0.05, "m/s", False, 1.25, 17, "X")

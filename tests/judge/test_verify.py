@@ -10,11 +10,11 @@ import pytest
 from tests.support import motions
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import toolpath_through
-from toolpace.errors import UsageError, VerificationError
+from toolpace.common.errors import UsageError, VerificationError
 from toolpace.judge import verify, verify_plan
 from toolpace.judge.tool_lengths import length_checks, tool_table
 from toolpace.machine.limits import Limits
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 UP = np.array([0.0, 0.0, 1.0])
 POINTS = motions.set_points()

@@ -11,7 +11,7 @@ import pytest
 from testbed.in_order_distance import distance_of_poses, within_in_order
 from tests.support.walks import AXIS, MACHINE, PEAK, TIP, least_seconds, random_walk, set_points, without
 from toolpace.judge import verify
-from toolpace.toolpath import no_rapids
+from toolpace.programs.toolpath import no_rapids
 
 NEAR = ("tip, ", "axis, ")
 CLEAR = 0.02

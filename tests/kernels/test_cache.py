@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from toolpace.kernels import store as kept
-from toolpace.kernels.store import COMPLETE, DIGEST, SUFFIX, UNUSED, Store
+from toolpace.kernels import kernel_cache as kept
+from toolpace.kernels.kernel_cache import COMPLETE, DIGEST, SUFFIX, UNUSED, Store
 
 SOURCES = Path(kept.__file__).parent
 

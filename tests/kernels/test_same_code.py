@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from toolpace.kernels import names
-from toolpace.kernels.store import DIGEST
+from toolpace.kernels.kernel_cache import DIGEST
 
 KERNELS = ("optimal.multipliers.set_bounds", "optimal.tiles.tiled", "optimal.multipliers.start")
 """The last one calls the first."""
@@ -20,7 +20,7 @@ COMPILE = """
 import sys
 from toolpace.kernels import signatures
 from toolpace.kernels.jit import KERNELS
-from toolpace.kernels.order import import_kernels
+from toolpace.kernels.compile_order import import_kernels
 import_kernels()
 for name in sys.argv[1:]:
     KERNELS[name].compile(tuple(signatures.from_text(each) for each in signatures.read_signatures()[name]))

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from toolpace.kernels import order, signatures
+from toolpace.kernels import compile_order, signatures
 from toolpace.kernels.jit import KERNELS, called_by
+from toolpace.kernels.kernel_cache import SUFFIX
 from toolpace.kernels.lock import FileLock
-from toolpace.kernels.store import SUFFIX
 
 LISTED = signatures.read_signatures()
 
@@ -37,7 +37,7 @@ print(len(shared), warm.is_warm(), told == sorted(told))
 
 @pytest.fixture(scope="module", autouse=True)
 def kernels() -> None:
-    order.import_kernels()
+    compile_order.import_kernels()
 
 
 @pytest.fixture(scope="module")
@@ -70,17 +70,17 @@ def test_a_type_is_read_as_it_was_written():
 
 
 def test_a_kernel_is_given_out_after_all_that_it_calls():
-    work = order.Work(LISTED)
+    work = compile_order.Work(LISTED)
     given: list[str] = []
     while (name := work.take()) is not None:
-        assert order.callees_and_parts(name, set(LISTED))[0] <= set(given)
+        assert compile_order.callees_and_parts(name, set(LISTED))[0] <= set(given)
         given.append(name)
         work.finish(name)
     assert sorted(given) == sorted(LISTED) and not work.left
 
 
 def test_a_kernel_that_a_worker_gave_back_is_given_out_again(smallest):
-    work = order.Work({name: LISTED[name] for name in smallest[:1]})
+    work = compile_order.Work({name: LISTED[name] for name in smallest[:1]})
     assert work.take() == smallest[0]
     work.give_back(smallest[0])
     assert work.take() == smallest[0]
@@ -108,7 +108,7 @@ def test_a_cut_cache_is_told_and_compiled_again(tmp_path, smallest):
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
 def test_one_that_is_stopped_while_it_compiles_leaves_nothing_locked(tmp_path, how):
-    compiling = start(tmp_path, "-m", "toolpace.kernels.warm")
+    compiling = start(tmp_path, "-m", "toolpace.kernels.ahead_of_time")
     while not list(tmp_path.rglob(f"*{SUFFIX}")):
         assert compiling.poll() is None
         time.sleep(0.05)

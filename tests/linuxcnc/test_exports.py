@@ -12,7 +12,7 @@ from testbed.linuxcnc.instance import execute, folder
 from testbed.linuxcnc.play import play
 from testbed.linuxcnc.streamed import PAD, against, play_stream, usage
 from toolpace.cli import main
-from toolpace.exporting import PlannedMotion, export
+from toolpace.controls.export import PlannedMotion, export
 from toolpace.machine.limits import Limits
 
 HEAD = "G21 G90 G17 G94\nG0 X10 Y-5 Z12 A0 C0\nG1 Z8 F900\n"

@@ -7,8 +7,8 @@ import pytest
 
 import toolpace as tp
 from testbed.linuxcnc.following import follow_law
-from toolpace.follow import Status
-from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.deflection.following import Status
 
 HEAD = "G21 G90 G17 G94\nG0 X2 Y-1 Z2 A0 C0\nG1 Z1 F900\n"
 PROGRAM = HEAD + "X18 Y5 A8 C14 F700\nY15 A2\nG4 P0.2\nX10 A-3 C6\nX2 Y2 A4 C-8 F500\nM2\n"

@@ -12,11 +12,11 @@ from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.machines import xyzbc_trt
 from testbed.linuxcnc.run import run_program
 from testbed.linuxcnc.streamed import PAD, STOPPED, against, configuration, play_stream
-from toolpace.errors import UsageError
-from toolpace.exporting import PlannedMotion
-from toolpace.exporting.linuxcnc.inverse_time import InverseTime
+from toolpace.common.errors import UsageError
+from toolpace.controls.export import PlannedMotion
+from toolpace.controls.export.linuxcnc.inverse_time import InverseTime
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 MACHINE = Machine.load("linuxcnc-xyzac-trt")
 DT = 1e-3

@@ -8,8 +8,8 @@ import pytest
 from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.machines import xyzbc_trt
 from testbed.linuxcnc.run import Log, run_program
+from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine.machine import Machine
-from toolpace.units import DEGREE, MILLIMETRE
 
 PLACES = ((10.0, 5.0, 3.0, -25.0, 40.0), (-6.0, 12.0, -4.0, 18.0, -70.0), (4.0, -9.0, 2.0, -41.0, 15.0))
 """X, Y, Z [mm], tilt, C [deg]: on the way to each every axis moves."""

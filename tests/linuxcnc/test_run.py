@@ -10,7 +10,7 @@ from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.patterns import holding_tip
 from testbed.linuxcnc.play import play
 from testbed.linuxcnc.run import LinuxCNCError, _marked, run_program
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.support.growth import NEARLY_LINEAR, order_of_growth, python_calls
-from toolpace.errors import ReachError
+from toolpace.common.errors import ReachError
 from toolpace.machine.machine import Machine
-from toolpace.toolpath import ToolPath
+from toolpace.programs.toolpath import ToolPath
 
 
 def toolpath(tip: np.ndarray, axis: np.ndarray, feed: np.ndarray | float = 0.05, **more: object) -> ToolPath:

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.machines import oracle
 from toolpace.machine.machine import Machine
-from toolpace.toolpath import ToolPath
+from toolpace.programs.toolpath import ToolPath
 
 OURS = sorted(set(Machine.names()) - {"paper-ab", "linuxcnc-xyzac-trt", "linuxcnc-xyzbc-bridgemill"})
 """All but those that were taken from elsewhere with their own conventions."""

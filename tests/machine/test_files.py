@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolpace.errors import MachineError, UsageError
+from toolpace.common.errors import MachineError, UsageError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import FOLDER, Machine
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
-from toolpace.errors import ReachError
+from toolpace.common.errors import ReachError
 from toolpace.machine.machine import Machine
 
 SMALL = 1e-12

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
-from toolpace.errors import MachineError, ReachError
-from toolpace.machine.leaning import leaning, shown, tool_axis
+from toolpace.common.errors import MachineError, ReachError
 from toolpace.machine.machine import FOLDER, Machine
-from toolpace.reading import read_text
+from toolpace.machine.tilt_direction import leaning, shown, tool_axis
+from toolpace.programs.reading import read_text
 
 
 def changed(name: str, *changes: tuple[str, str]) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
-from toolpace.files.toml import toml_value
+from toolpace.common.files.toml import toml_value
 from toolpace.machine.machine import Machine
 from toolpace.machine.text import units_of
 

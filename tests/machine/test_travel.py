@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from toolpace.errors import ReachError
+from toolpace.common.errors import ReachError
 from toolpace.machine.machine import Machine
 
 MACHINE = Machine.load("xyzac-trunnion")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace import trajectory as module
+from toolpace.motion import trajectory as module
 
 
 @pytest.fixture(scope="module")

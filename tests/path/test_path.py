@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.tool_paths import random_toolpath, tilted, toolpath_through
-from toolpace.errors import PathError, UsageError
+from toolpace.common.errors import PathError, UsageError
 from toolpace.path.path import Path
 from toolpace.path.run import unit_jets
 

@@ -7,15 +7,15 @@ import pytest
 
 import toolpace as tp
 from tests.support.tool_paths import toolpath_through
-from toolpace import demo
+from toolpace.cli import demo_programs
 
 
 @pytest.fixture(scope="package")
 def machine():
-    return tp.Machine.load(demo.MACHINE)
+    return tp.Machine.load(demo_programs.MACHINE)
 
 
 @pytest.fixture(scope="package")
 def blade():
     """Once round a blade, as fast as the machine can."""
-    return toolpath_through(*demo.blade_flank(120), feed=np.inf)
+    return toolpath_through(*demo_programs.blade_flank(120), feed=np.inf)

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import toolpace as tp
+from toolpace.controls.timing.linuxcnc import linuxcnc_times
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.program_plan import plan_program
 from toolpace.planning.second_order.planner import SecondOrder
-from toolpace.reading import Source, read_commanded, read_text
-from toolpace.reading.options import ReadOptions
-from toolpace.timing.linuxcnc import linuxcnc_times
+from toolpace.programs.reading import Source, read_commanded, read_text
+from toolpace.programs.reading.options import ReadOptions
 
 AXIS = math.radians(0.05)
 PLACES = ["X10 Y0", "X10 Y10", "X-10 Y10", "X-10 Y-10", "X10 Y-10", "X10 Y0"]

@@ -9,10 +9,10 @@ from testbed.from_positions import used_by_positions
 from testbed.jets import harmonics, path_of, straight
 from testbed.random_plans import FAMILIES, WAYS, random_plan
 from toolpace.kernels.motion import usage
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.trajectory import Trajectory
 from toolpace.planning.planner import plan
-from toolpace.trajectory import Trajectory
 
 KINDS = ("velocity", "acceleration", "jerk")
 

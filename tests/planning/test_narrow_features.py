@@ -7,11 +7,11 @@ import pytest
 
 from testbed.jets import harmonics, path_of, straight
 from tests.support.bends import bend, limits_of
-from toolpace.errors import PathError
+from toolpace.common.errors import PathError
 from toolpace.machine.limits import Limits
-from toolpace.planning.guarantee import PROMISED
+from toolpace.motion.trajectory import Trajectory
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
-from toolpace.trajectory import Trajectory
 
 PLANNED, SHOWN = 1.0 / 1000.0, 1.0 / 1500.0
 """Width, as a share of the run, from which a blip that changes nothing beyond it is planned for, and shows in usage."""

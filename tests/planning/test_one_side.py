@@ -14,8 +14,8 @@ from tests.support.heidenhain import read
 from tests.support.table_table import MACHINE
 from tests.support.tool_paths import tilted, toolpath_through
 from toolpace.cli import main
-from toolpace.errors import UsageError
-from toolpace.planning.guarantee import PROMISED
+from toolpace.common.errors import UsageError
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.program_plan import plan_program
 
 TIP, AXIS = 10e-6, math.radians(0.05)

@@ -7,10 +7,10 @@ import pytest
 
 from testbed.jets import harmonics, path_of
 from tests.support.bends import bend, limits_of
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
 from toolpace.planning.path_at_probes import BENT, caps_between
-from toolpace.planning.peaks import CLOSELY, VAGUE_ABOVE, Look, between
+from toolpace.planning.peaks import CLOSELY, VAGUE_ABOVE, LimitCheck, between
 
 INSIDE = np.linspace(0.0, 1.0, 17)
 
@@ -42,9 +42,9 @@ def test_a_feed_of_a_smooth_cap_is_used_as_it_is():
     limits = Limits([1e3] * 2, [1e6] * 2, [1e9] * 2)
     nodes = np.linspace(0.01, 0.99, 99)
     law = SplineLaw(nodes, np.full(101, 0.5), (0.0, 0.0))
-    asked = Look(run, limits, nodes).peaks_in(law, np.arange(98))
+    asked = LimitCheck(run, limits, nodes).peaks_in(law, np.arange(98))
     run.smooth_cap = True
-    told = Look(run, limits, nodes).peaks(law)
+    told = LimitCheck(run, limits, nodes).peaks(law)
     np.testing.assert_allclose(told.used[:, 0], asked.used[:, 0], rtol=1e-6)
     middle = (nodes[:-1] + nodes[1:]) / 2.0
     np.testing.assert_allclose(told.used[:, 0], np.sqrt(0.5) / speed_cap(middle), rtol=0.05)
@@ -57,7 +57,7 @@ def test_what_is_confirmed_is_nowhere_less_than_many_probes_show(seed):
     run, limits = bend(random, 10.0 ** random.uniform(-4.0, -2.0), 2)[0].runs[0], limits_of(random, 2)
     nodes = np.linspace(0.01, 0.99, 30)
     law = SplineLaw(nodes, np.full(32, 0.05), (0.0, 0.0))
-    look = Look(run, limits, nodes)
+    look = LimitCheck(run, limits, nodes)
     peaks = look.peaks(law)
     used = look.confirmed(law, peaks).used
     near = np.flatnonzero(look.path.unlike & (peaks.used.max(axis=1) > VAGUE_ABOVE))

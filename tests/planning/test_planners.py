@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace.errors import UsageError
-from toolpace.laws.linear import LinearLaw
+from toolpace.common.errors import UsageError
+from toolpace.motion.laws.linear import LinearLaw
 from toolpace.planning.planned_run import PlannedRun
 
 

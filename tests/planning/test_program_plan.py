@@ -12,21 +12,21 @@ import pytest
 import toolpace as tp
 from testbed.programs import s_shape, tulsyan
 from tests.support.tool_paths import toolpath_through
-from toolpace.errors import InfeasibleError, ReachError, UsageError
+from toolpace.common.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
-from toolpace.laws.linear import LinearLaw
+from toolpace.motion.laws.linear import LinearLaw
 from toolpace.path.fit import fit
-from toolpace.path.fit.haste import ACCELERATION, Haste, basis_derivatives
 from toolpace.path.fit.polyline import PlaceTolerances
+from toolpace.path.fit.speed_weights import ACCELERATION, SpeedWeights, basis_derivatives
 from toolpace.path.fit.spline import knots_of
-from toolpace.planning import pace_rounds, program_plan
-from toolpace.planning.guarantee import PROMISED
+from toolpace.planning import program_plan
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import Optimal
+from toolpace.planning.path_and_pace import alternating, local_refit
+from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
+from toolpace.planning.path_and_pace.effort_settings import QUICK
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
-from toolpace.planning.ranking import Ranking, crawls
-from toolpace.planning.together import refit
-from toolpace.planning.together.care import QUICK
-from toolpace.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 
@@ -127,7 +127,7 @@ def test_a_first_path_whose_motion_nobody_knows_is_planned_too(blade, machine, m
             raise InfeasibleError("none at the nodes")
         return planned(path, *given, **options)
 
-    monkeypatch.setattr(pace_rounds, "plan", first_crawls)
+    monkeypatch.setattr(alternating, "plan", first_crawls)
     fitted = fit_program(blade, machine, TIP, math.radians(0.2), effort="normal")
     assert [each.hoped for each in fitted.candidates].count(0.0) == 1 and len(fitted.candidates) >= 3
     assert fitted.candidates[-1].hoped == 0.0
@@ -169,10 +169,10 @@ def test_a_long_straight_way_is_fitted_again_without_a_million_samples(points, s
     way = toolpath_through(tip, np.hstack([np.sin(swing * u), 0.0 * u, np.cos(swing * u)]), feed=np.inf)
     first = tp.Path.fit(way, TIP, AXIS, machine)
     motion = tp.plan(first, machine, guard=False, bound=False)
-    hastes = [Haste.of_law(law, 0.03, 0.1, 6.0) for law in motion.laws]
+    speed_weights = [SpeedWeights.of_law(law, 0.03, 0.1, 6.0) for law in motion.laws]
     samples, look = [], fit.deviations
     monkeypatch.setattr(fit, "deviations", lambda *given: samples.append(len(given[2].s)) or look(*given))
-    again = tp.Path.fit(way, TIP, AXIS, machine, hastes=hastes)
+    again = tp.Path.fit(way, TIP, AXIS, machine, speed_weights=speed_weights)
     assert max(samples) <= fit.MORE_SAMPLES * samples[0] and len(samples) <= 8
     assert again.tip_deviation <= TIP and again.axis_deviation <= AXIS
     if swing == 0.0:
@@ -194,7 +194,7 @@ def test_rows_are_what_a_coordinate_feels_in_time():
         felt = [value[i, 0] @ x[i : i + 6] for i in range(len(at))]
         assert np.allclose(felt, curve.derivative(order)(at), rtol=1e-9, atol=1e-9)
     # at an even pace jerk is the third derivative, and power 6 counts places as they are long
-    even = Haste(np.array([0.0, breaks[-1]]), np.array([[2.0, 2.0], [0.0, 0.0], [0.0, 0.0]]), 0.1, 6.0)
+    even = SpeedWeights(np.array([0.0, breaks[-1]]), np.array([[2.0, 2.0], [0.0, 0.0], [0.0, 0.0]]), 0.1, 6.0)
     rows, weight = even.rows(breaks, 1.0)
     assert np.allclose(weight, 1.0)
     third = third_rows(knots_of(breaks))
@@ -218,13 +218,13 @@ def windows(x):
 def test_the_pace_is_a_mean_over_time():
     """Of a constant acceleration it is the pace itself, and the acceleration, away from the ends."""
     law = LinearLaw(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0]))
-    haste = Haste.of_law(law, 0.1, 0.1, 6.0)
-    inner = (haste.s > 0.1) & (haste.s < 1.8)
-    assert np.allclose(haste.pace[0, inner], np.sqrt(2.0 * haste.s[inner]))
-    assert np.allclose(haste.pace[1, inner], 1.0) and np.allclose(haste.pace[2, inner], 0.0)
-    assert haste.pace[0].min() >= 0.02 * haste.pace[0].max()
-    twice = haste.mean_with(Haste(haste.s, 3.0 * haste.pace, 0.1, 6.0))
-    assert np.allclose(twice.pace, 2.0 * haste.pace)
+    speed_weight = SpeedWeights.of_law(law, 0.1, 0.1, 6.0)
+    inner = (speed_weight.s > 0.1) & (speed_weight.s < 1.8)
+    assert np.allclose(speed_weight.pace[0, inner], np.sqrt(2.0 * speed_weight.s[inner]))
+    assert np.allclose(speed_weight.pace[1, inner], 1.0) and np.allclose(speed_weight.pace[2, inner], 0.0)
+    assert speed_weight.pace[0].min() >= 0.02 * speed_weight.pace[0].max()
+    twice = speed_weight.mean_with(SpeedWeights(speed_weight.s, 3.0 * speed_weight.pace, 0.1, 6.0))
+    assert np.allclose(twice.pace, 2.0 * speed_weight.pace)
 
 
 def test_narrower_tolerances_are_the_same_for_all_wider_ones():
@@ -327,9 +327,9 @@ def test_a_run_that_its_feeds_make_long_is_not_cut_into_a_billion_pieces(machine
     slow = "G21 G94\nG0 X0 Y0 Z0\n" + "".join(f"G1 X{5 * i} Y{i % 2} F{20000 if i % 2 else 1}\n" for i in range(1, 6))
     program = tp.read_text(slow, machine)
     path = tp.Path.fit(program, TIP, AXIS, machine)
-    motion = tp.plan(path, machine, planner=Ranking())
+    motion = tp.plan(path, machine, planner=CheapEvaluation())
     assert motion.duration < 2.0 * program.least_duration
-    monkeypatch.setattr(refit, "known_run", None)
-    monkeypatch.setattr(refit, "MOST", 10_000)
+    monkeypatch.setattr(local_refit, "known_run", None)
+    monkeypatch.setattr(local_refit, "MOST", 10_000)
     tolerances = PlaceTolerances.of(program, TIP, AXIS)
-    assert refit.refitted(program, machine, path, motion, tolerances, 0.1, QUICK).runs == path.runs
+    assert local_refit.refitted(program, machine, path, motion, tolerances, 0.1, QUICK).runs == path.runs

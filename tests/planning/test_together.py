@@ -11,14 +11,14 @@ import pytest
 
 import toolpace as tp
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
-from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.planning.path_and_pace.effort_settings import THOROUGH
+from toolpace.planning.path_and_pace.interior_point import EASED, Work, eased, fix, reach
+from toolpace.planning.path_and_pace.local_refit import known_run, windows
+from toolpace.planning.path_and_pace.positioning_joints import standing_still
+from toolpace.planning.path_and_pace.segment import JERK, SLOT, Stretch, slots_of
+from toolpace.planning.path_and_pace.simultaneous import kept_to_the_promise
 from toolpace.planning.program_plan import plan_program
-from toolpace.planning.together.care import THOROUGH
-from toolpace.planning.together.interior_point import EASED, Work, eased, fix, reach
-from toolpace.planning.together.refit import known_run, windows
-from toolpace.planning.together.rounds import kept_to_the_promise
-from toolpace.planning.together.still import standing_still
-from toolpace.planning.together.stretch import JERK, SLOT, Stretch, slots_of
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 SCALE = np.repeat([TIP, AXIS], [3, 2])

@@ -5,7 +5,7 @@ import pytest
 
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
-from toolpace.errors import InfeasibleError
+from toolpace.common.errors import InfeasibleError
 from toolpace.planning.mesh.nodes import MOST_UNLIKE, graded
 from toolpace.planning.planner import plan
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from toolpace.reading import read_text
-from toolpace.reading.coordinates.setup import SetUp, Tool
+from toolpace.programs.reading import read_text
+from toolpace.programs.reading.coordinates.setup import SetUp, Tool
 
 R = 4.0
 """Of the tool [mm]."""

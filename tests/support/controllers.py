@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.findings import Findings
-from toolpace.reading.gcode.reader import WordAddressReader
-from toolpace.reading.options import ReadOptions
-from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.gcode.reader import WordAddressReader
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.source import Source
+from toolpace.programs.toolpath import ToolPath
 
 
 def read_for(controller: str | Controller, body: str, machine=None, name: str = "part.nc", **options) -> ToolPath:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from tests.support.table_table import MACHINE
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.coordinates.setup import SetUp
-from toolpace.reading.findings import Findings
-from toolpace.reading.heidenhain.reader import HeidenhainReader
-from toolpace.reading.options import ReadOptions
-from toolpace.reading.source import Source
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.coordinates.setup import SetUp
+from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.heidenhain.reader import HeidenhainReader
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.source import Source
 
 CONTROLLER = Controller.load("heidenhain")
 START = "TOOL CALL 1 Z S1000\nL X+0 Y+0 Z+0 R0 FMAX\n"

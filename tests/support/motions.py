@@ -10,9 +10,9 @@ import numpy as np
 
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.toolpath import ToolPath
-from toolpace.trajectory import OpenPlace, Skipped
+from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.trajectory import OpenPlace, Skipped
+from toolpace.programs.toolpath import ToolPath
 
 RADIUS = 0.02
 LENGTHS = (0.04, np.pi * RADIUS)

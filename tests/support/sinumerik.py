@@ -7,13 +7,13 @@ import functools
 import numpy as np
 
 from toolpace.machine.machine import Machine
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.coordinates.setup import SetUp
-from toolpace.reading.findings import Findings
-from toolpace.reading.options import ReadOptions
-from toolpace.reading.sinumerik.reader import SinumerikReader
-from toolpace.reading.source import Source
-from toolpace.toolpath import ToolPath
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.coordinates.setup import SetUp
+from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.sinumerik.reader import SinumerikReader
+from toolpace.programs.reading.source import Source
+from toolpace.programs.toolpath import ToolPath
 
 SINUMERIK = Controller.load("sinumerik")
 START = "G54 G64 G90 G71 F1000\nG0 X0 Y0 Z0\n"

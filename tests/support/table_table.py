@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats
+from toolpace.common.arrays import Bools, Floats
 
 
 class TableTable:

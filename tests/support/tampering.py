@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from toolpace.cli import main
-from toolpace.files.seal import KEY, write_seal
+from toolpace.common.files.seal import KEY, write_seal
 
 
 class Tamper:

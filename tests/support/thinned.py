@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 ARRAYS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")
 

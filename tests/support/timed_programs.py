@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace import Limits, Machine
-from toolpace.reading import Source, read_commanded
-from toolpace.timing.figures import ControlFigures, figures_of
-from toolpace.timing.program_time import ProgramTime, time_of_moves
+from toolpace.controls.timing.figures import ControlFigures, figures_of
+from toolpace.controls.timing.program_time import ProgramTime, time_of_moves
+from toolpace.programs.reading import Source, read_commanded
 
 MACHINE = Machine.load("xyzac-trunnion")
 A, J = 2.0, 40.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.toolpath import ToolPath
+from toolpace.programs.toolpath import ToolPath
 
 
 def toolpath_through(tip, axis, *, stops=(), dwells=None, rotary=None, joints=(), feed=0.05):

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbed.verdict import usage_at
 from toolpace.machine.limits import KINDS
-from toolpace.trajectory import Trajectory
+from toolpace.motion.trajectory import Trajectory
 
 
 def dense_usage(trajectory: Trajectory, samples: int = 20_000, seed: int = 0, kinds: Sequence[str] = KINDS) -> float:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from toolpace.reading.control.control import Control, Rules
-from toolpace.reading.controllers.controller import Controller
-from toolpace.reading.coordinates.setup import SetUp
-from toolpace.reading.findings import Findings
-from toolpace.reading.options import ReadOptions
-from toolpace.reading.source import Source
+from toolpace.programs.reading.control.control import Control, Rules
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.coordinates.setup import SetUp
+from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.source import Source
 
 MM, DEG = 1e-3, math.pi / 180.0
 ALL = 7

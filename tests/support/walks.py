@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tests.support import motions
-from toolpace.setpoints import SetPoints
-from toolpace.toolpath import ToolPath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.toolpath import ToolPath
 
 TIP, AXIS = 10e-6, 1e-3
 """Tolerances [m], [rad]."""

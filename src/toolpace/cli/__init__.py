@@ -54,7 +54,7 @@ def _in_one_line(
     line: str | None = None,
 ) -> None:
     """Show a warning: a question about a figure as one, any other with the place in the code that gave it."""
-    from toolpace.errors import UnitWarning, printable
+    from toolpace.common.errors import UnitWarning, printable
 
     text = printable(" ".join(str(message).split()))
     asked = issubclass(category, UnitWarning)
@@ -69,7 +69,7 @@ def _run(tokens: list[str]) -> int:
 
     from toolpace.cli.app import app
     from toolpace.cli.ending import ended_by
-    from toolpace.errors import ToolpaceError
+    from toolpace.common.errors import ToolpaceError
 
     try:
         code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
@@ -89,7 +89,7 @@ def _run(tokens: list[str]) -> int:
 
 
 def _fail(message: str, code: int) -> int:
-    from toolpace.errors import printable
+    from toolpace.common.errors import printable
 
     line = "error: " + printable(" ".join(message.split()))
     if len(line) > LONGEST:

@@ -7,13 +7,13 @@ from pathlib import Path
 from cyclopts import App
 
 from toolpace.cli import comparing, exporting, options
-from toolpace.cli.live import run as live
-from toolpace.cli.many import command as many
-from toolpace.cli.placing import command as placing
+from toolpace.cli.batch import command as many
+from toolpace.cli.follow import run as live
+from toolpace.cli.setup import command as placing
 from toolpace.cli.steps import Steps, new_console
 from toolpace.cli.tolerance import command as tolerance
-from toolpace.errors import UsageError
-from toolpace.version import __version__
+from toolpace.common.errors import UsageError
+from toolpace.common.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 
@@ -257,7 +257,7 @@ def time_command(
         toolpace time part.nc -m my-mill.toml --fit log.csv --write-controller my-control.toml
     """
     from toolpace.cli import arguments
-    from toolpace.cli.timing import fitting, run
+    from toolpace.cli.time import fitting, run
     from toolpace.jobs.timed import Asked
 
     within = arguments.tolerances(tolerances)

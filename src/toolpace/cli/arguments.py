@@ -8,22 +8,22 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace import units
-from toolpace.errors import UsageError, did_you_mean
-from toolpace.files import file_to_write, folder_to_write
+from toolpace.common import units
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.common.files import file_to_write, folder_to_write
 from toolpace.jobs.job import AXIS_TOLERANCES, TIME_STEPS, TIP_TOLERANCES
 from toolpace.planning.planner import PLANNERS
-from toolpace.reading.source import STANDARD_INPUT
+from toolpace.programs.reading.source import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
 
     from toolpace.cli.options import Reading
     from toolpace.cli.options import Tolerances as TypedTolerances
-    from toolpace.cuttingtool import CuttingTool
+    from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
-    from toolpace.reading import ReadOptions
-    from toolpace.tolerances.tolerances import Tolerances
+    from toolpace.programs.reading import ReadOptions
+    from toolpace.programs.tolerances.tolerances import Tolerances
 
 
 def planner_named(name: str) -> str:
@@ -80,7 +80,7 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
 def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
     """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
     from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE
-    from toolpace.tolerances.tolerances import SIDES, Tolerances
+    from toolpace.programs.tolerances.tolerances import SIDES, Tolerances
 
     def metres(text: str) -> float:
         value = _parsed("--tip-tolerance", units.parse_length, text)
@@ -149,7 +149,7 @@ def tool_named(path: str | None) -> CuttingTool | None:
     """The tool that bends, from its file; None where none is given."""
     if path is None:
         return None
-    from toolpace.bending.tool_file import load_tool
+    from toolpace.cutting.tool_file import load_tool
 
     return load_tool(path)
 
@@ -185,7 +185,7 @@ def time_to_prove(text: str, planner: str) -> float:
 def feed_asked(feed: str | None) -> str | None:
     """The text of --feed, found to be one."""
     if feed is not None:
-        from toolpace.reading.feeds import FeedChange
+        from toolpace.programs.reading.feeds import FeedChange
 
         FeedChange.parse(feed)
     return feed
@@ -193,7 +193,7 @@ def feed_asked(feed: str | None) -> str | None:
 
 def control_model(name: str | None) -> str | None:
     """The name of a model of a control, or None. Raises UsageError."""
-    from toolpace.timing.figures import MODELS
+    from toolpace.controls.timing.figures import MODELS
 
     if name is None or name in MODELS:
         return name

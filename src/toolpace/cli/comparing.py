@@ -12,11 +12,11 @@ from rich.table import Table
 from rich.text import Text
 
 from toolpace.cli.steps import Steps, new_console
-from toolpace.errors import printable
-from toolpace.units import format_time
+from toolpace.common.errors import printable
+from toolpace.common.units import format_time
 
 if TYPE_CHECKING:
-    from toolpace.comparing import Compared
+    from toolpace.results.compare import Compared
 
 Plans = Annotated[list[str], Parameter(help="Two to eight folders that `toolpace plan` wrote.")]
 Page = Annotated[
@@ -40,9 +40,9 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
     """
     from toolpace.cli import arguments
     from toolpace.cli.summary import limit_in_words
-    from toolpace.comparing import compared
-    from toolpace.comparing.page import comparison_page
-    from toolpace.files import write_text
+    from toolpace.common.files import write_text
+    from toolpace.results.compare import compared
+    from toolpace.results.compare.page import comparison_page
 
     target = arguments.file_for_result("--page", page)
     console = new_console()
@@ -62,8 +62,8 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
 
 
 def _show_plans(console: Console, found: Compared) -> None:
-    from toolpace.comparing.page import said_verdict
-    from toolpace.reporting.words import at_most
+    from toolpace.results.compare.page import said_verdict
+    from toolpace.results.report.words import at_most
 
     table = Table(box=SIMPLE, pad_edge=False)
     for heading in ("plan", "program", "machine", "time", "against the first", "gap", "verdict"):

@@ -7,8 +7,8 @@ from rich.table import Table
 from rich.text import Text
 
 from toolpace.cli.steps import new_console
-from toolpace.errors import UsageError, printable
-from toolpace.reading.controllers.controller import Controller
+from toolpace.common.errors import UsageError, printable
+from toolpace.programs.reading.controllers.controller import Controller
 
 
 def run_controllers(name: str | None, toml: bool) -> int:

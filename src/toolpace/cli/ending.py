@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
-from toolpace.files import finished
-from toolpace.files.signals import ENDING
-from toolpace.workers import interrupted
+from toolpace.common.files import finished
+from toolpace.common.files.signals import ENDING
+from toolpace.common.workers import interrupted
 
 _WORDS = {signal.SIGINT: "interrupted"}
 

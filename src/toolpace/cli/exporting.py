@@ -11,7 +11,7 @@ from rich.console import Console
 
 from toolpace.cli.options import Switch
 from toolpace.cli.steps import Steps, new_console
-from toolpace.errors import UsageError, printable
+from toolpace.common.errors import UsageError, printable
 
 TargetName = Annotated[
     str,
@@ -114,7 +114,7 @@ def counts_given(text: str) -> dict[str, str]:
 def run_export(directory: str, to: str, out: str | None, options: TargetOptions) -> int:
     """Write a plan for a control, and say what was written."""
     from toolpace.cli import arguments
-    from toolpace.exporting import PlannedMotion, target_of, write_export
+    from toolpace.controls.export import PlannedMotion, target_of, write_export
     from toolpace.jobs import job
 
     console = new_console()

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 from toolpace.cli import summary
 from toolpace.cli.options import AS_WRITTEN, Reading
 from toolpace.cli.steps import Steps
-from toolpace.errors import UsageError, printable
+from toolpace.common.errors import UsageError, printable
+from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.jobs import job
-from toolpace.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from toolpace.judge import Verification
-    from toolpace.reading import ReadOptions
-    from toolpace.tolerances.tolerances import Tolerances
-    from toolpace.write import PlanRecord
+    from toolpace.programs.reading import ReadOptions
+    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.results.write import PlanRecord
 
 
 def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> tuple[PlanRecord, Verification]:
@@ -28,15 +28,15 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     there. The program is read as it was for the plan, but for what `reading` says."""
     import msgspec
 
-    from toolpace import write
-    from toolpace.files import changed, is_folder, reason
+    from toolpace.common.files import changed, is_folder, reason
     from toolpace.judge import Check, verify_plan
     from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances
     from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
-    from toolpace.reading import Source, read_source
-    from toolpace.reading.setup_file import setup_text
-    from toolpace.setpoints import SetPoints
+    from toolpace.motion.setpoints import SetPoints
+    from toolpace.programs.reading import Source, read_source
+    from toolpace.programs.reading.setup_file import setup_text
+    from toolpace.results import write
 
     if not is_folder(folder):
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
@@ -73,7 +73,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
 
 def refuse_pipes(folder: Path) -> None:
     """Raise UsageError where a name in a folder is that of a pipe or a device: reading it might never end."""
-    from toolpace.files import reason
+    from toolpace.common.files import reason
 
     try:
         with os.scandir(folder) as entries:
@@ -93,7 +93,7 @@ def plain(entry: os.DirEntry[str]) -> bool:
 
 def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadOptions:
     """How the program was read for a plan, but for what is asked for now."""
-    from toolpace import write
+    from toolpace.results import write
 
     then, now = write.read_again(folder, record.reading), reading.options(None)
     return replace(
@@ -113,7 +113,7 @@ def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadO
 def program_in(folder: Path, record: PlanRecord) -> Path | None:
     """The copy of the program in the folder of a plan; None where plan.json names none. Raises UsageError where it
     names a file elsewhere, or another than the copy."""
-    from toolpace.write.result import copy_name
+    from toolpace.results.write.result import copy_name
 
     name = record.program_file
     if not name:
@@ -129,15 +129,16 @@ def program_in(folder: Path, record: PlanRecord) -> Path | None:
 
 def run_demo(out: Path, console: Console) -> int:
     """Write the demo's program, plan it, show the summary, name the report."""
-    from toolpace import demo, write
+    from toolpace.cli import demo_programs
     from toolpace.machine.machine import Machine
-    from toolpace.reading import Source
+    from toolpace.programs.reading import Source
+    from toolpace.results import write
 
-    machine = Machine.load(demo.MACHINE)
+    machine = Machine.load(demo_programs.MACHINE)
     steps = Steps(console)
     job.warm_up(steps)
     with steps.step("generating") as step:
-        source = Source.from_bytes(demo.impeller_program(machine).encode("ascii"), "impeller.ngc")
+        source = Source.from_bytes(demo_programs.impeller_program(machine).encode("ascii"), "impeller.ngc")
         step.note = "the program of an impeller, seven blades"
     task = job.Job(Path(source.name), machine, out, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
     record, verification = job.carry_out(task, steps)

@@ -13,20 +13,20 @@ from rich.text import Text
 
 from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
-from toolpace.description import counted
-from toolpace.errors import ToolpaceError, printable
+from toolpace.common.description import counted
+from toolpace.common.errors import ToolpaceError, printable
+from toolpace.common.units import format_time
 from toolpace.jobs.following import follow_as_planned
 from toolpace.jobs.inspected import inspection_record
-from toolpace.reading.inspection import Inspection, inspect_source, unreadable
-from toolpace.reading.source import Source
-from toolpace.units import format_time
+from toolpace.programs.reading.inspection import Inspection, inspect_source, unreadable
+from toolpace.programs.reading.source import Source
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from toolpace.cli.options import Reading
     from toolpace.machine.machine import Machine
-    from toolpace.reading.inspection import Range
+    from toolpace.programs.reading.inspection import Range
 
 NAMED = 3
 """Most machines that a table names."""
@@ -85,9 +85,9 @@ def _machines(name: str | None, reading: Reading) -> list[Machine]:
 
 def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Machine], reading: Reading) -> None:
     """A sheet with all that the programs use, on the machine that they were read for."""
-    from toolpace.files import write_text
-    from toolpace.reading.findings import Used
-    from toolpace.reading.setup_sheet import setup_sheet
+    from toolpace.common.files import write_text
+    from toolpace.programs.reading.findings import Used
+    from toolpace.programs.reading.setup_sheet import setup_sheet
 
     used = Used()
     for each in found:

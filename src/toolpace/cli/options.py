@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
-    from toolpace.reading import ReadOptions
+    from toolpace.programs.reading import ReadOptions
 
 Switch = Parameter(negative="", show_default=False)
 """An option that is there or not."""
@@ -190,7 +190,7 @@ class Reading:
 
     def options(self, machine: Machine | None) -> ReadOptions:
         """The options, with files loaded. Raises UsageError."""
-        from toolpace.reading import ReadOptions
+        from toolpace.programs.reading import ReadOptions
 
         return ReadOptions.of(
             machine,

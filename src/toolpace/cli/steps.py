@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from toolpace.errors import printable
+from toolpace.common.errors import printable
+from toolpace.common.units import format_time
 from toolpace.jobs.steps import Step, TimedSteps
-from toolpace.units import format_time
 
 WIDTH = 12
 """Of the column of names: that of the longest step, and a space."""

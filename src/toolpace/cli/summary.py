@@ -8,12 +8,12 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.description import counted
-from toolpace.errors import printable
+from toolpace.common.description import counted
+from toolpace.common.errors import printable
+from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
-from toolpace.planning.guarantee import PROMISED
-from toolpace.reporting.words import mesh_gap, motion_gap
-from toolpace.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
+from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.results.report.words import mesh_gap, motion_gap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
-    from toolpace.write import PlanRecord
-    from toolpace.write.plan_json import BendingRecord, OpenPlaceRecord
+    from toolpace.results.write import PlanRecord
+    from toolpace.results.write.plan_json import BendingRecord, OpenPlaceRecord
 
 LEAST_GAIN = 5e-4
 """Share of the duration from which the iterations count as a saving."""
@@ -267,7 +267,7 @@ def show_machine(console: Console, machine: Machine) -> None:
 
 def show_poses(console: Console, machine: Machine) -> None:
     """The chain, and poses to compare with the real machine; lines are not broken, so that columns stay aligned."""
-    from toolpace.machine.poses import pose_table
+    from toolpace.machine.pose_table import pose_table
 
     _head(console, machine)
     console.print(Text(f"Tip and tool axis in the frame of the part:\n{pose_table(machine.geometry)}"), soft_wrap=True)

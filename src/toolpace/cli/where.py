@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
 
 
 @Parameter(name="*")

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.units import DEGREE, MILLIMETRE
+from toolpace.common.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
-    from toolpace.arrays import Bools
-    from toolpace.reading.inspection import Candidate
-    from toolpace.toolpath import ToolPath
+    from toolpace.common.arrays import Bools
+    from toolpace.programs.reading.inspection import Candidate
+    from toolpace.programs.toolpath import ToolPath
 
 NEAR = 0.02
 """Share of its travel from the end of which a joint is close to it."""
@@ -29,11 +29,11 @@ MOST_FITTED = 5000
 
 def follow_as_planned(machine: Candidate, toolpath: ToolPath) -> None:
     """Raise ReachError where the machine cannot follow the program, or the smooth path leaves its travel."""
-    from toolpace.axispath.axispath import AxisPath
-    from toolpace.axispath.travel import check_travel
-    from toolpace.errors import PathError
+    from toolpace.common.errors import PathError
     from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
     from toolpace.machine.machine import Machine
+    from toolpace.path.axispath.axispath import AxisPath
+    from toolpace.path.axispath.travel import check_travel
     from toolpace.path.path import Path
 
     assert isinstance(machine, Machine)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from toolpace.errors import printable
-from toolpace.reading.inspection import Inspection
+from toolpace.common.errors import printable
+from toolpace.programs.reading.inspection import Inspection
 
 
 def inspection_record(found: Inspection) -> dict[str, object]:

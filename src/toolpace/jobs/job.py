@@ -16,27 +16,27 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.description import counted
+from toolpace.common.description import counted
+from toolpace.common.units import format_length, format_time
 from toolpace.jobs.steps import TimedSteps
-from toolpace.planning.guarantee import PROMISED
-from toolpace.reading.options import ReadOptions
-from toolpace.units import format_length, format_time
+from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.programs.reading.options import ReadOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from toolpace.bending.aim_off import AimedOff
-    from toolpace.cuttingtool import CuttingTool
+    from toolpace.cutting.bending.compensated_program import BendingCompensation
     from toolpace.judge import Verification
+    from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
-    from toolpace.planning.pace_rounds import Round
+    from toolpace.motion.setpoints import SetPoints
+    from toolpace.motion.trajectory import Trajectory
+    from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.program_plan import FittedProgram, ProgramPlan
-    from toolpace.reading import Source
-    from toolpace.setpoints import SetPoints
-    from toolpace.tolerances.tolerances import Tolerances
-    from toolpace.toolpath import ToolPath
-    from toolpace.trajectory import Trajectory
-    from toolpace.write import PlanRecord, PlanResult
+    from toolpace.programs.reading import Source
+    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.write import PlanRecord, PlanResult
 
 NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
@@ -79,8 +79,8 @@ class Job:
 
 def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
-    from toolpace import write
-    from toolpace.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.results import write
 
     job = loaded(job)
     warm_up(steps)
@@ -119,9 +119,9 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
 
 def refuse_without_room(job: Job, duration: float, what: str) -> None:
     """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
-    from toolpace.errors import UsageError
-    from toolpace.files import free_disk
-    from toolpace.setpoints import refuse_too_many
+    from toolpace.common.errors import UsageError
+    from toolpace.common.files import free_disk
+    from toolpace.motion.setpoints import refuse_too_many
 
     joints = len(job.machine.joints)
     # A curve may cut corners, so half of the time is what is sure.
@@ -141,8 +141,8 @@ def refuse_without_room(job: Job, duration: float, what: str) -> None:
 def loaded(job: Job) -> Job:
     """The job with its program in memory, and its controller known: what is planned, judged and kept is what was read
     now."""
-    from toolpace.reading import Source
-    from toolpace.reading.languages import with_controller
+    from toolpace.programs.reading import Source
+    from toolpace.programs.reading.languages import with_controller
 
     source = job.source if job.source is not None else Source.load(job.program)
     return replace(job, source=source, options=with_controller(source, job.dialect, job.options)[0])
@@ -150,7 +150,7 @@ def loaded(job: Job) -> Job:
 
 def read_program(job: Job, steps: TimedSteps) -> ToolPath:
     """The program as a tool path that the machine can reach all points of."""
-    from toolpace.reading import read_source
+    from toolpace.programs.reading import read_source
 
     assert job.source is not None
     with steps.step("reading") as step:
@@ -180,7 +180,7 @@ def durations_in_words(rounds: Sequence[Round]) -> str:
 
 def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPlan:
     """The fastest motion along a path."""
-    from toolpace.axispath.travel import check_travel
+    from toolpace.path.axispath.travel import check_travel
     from toolpace.planning.program_plan import plan_fitted
 
     with steps.step("planning") as step:
@@ -193,23 +193,23 @@ def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPl
     return planned
 
 
-def program_plan_of(aimed: AimedOff) -> ProgramPlan:
+def program_plan_of(aimed: BendingCompensation) -> ProgramPlan:
     """A program compensated for the bending, with its path fitted once in each iteration."""
     from toolpace.planning.program_plan import ProgramPlan
 
     return ProgramPlan(aimed.path, aimed.trajectory, "low", ())
 
 
-def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> AimedOff | None:
+def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> BendingCompensation | None:
     """The program compensated for the bending of its tool, and planned; None where it is stiff."""
     if job.tool is None:
         return None
-    from toolpace.axispath.travel import check_travel
-    from toolpace.bending.aim_off import aim_off, refuse_coarse
+    from toolpace.cutting.bending.compensated_program import compensate_bending, refuse_coarse
+    from toolpace.path.axispath.travel import check_travel
 
     refuse_coarse(toolpath, job.tool, job.dt)
     with steps.step("compensating") as step:
-        aimed = aim_off(
+        aimed = compensate_bending(
             toolpath, job.machine, job.tool, job.tip_tolerance, job.axis_tolerance, planner=job.planner, progress=step
         )
         check_travel(aimed.trajectory.axis_path, program_name(job))
@@ -236,7 +236,7 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
     Of what other tries have closed there is nothing to say.
     """
     from toolpace.planning.bound.prove import prove
-    from toolpace.planning.optimal.another_try import FAR
+    from toolpace.planning.optimal.fallback_strategies import FAR
 
     if job.prove_within is not None:
         with steps.step("proving") as step:
@@ -253,7 +253,7 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
 
 def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:
     """What the tool changes of the set-up sheet take beside the motion, where it tells of them."""
-    from toolpace.timing.program_time import changes
+    from toolpace.controls.timing.program_time import changes
 
     each, count = job.options.setup.tool_change, sum(changes(toolpath.operations))
     if each > 0.0 and count:
@@ -276,7 +276,7 @@ def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath:
 def verify_motion(job: Job, steps: TimedSteps, setpoints: SetPoints, toolpath: ToolPath) -> Verification:
     """The judge's word on the set-points."""
     from toolpace.judge import verify
-    from toolpace.reading.setup_file import setup_text
+    from toolpace.programs.reading.setup_file import setup_text
 
     sheet = setup_text(job.options.setup)
     with steps.step("verifying"):
@@ -285,7 +285,7 @@ def verify_motion(job: Job, steps: TimedSteps, setpoints: SetPoints, toolpath: T
 
 def write_results(job: Job, steps: TimedSteps, result: PlanResult) -> PlanRecord:
     """The folder, whole or not at all."""
-    from toolpace import write
+    from toolpace.results import write
 
     with steps.step(write.WRITING) as step:
         return write.write_folder(job.out, result, csv=job.csv, report=job.report, npz=job.npz, progress=step)
@@ -293,17 +293,17 @@ def write_results(job: Job, steps: TimedSteps, result: PlanResult) -> PlanRecord
 
 def warm_up(steps: TimedSteps) -> None:
     """On the first run of all, compile what the job will need, and say so."""
-    from toolpace.kernels import warm
+    from toolpace.kernels import ahead_of_time
 
-    if warm.is_warm():
+    if ahead_of_time.is_warm():
         return
     with steps.step("compiling", "first run on this computer, may take a minute; kept for later runs") as tell:
-        warm.warm_up(tell)
+        ahead_of_time.warm_up(tell)
 
 
 def written(job: Job, record: PlanRecord) -> list[str]:
     """Names of the files of its folder, the one to look at last."""
-    from toolpace.write import written_files
+    from toolpace.results.write import written_files
 
     return written_files(job.program, record, csv=job.csv, report=job.report, npz=job.npz)
 

@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.errors import ToolpaceError, printable
+from toolpace.common.errors import ToolpaceError, printable
 from toolpace.jobs import job
 from toolpace.jobs.steps import TimedSteps
 
 if TYPE_CHECKING:
+    from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.machine.machine import Machine
-    from toolpace.operations import OperationTime
-    from toolpace.reading import ReadOptions, Source
-    from toolpace.timing.program_time import ProgramTime
-    from toolpace.tolerances.tolerances import Tolerances
+    from toolpace.motion.operation_times import OperationTime
+    from toolpace.programs.reading import ReadOptions, Source
+    from toolpace.programs.tolerances.tolerances import Tolerances
 
 KINDS = ("cutting", "rapid", "dwell", "tool_change")
 """What time goes to."""
@@ -67,12 +67,12 @@ def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None =
 
     Raises ToolpaceError: of a program that the machine cannot follow too, whether it is planned or not.
     """
+    from toolpace.controls.timing.program import figures_for, moves_of
+    from toolpace.controls.timing.program_time import of_operations, time_of_moves
     from toolpace.jobs.following import follow_as_planned
-    from toolpace.reading import Findings, Source
-    from toolpace.reading.languages import with_controller
-    from toolpace.reading.setup_sheet import with_cure_of_zero
-    from toolpace.timing.program import figures_for, moves_of
-    from toolpace.timing.program_time import of_operations, time_of_moves
+    from toolpace.programs.reading import Findings, Source
+    from toolpace.programs.reading.languages import with_controller
+    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
 
     source = source if source is not None else Source.load(program)
     options, found = with_controller(source, asked.dialect, asked.options)
@@ -120,8 +120,8 @@ def planned_job(source: Source, asked: Asked) -> job.Job:
 
 def optimum_of(task: job.Job, steps: TimedSteps) -> tuple[OperationTime, ...]:
     """The parts of the fastest motion along the program. Raises ToolpaceError."""
-    from toolpace.operations import operation_times
-    from toolpace.reading.setup_sheet import with_cure_of_zero
+    from toolpace.motion.operation_times import operation_times
+    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
 
     job.warm_up(steps)
     toolpath = job.read_program(task, steps)

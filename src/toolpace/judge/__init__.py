@@ -15,8 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from toolpace.cuttingtool import CuttingTool
-from toolpace.errors import UsageError
+from toolpace.common.errors import UsageError
 from toolpace.judge.columns import column_checks
 from toolpace.judge.figures import Figures
 from toolpace.judge.motion import motion_checks, rest_checks, step_check
@@ -25,11 +24,12 @@ from toolpace.judge.program import ProgramJudgement, program_checks
 from toolpace.judge.tool import tool_checks
 from toolpace.judge.tool_lengths import length_checks, tool_table
 from toolpace.judge.verification import Check, Verification
+from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.setpoints import SetPoints
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath, check_toolpath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath, check_toolpath
 
 __all__ = ["Check", "Verification", "verify"]
 

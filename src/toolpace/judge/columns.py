@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.motion import TOLERANCE, largest_difference, position_noise, unit_of
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 COLUMN_ROUNDING = 1e-9
 """Relative error of the set-points' own derivatives, which are worked out, not differenced."""

@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from toolpace.errors import printable
+from toolpace.common.errors import printable
+from toolpace.common.units import DEGREE, MILLIMETRE, parse_angle, parse_length
+from toolpace.judge.feed_check import FeedUse
 from toolpace.judge.operations import OperationFigures, Passages
-from toolpace.judge.pace import FeedUse
 from toolpace.judge.tool_lengths import ways
 from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
-from toolpace.units import DEGREE, MILLIMETRE, parse_angle, parse_length
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath
 
 SAME = 1e-9
 """Relative difference of figures that are worked out in the same way twice."""

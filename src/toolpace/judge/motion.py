@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 TOLERANCE = 1e-4
 """Share of a limit by which it may be exceeded."""

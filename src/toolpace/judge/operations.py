@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.errors import printable
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import printable
 from toolpace.judge.usage import wrong
 from toolpace.judge.verification import Check
-from toolpace.toolpath import ToolPath
+from toolpace.programs.toolpath import ToolPath
 
 SAME = 1e-9
 """Share of the duration to which sums agree."""

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.matching.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE, still_step
 from toolpace.judge.operations import Passages
 from toolpace.judge.rows import MotionRow
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.toolpath import ToolPath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.toolpath import ToolPath
 
 HIDDEN = 2
 """Steps of a dwell that sampling may hide: its first and its last."""

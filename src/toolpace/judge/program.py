@@ -7,21 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.cuttingtool import CuttingTool
+from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.bending.bent import BentTool
+from toolpace.judge.feed_check import FeedUse, block_check, feed_use
 from toolpace.judge.matching.alignment import Alignment, BothWays, Lost, align
 from toolpace.judge.matching.side import side_check
 from toolpace.judge.operations import Passages
-from toolpace.judge.pace import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passing
 from toolpace.judge.rows import MotionRow, motion_row, program_line
 from toolpace.judge.tool_lengths import ways
 from toolpace.judge.verification import Check
+from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath
 
 GRACE = 1e-3
 """Share of a tolerance granted for the chords of arcs and rotations, on both sides, and for rounding."""

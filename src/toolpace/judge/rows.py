@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.toolpath import ToolPath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.toolpath import ToolPath
 
 CHORD = 5e-4
 """Most distance of a chord from the curve of motion or tool axis that it stands for [tolerances]."""

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.errors import UsageError
-from toolpace.files import reason
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError
+from toolpace.common.files import reason
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 ROUNDING = 2e-14
 """Relative rounding of fifteen digits, and of the change of units."""

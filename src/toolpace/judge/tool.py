@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 TIP_AGREEMENT = 1e-8
 """How far the tip column may be from forward kinematics [m]."""

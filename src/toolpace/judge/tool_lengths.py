@@ -7,12 +7,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.errors import UsageError
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.toolpath import ToolPath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.toolpath import ToolPath
 
 SAME = 1e-9
 """Lengths that differ by less are one [m]: sheets are written in millimetres and inches."""

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from toolpace.judge.feed_check import FeedUse
 from toolpace.judge.motion import TOLERANCE
-from toolpace.judge.pace import FeedUse
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.toolpath import ToolPath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.toolpath import ToolPath
 
 SHARE = 0.04
 """By how much the share of time in which a limit binds may differ between set-points and all times."""

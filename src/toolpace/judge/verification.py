@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from toolpace.description import counted, one_line
-from toolpace.equality import ByValue
-from toolpace.errors import VerificationError
+from toolpace.common.description import counted, one_line
+from toolpace.common.equality import ByValue
+from toolpace.common.errors import VerificationError
 
 _EDGE = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
 """Units are turned into those of the shop floor only where a text is made."""

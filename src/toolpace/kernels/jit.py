@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 
 import numba
 
-from toolpace.kernels.cache import KernelCache
 from toolpace.kernels.names import stable_names
+from toolpace.kernels.numba_cache import KernelCache
 
 F = TypeVar("F", bound=Callable[..., Any])
 TYPES: Any = numba.types

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from toolpace.errors import MachineError, UnitWarning, printable
-from toolpace.units import JOINT_LIMITS
+from toolpace.common.errors import MachineError, UnitWarning, printable
+from toolpace.common.units import JOINT_LIMITS
 
 FARTHEST = 1e3
 """Most of a coordinate of a machine [m]: a kilometre is a slip of units."""

@@ -10,8 +10,9 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import msgspec
 
-from toolpace.errors import MachineError, UsageError, did_you_mean
-from toolpace.files.tables import TableFile
+from toolpace.common.errors import MachineError, UsageError, did_you_mean
+from toolpace.common.files.tables import TableFile
+from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
 from toolpace.machine.figures import (
     LONGEST_NOTE,
     ask_about,
@@ -22,7 +23,6 @@ from toolpace.machine.figures import (
     check_text,
 )
 from toolpace.machine.limits import KINDS
-from toolpace.units import JOINT_LIMITS, parse_joint_limit
 
 Vector = tuple[float, float, float]
 Table = TypeVar("Table", bound=msgspec.Struct)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats, Ints
-from toolpace.errors import MachineError, did_you_mean
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.errors import MachineError, did_you_mean
+from toolpace.machine.chain_diagnosis import PARALLEL, check_rotary, lie_in_a_plane
 from toolpace.machine.figures import check_chain
 from toolpace.machine.file import MachineFile
-from toolpace.machine.leaning import leaning, turned
-from toolpace.machine.mistakes import PARALLEL, check_rotary, lie_in_a_plane
+from toolpace.machine.tilt_direction import leaning, turned
 
 
 @dataclass(frozen=True, eq=False)

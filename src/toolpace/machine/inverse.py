@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats, Ints
-from toolpace.errors import ReachError
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.errors import ReachError
 from toolpace.machine import kinematics
 from toolpace.machine.geometry import Geometry
-from toolpace.machine.refusals import check_travel, rotary_jump, tilt_out_of_travel, unreachable_tilt
-from toolpace.toolpath import ToolPath
+from toolpace.machine.unreachable import check_travel, rotary_jump, tilt_out_of_travel, unreachable_tilt
+from toolpace.programs.toolpath import ToolPath
 
 TURN = 2.0 * math.pi
 POLE_TOLERANCE = 1e-4

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Bools, Floats, frozen, numbers
-from toolpace.errors import UsageError
+from toolpace.common.arrays import Bools, Floats, frozen, numbers
+from toolpace.common.errors import UsageError
 from toolpace.kernels.kinematics.geometry import Chain
 from toolpace.machine.geometry import Geometry
-from toolpace.machine.refusals import singular_pose
+from toolpace.machine.unreachable import singular_pose
 
 POLE = 1e-9
 """Sine of the angle between tool axis and pole below which the first rotary joint counts as free."""

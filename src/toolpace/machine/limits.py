@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, numbers
-from toolpace.description import named, one_line
-from toolpace.equality import ByValue
-from toolpace.errors import UsageError
-from toolpace.units import ask_about_unit
+from toolpace.common.arrays import Floats, numbers
+from toolpace.common.description import named, one_line
+from toolpace.common.equality import ByValue
+from toolpace.common.errors import UsageError
+from toolpace.common.units import ask_about_unit
 
 KINDS = ("velocity", "acceleration", "jerk")
 

@@ -11,23 +11,23 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Bools, Floats, Ints, integers, number, numbers
-from toolpace.description import one_line
-from toolpace.equality import ByValue
-from toolpace.errors import MachineError, UsageError, did_you_mean
-from toolpace.files.toml import toml_text
-from toolpace.machine.continuation import rotary_between, turn_between
+from toolpace.common.arrays import Bools, Floats, Ints, integers, number, numbers
+from toolpace.common.description import one_line
+from toolpace.common.equality import ByValue
+from toolpace.common.errors import MachineError, UsageError, did_you_mean
+from toolpace.common.files.toml import toml_text
+from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
+from toolpace.machine.branch_continuation import rotary_between, turn_between
 from toolpace.machine.figures import ask_about, check_chain, is_usual
 from toolpace.machine.file import FILE, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.machine.refusals import check_travel
 from toolpace.machine.table import rows, title
 from toolpace.machine.text import machine_text
-from toolpace.toolpath import ToolPath
-from toolpace.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
+from toolpace.machine.unreachable import check_travel
+from toolpace.programs.toolpath import ToolPath
 
 __all__ = ["Limits", "Machine"]
 
@@ -221,7 +221,7 @@ class Machine(ByValue, Posed):
     ) -> Floats:
         """Rotary positions (n, 2) [rad] along a tool path with points put in, on the branch chosen without them.
 
-        Those at its points `known` (k,) are `rotary` (k, 2); see machine/continuation.py. Raises ReachError.
+        Those at its points `known` (k,) are `rotary` (k, 2); see machine/branch_continuation.py. Raises ReachError.
         """
         at = integers(known, f"machine {self.name}: known", ("k",))
         last = len(toolpath) - 1

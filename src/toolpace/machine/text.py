@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 
-from toolpace.errors import printable
-from toolpace.files.toml import toml_value
+from toolpace.common.errors import printable
+from toolpace.common.files.toml import toml_value
 from toolpace.machine.file import ANGLES, LENGTHS, JointFile, MachineFile
 
 LENGTH_ORDER, ANGLE_ORDER = ("mm", "in", "m"), ("deg", "rad")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from toolpace.motion.adaptive_sampling import closer_look, gained_in_a_ramp, least_changes
 from toolpace.motion.joints import Motion, joint_motion
-from toolpace.motion.look import closer_look, gained_in_a_ramp, least_changes
 from toolpace.motion.usage import Usage, jerk_jumps, limit_ratios
 
 __all__ = [

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from toolpace.arrays import Floats
-from toolpace.description import one_line
-from toolpace.equality import ByValue
+from toolpace.common.arrays import Floats
+from toolpace.common.description import one_line
+from toolpace.common.equality import ByValue
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
-from toolpace.description import one_line
-from toolpace.equality import ByValue
-from toolpace.laws.law import TimeLaw
+from toolpace.common.arrays import Floats
+from toolpace.common.description import one_line
+from toolpace.common.equality import ByValue
 from toolpace.machine.limits import KINDS, Limits
+from toolpace.motion.laws.law import TimeLaw
+from toolpace.path.axispath.run import AxisRun
 
 LEAST_JUMP = 1e-6
 """Jump of an acceleration, as a share of its limit, below which it is rounding."""

@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 
 def second_derivative_bounds(powers: Floats, width: Floats) -> Floats:

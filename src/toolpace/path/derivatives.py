@@ -16,8 +16,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats
-from toolpace.errors import PathError
+from toolpace.common.arrays import Bools, Floats
+from toolpace.common.errors import PathError
 
 CELLS = 64
 """Cells that are looked at along a path."""

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints, number, numbers
-from toolpace.errors import PathError, UsageError
+from toolpace.common.arrays import Floats, Ints, number, numbers
+from toolpace.common.errors import PathError, UsageError
+from toolpace.common.workers import Lock
 from toolpace.path.derivatives import check_derivatives
 from toolpace.path.run import PathJet, PathRun, unit_jets
-from toolpace.workers import Lock
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.description import counted, one_line
+from toolpace.common.arrays import Floats
+from toolpace.common.description import counted, one_line
+from toolpace.common.units import FASTEST_FEED, METRES_PER_SECOND, RADIANS, ask_about_unit, refuse_other_unit
 from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
-from toolpace.units import FASTEST_FEED, METRES_PER_SECOND, RADIANS, ask_about_unit, refuse_other_unit
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
-    from toolpace.path.fit.haste import Haste
+    from toolpace.path.fit.speed_weights import SpeedWeights
 
 
 MOST_SWEPT = 4.0 * math.pi
@@ -61,7 +61,7 @@ class Path:
         axis_tolerance: float | Tolerances = 1e-3,
         machine: Machine | None = None,
         progress: Callable[[float], None] | None = None,
-        hastes: Sequence[Haste] | None = None,
+        speed_weights: Sequence[SpeedWeights] | None = None,
     ) -> Path:
         """The smoothest curve within the tolerances [m], [rad] of a tool path, stopping where it stops.
 
@@ -73,13 +73,13 @@ class Path:
         """
         from toolpace.machine.machine import check_machine
         from toolpace.path.fit.fit import fit_runs
-        from toolpace.toolpath import check_toolpath
+        from toolpace.programs.toolpath import check_toolpath
 
         check_toolpath(toolpath, "fit")
         if machine is not None:
             check_machine(machine, "fit", "a Machine, or None")
         begin = time.perf_counter()
-        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress, hastes)
+        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress, speed_weights)
         return cls(runs, tip, axis, time.perf_counter() - begin, wait)
 
     @classmethod

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints, frozen, gate_methods
-from toolpace.description import counted, one_line
+from toolpace.common.arrays import Floats, Ints, frozen, gate_methods
+from toolpace.common.description import counted, one_line
 from toolpace.path.control_points import second_derivative_bounds
 
 

@@ -7,11 +7,11 @@ from numbers import Real
 
 import numpy as np
 
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import InfeasibleError, UsageError
+from toolpace.common.errors import InfeasibleError, UsageError
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import limit_ratios
-from toolpace.planning.guarantee import PROMISED
+from toolpace.path.axispath.run import AxisRun
+from toolpace.planning.limit_tolerances import PROMISED
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from toolpace.errors import UsageError, did_you_mean
+from toolpace.common.errors import UsageError, did_you_mean
 
 FEWEST_CELLS = 8
 """Fewer have no cell between those next to the ends."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats, Ints
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.planning.known_path import KnownPath
+from toolpace.path.axispath.run import AxisRun
+from toolpace.planning.path_cache import CachedPath
 
 UNLIKE = 1e-6
 """Share of a limit up to which the path may differ from what its derivatives at the nodes tell of it."""
@@ -32,7 +32,7 @@ class PathAtProbes:
     cell, and where that does not do either, the path is asked at each probe.
     """
 
-    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: KnownPath | None = None) -> None:
+    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: CachedPath | None = None) -> None:
         """Take the nodes (n,), and what is known of the path already."""
         self.run, self.limits, self.nodes, self.known = run, limits, nodes, known or run
         self.unlike = np.zeros(len(nodes) - 1, dtype=np.bool_)

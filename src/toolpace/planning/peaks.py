@@ -6,18 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.workers import Workers
 from toolpace.kernels.motion import spline_peaks, usage
-from toolpace.laws.linear import LinearLaw
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.motion.look import IN_A_STRETCH, beside_tops, unexplained
+from toolpace.motion.adaptive_sampling import IN_A_STRETCH, beside_tops, unexplained
+from toolpace.motion.laws.linear import LinearLaw
+from toolpace.motion.laws.spline import SplineLaw
 from toolpace.motion.usage import ratios_along
-from toolpace.planning.known_path import KnownPath
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.path_at_probes import PathAtProbes
-from toolpace.workers import Workers
+from toolpace.planning.path_cache import CachedPath
 
 CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""
@@ -40,10 +40,10 @@ class Peaks:
     """(n, 3) as shares of the cells."""
 
 
-class Look:
+class LimitCheck:
     """Looks between the nodes of one mesh."""
 
-    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: KnownPath | None = None) -> None:
+    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: CachedPath | None = None) -> None:
         """Take the nodes (n,) of the mesh, and what is known of the path already."""
         self.run, self.limits, self.nodes = run, limits, nodes
         self.path = PathAtProbes(run, limits, nodes, known)
@@ -135,15 +135,15 @@ class Look:
         for which, shares in ((self.path.hiding, begun), (~self.path.hiding, law.inside)):
             mine = cells[which[cells]]
             for first in range(0, len(mine), CHUNK):
-                found = self._with_chased(law, found, mine[first : first + CHUNK], shares)
+                found = self._with_narrow_features(law, found, mine[first : first + CHUNK], shares)
         return found
 
     def with_hidden(self, law: SplineLaw, peaks: Peaks) -> Peaks:
         """The peaks, with what hides between the probes of cells where the path does more than the nodes say."""
         cells = np.flatnonzero(self.path.hiding)[:MOST_CHASED]
-        return self._with_chased(law, peaks, cells, np.linspace(0.0, 1.0, CHASED_FROM))
+        return self._with_narrow_features(law, peaks, cells, np.linspace(0.0, 1.0, CHASED_FROM))
 
-    def _with_chased(self, law: SplineLaw, peaks: Peaks, cells: Ints, shares: Floats) -> Peaks:
+    def _with_narrow_features(self, law: SplineLaw, peaks: Peaks, cells: Ints, shares: Floats) -> Peaks:
         """The peaks, with what is found in some cells from places at these shares (k,) on, as `closer_look` does it."""
         if not len(cells):
             return peaks

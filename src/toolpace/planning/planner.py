@@ -15,18 +15,18 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from toolpace.axispath.axispath import AxisPath
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import UsageError, did_you_mean
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axispath.run import AxisRun
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.planned_run import PlannedRun, total_bound
-from toolpace.planning.sense import ask_about_degrees, check_count, check_held
-from toolpace.toolpath import ToolPath
-from toolpace.trajectory import Trajectory
-from toolpace.workers import Progress, Workers, side_by_side
+from toolpace.planning.plausibility import ask_about_degrees, check_count, check_held
+from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
     from toolpace.planning.genetic.planner import Genetic
@@ -81,7 +81,7 @@ def plan(
     `progress` is called with the share done. Raises UsageError for arguments that make no sense, and InfeasibleError
     where no motion within the limits exists.
     """
-    from toolpace.kernels.warm import ensure_warm
+    from toolpace.kernels.ahead_of_time import ensure_warm
 
     began = time.perf_counter()
     chosen = planner_of(planner, options)

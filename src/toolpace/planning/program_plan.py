@@ -22,22 +22,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.axispath.axispath import AxisPath
-from toolpace.description import counted, one_line
-from toolpace.errors import InfeasibleError, ReachError, ToolpaceError, UsageError, did_you_mean
+from toolpace.common.description import counted, one_line
+from toolpace.common.errors import InfeasibleError, ReachError, ToolpaceError, UsageError, did_you_mean
+from toolpace.common.workers import Progress
 from toolpace.machine.machine import Machine, check_machine
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
-from toolpace.planning.pace_rounds import BROAD, SHARP, Candidate, Fastest, Measure, PaceRounds, Round
+from toolpace.planning.path_and_pace.alternating import (
+    BROAD,
+    SHARP,
+    AlternatingOptimisation,
+    Candidate,
+    Fastest,
+    Measure,
+    Round,
+)
+from toolpace.planning.path_and_pace.candidate_evaluation import FULL, FullEvaluation
 from toolpace.planning.planner import Planner, plan, planner_of
-from toolpace.planning.ranking import WHOLE, Rest
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath, check_toolpath
-from toolpace.trajectory import Trajectory
-from toolpace.workers import Progress
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath, check_toolpath
 
 if TYPE_CHECKING:
-    from toolpace.planning.together.rounds import Together
+    from toolpace.planning.path_and_pace.simultaneous import SimultaneousOptimisation
 
 
 MEASURES: dict[str, tuple[Measure, ...]] = {"low": (), "normal": (BROAD, SHARP), "high": (BROAD, SHARP)}
@@ -71,7 +79,7 @@ class FittedProgram:
     """The first path and each that followed; none where it was fitted once."""
     start: Candidate | None = None
     """From which path and pace are changed together."""
-    together: Together | None = None
+    together: SimultaneousOptimisation | None = None
     """What that takes, where it is asked for."""
 
     def __repr__(self) -> str:
@@ -151,20 +159,20 @@ def fit_program(
     # what normal finds is among what high chooses from: more effort never takes longer
     ways = [True, False] if short and effort == "high" else [short]
     made = [
-        made_rounds(PaceRounds(toolpath, machine, tip_tolerance, part), asked, quick, MEASURES[effort])
+        made_rounds(AlternatingOptimisation(toolpath, machine, tip_tolerance, part), asked, quick, MEASURES[effort])
         for quick, part in zip(ways, told.split([1.0] * len(ways)))
     ]
     told(1.0)
     last = made[-1]
     together = None
     if effort == "high":
-        from toolpace.planning.together.rounds import Together
+        from toolpace.planning.path_and_pace.simultaneous import SimultaneousOptimisation
 
-        together = Together(toolpath, asked_for, last.ramp)
+        together = SimultaneousOptimisation(toolpath, asked_for, last.ramp)
     return FittedProgram(all_candidates(made), last.first, effort, all_rounds(made), last.candidates()[0], together)
 
 
-def made_rounds(rounds: PaceRounds, asked: Tolerances, quick: bool, measures: Sequence[Measure]) -> PaceRounds:
+def made_rounds(rounds: AlternatingOptimisation, asked: Tolerances, quick: bool, measures: Sequence[Measure]) -> AlternatingOptimisation:
     """The rounds within each tolerance of the axis up to those asked for; `quick`: one within the narrowest that a path
     fits in and one within the widest, and a quick change of what these found."""
     widest = float(asked.axis_along(rounds.toolpath).max())
@@ -192,7 +200,7 @@ def made_rounds(rounds: PaceRounds, asked: Tolerances, quick: bool, measures: Se
     return rounds
 
 
-def change_once(rounds: PaceRounds, asked: Tolerances, within: Sequence[float], narrow: Fastest | None) -> None:
+def change_once(rounds: AlternatingOptimisation, asked: Tolerances, within: Sequence[float], narrow: Fastest | None) -> None:
     """The quick change within the widest tolerance of the axis, and within those that are narrower, ascending, from the
     fastest path of these: the widest first, as long as that is no slower."""
     fastest = rounds.change(rounds.best)
@@ -211,13 +219,13 @@ def turns(toolpath: ToolPath) -> bool:
     return bool(np.any(given != given[0]))
 
 
-def all_candidates(made: Sequence[PaceRounds]) -> tuple[Candidate, ...]:
+def all_candidates(made: Sequence[AlternatingOptimisation]) -> tuple[Candidate, ...]:
     """Those of all, the fastest first, each once: what takes as long to the last digit is the same path."""
     known = {each.hoped: each for rounds in made for each in rounds.candidates() if each.hoped > 0.0}
     return (*(known[each] for each in sorted(known)), *made[-1].unknown)
 
 
-def all_rounds(made: Sequence[PaceRounds]) -> tuple[Round, ...]:
+def all_rounds(made: Sequence[AlternatingOptimisation]) -> tuple[Round, ...]:
     """One after the other, those that begin alike once."""
     told = list(made[0].done)
     for each in (each for rounds in made[1:] for each in rounds.done if each not in made[0].done):
@@ -260,7 +268,7 @@ def plan_fitted(
         axis_path = candidate.joints or AxisPath.follow(candidate.path, machine)
         check(axis_path)
         # what is known was planned with the usual options
-        rest = Rest(candidate.whole) if candidate.whole and chosen == WHOLE else chosen
+        rest = FullEvaluation(candidate.whole) if candidate.whole and chosen == FULL else chosen
         trajectory = plan(axis_path, machine, planner=rest, progress=planning)
         return ProgramPlan(candidate.path, trajectory, fitted.effort, fitted.rounds)
 

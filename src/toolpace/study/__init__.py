@@ -18,7 +18,7 @@ def write_study(out_dir: str | os.PathLike[str], progress: Callable[[float], Non
     study.json holds. `progress` is called with the share done. Without matplotlib (the extra `png`) the
     page and the figures' data are complete, but no PNG is written, and study.json says so under `png`.
     """
-    from toolpace.files import whole_folder, write_text
+    from toolpace.common.files import whole_folder, write_text
     from toolpace.study import figures, page, png, sketches
     from toolpace.study.simulation import simulate
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.trajectory import Trajectory
+from toolpace.common.arrays import Floats
+from toolpace.motion.trajectory import Trajectory
 
 SAMPLES = 4001
 """Times that are looked at: of a way back of half a second one every eighth of a millisecond, in which the tip moves by

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.axispath.axispath import AxisPath
 from toolpace.kernels.motion import quintic
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.study.simulation import PRINTED_PROJECTION, Study
 from toolpace.study.tables import Table
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.deflect.detour import DetourRun
-from toolpace.deflect.feed import tip_velocity
-from toolpace.laws.quintic import QuinticLaw
+from toolpace.common.arrays import Floats
+from toolpace.deflection.replanning.detour import DetourRun
+from toolpace.deflection.replanning.feed import tip_velocity
+from toolpace.motion.laws.quintic import QuinticLaw
+from toolpace.motion.trajectory import Trajectory
 from toolpace.study.motions import motors
 from toolpace.study.panels import (
     GIVEN,
@@ -27,7 +28,6 @@ from toolpace.study.panels import (
 from toolpace.study.simulation import DEFLECTION, FEED, Study
 from toolpace.study.stages import Stage, disturbed, undisturbed
 from toolpace.study.tables import reversal
-from toolpace.trajectory import Trajectory
 
 TIMES = 1500
 """At how many times a stage is drawn."""

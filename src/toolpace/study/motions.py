@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.study.panels import JOINT_COLOURS, WAY_NAMES, Curve, Figure, Panel, joined
 from toolpace.study.simulation import Study
 from toolpace.study.stages import Stage

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from toolpace.reporting.policy import with_policy
+from toolpace.results.report.policy import with_policy
 from toolpace.study.drawings import as_html
 from toolpace.study.errata import CHOICES, all_errata
 from toolpace.study.panels import Figure

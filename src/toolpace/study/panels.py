@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 JOINT_COLOURS = {"X": "#2563c9", "Y": "#0f8a6a", "Z": "#7a4fd0", "A": "#d9622b", "B": "#c2255c"}
 WAY_COLOURS = {"literal": "#0f8a6a", "genetic": "#d9622b", "optimal": "#2563c9"}

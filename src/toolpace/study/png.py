@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.files import whole_file
+from toolpace.common.files import whole_file
 from toolpace.study.panels import LIMIT, Figure, Panel
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.study.panels import MARK
 from toolpace.study.svg import FILL, INK, SOFT, Drawing
 

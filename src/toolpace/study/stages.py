@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
+from toolpace.motion.trajectory import Trajectory
 from toolpace.study.simulation import Study
-from toolpace.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.study.simulation import CLOSED_FORM, DEFLECTION, FEED, OPTIONS, SEEDS, Study, periods
 
 WAYS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from toolpace.path.path import Path
-from toolpace.reading import read_text
+from toolpace.programs.reading import read_text
 
 TIP = 1e-5
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from tests.support.tool_paths import random_toolpath, spiral
-from toolpace.errors import PathError, UsageError
+from toolpace.common.errors import PathError, UsageError
 from toolpace.path.fit.half_ball import ACROSS, ALONG, HalfBall, unit
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.path.path import Path
-from toolpace.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, 1e-3
 ABOVE = Tolerances(TIP, side="above")

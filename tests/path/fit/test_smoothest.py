@@ -7,13 +7,13 @@ import pytest
 
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import tilted, toolpath_through
+from toolpace.common.workers import UNTOLD, Workers
 from toolpace.path.fit import knots, smooth
 from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.path.fit.spline import knots_of
 from toolpace.path.path import Path
-from toolpace.workers import UNTOLD, Workers
 
 TIP, AXIS = 10e-6, 1e-3
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.support.tool_paths import random_toolpath, spiral, tilted, toolpath_through
-from toolpace import workers
-from toolpace.errors import PathError
+from toolpace.common import workers
+from toolpace.common.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit import fit as fitting
 from toolpace.path.fit import samples as sampling

@@ -10,11 +10,11 @@ import pytest
 from testbed.cases import flank
 from testbed.jets import harmonics, path_of
 from tests.support.mesh_problems import solved
-from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.bound import any_motion
 from toolpace.planning.bound.allowance import Allowance
-from toolpace.planning.bound.open_places import settled
+from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import prove, prove_run
 from toolpace.planning.bound.relaxation import relaxed

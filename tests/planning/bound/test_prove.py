@@ -12,18 +12,18 @@ from testbed.cases import all_cases, flank
 from tests.support.conic import conic_optimum
 from tests.support.mesh_problems import mesh_time, small, solved
 from tests.support.straight_line import line
-from toolpace.errors import UsageError
-from toolpace.laws.spline import SplineLaw
+from toolpace.common.errors import UsageError
+from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.branch_and_bound import Box, Neighbourhood, Part, close
-from toolpace.planning.bound.open_places import Place, losses_by_knot, settled
+from toolpace.planning.bound.gap_localisation import Place, losses_by_knot, settled
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import end_states, prove_run, to_gain
 from toolpace.planning.bound.relaxation import bound_run, highest_speed, relaxed
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.solve import solve
-from toolpace.workers import UNTOLD, Progress, Workers
 
 FAR = 1e9
 """[s]"""

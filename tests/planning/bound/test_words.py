@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.bound.prove import prove
 from toolpace.planning.planner import plan
-from toolpace.trajectory import Trajectory
-from toolpace.write.plan_json import PlanRecord
+from toolpace.results.write.plan_json import PlanRecord
 
 BEST = 0.01 + np.sqrt(0.01**2 + 4.0)
 """[s] A straight line of length 1 at acceleration 1 and jerk 100, in closed form: ramps without coasting."""

@@ -9,16 +9,16 @@ import pytest
 
 from testbed import published
 from tests.support.usage import dense_usage
-from toolpace.axispath.axispath import AxisPath
-from toolpace.errors import InfeasibleError, UsageError
+from toolpace.common.errors import InfeasibleError, UsageError
 from toolpace.kernels.planners import quintic_interval
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
-from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
-from toolpace.trajectory import Trajectory
 
 
 @pytest.fixture(scope="module")

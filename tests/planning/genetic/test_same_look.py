@@ -7,11 +7,11 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 from tests.support.usage import dense_usage
-from toolpace.axispath.axispath import AxisPath
 from toolpace.kernels.planners import quintic_interval
 from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.machine.limits import Limits
-from toolpace.planning.guarantee import PROMISED
+from toolpace.path.axispath.axispath import AxisPath
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
 
 

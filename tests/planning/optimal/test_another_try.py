@@ -9,16 +9,16 @@ import toolpace as tp
 from testbed.curved_pass import curved_pass
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
-from toolpace.clamping.clamping import Clamping
-from toolpace.clamping.trial import as_tips_and_axes, centre_of
-from toolpace.errors import InfeasibleError
+from toolpace.common.errors import InfeasibleError
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.relaxation import Bound
-from toolpace.planning.guarantee import PROMISED
-from toolpace.planning.optimal import another_try as another
+from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.planning.optimal import fallback_strategies as another
 from toolpace.planning.optimal import planner
-from toolpace.planning.optimal.guard import guarded
+from toolpace.planning.optimal.inter_sample_limits import held_between_nodes
 from toolpace.planning.planner import plan
+from toolpace.setup_search.clamping import Clamping
+from toolpace.setup_search.trial import as_tips_and_axes, centre_of
 
 
 def planned(seed, **options):
@@ -52,7 +52,7 @@ def test_a_plan_that_the_guard_made_slow_is_tried_again_without_a_bound_too(monk
     path = tp.Path.fit(toolpath, machine=clamped)
     rounds = iter([0])
     at_nodes = plan(path, clamped, guard=False, bound=False)
-    monkeypatch.setattr(planner, "guarded", lambda *given: guarded(*given[:-1], next(rounds, given[-1])))
+    monkeypatch.setattr(planner, "guarded", lambda *given: held_between_nodes(*given[:-1], next(rounds, given[-1])))
     held = plan(path, clamped, bound=False)
     assert held.duration < 1.01 * at_nodes.duration and held.usage().worst <= PROMISED
     assert held.lower_bound == 0.0 and "gap" in held.notes[0]
@@ -74,10 +74,10 @@ def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0, fewer_gap=
         law = SimpleNamespace(nodes=np.zeros(40), duration=1.0)
         return another.Plan(law, Bound(1.0, 1.0 + gap, 1.0, np.empty((0, 3)), 0))
 
-    def opening_of(run, limits, law, start, end):
+    def gap_interval_of(run, limits, law, start, end):
         return SimpleNamespace(stands=stands, low=0.0, high=0.5, cells=law.nodes)
 
-    monkeypatch.setattr(another, "opening_of", opening_of)
+    monkeypatch.setattr(another, "opening_of", gap_interval_of)
     monkeypatch.setattr(another, "prove_run", lambda *_: plan_of(next(gaps)).bound)
 
     def finer_mesh(run, limits, plan, opening, *_):
@@ -92,7 +92,7 @@ def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0, fewer_gap=
         return SimpleNamespace(nodes=np.zeros(cells), duration=fewer)
 
     monkeypatch.setattr(another, "bound_run", lambda run, limits, law, *_: plan_of(fewer_gap).bound)
-    best, notes = another.another_try(a_run, None, plan_of(0.2), None, None, False, True, None, with_cells, at_nodes)
+    best, notes = another.fallback_plan(a_run, None, plan_of(0.2), None, None, False, True, None, with_cells, at_nodes)
     return best.bound.gap, notes[0].split("; ")[1:], list(gaps)
 
 

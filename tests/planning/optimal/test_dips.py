@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.laws.spline import SplineLaw
+from toolpace.motion.laws.spline import SplineLaw
 from toolpace.planning.endstate import AT_REST
-from toolpace.planning.optimal.dips import FLOOR, lowest_z, on_finer_mesh, too_short, without_dips
 from toolpace.planning.optimal.problem import OnMesh
 from toolpace.planning.optimal.solve import pinned
+from toolpace.planning.optimal.undershoot import FLOOR, lowest_z, on_finer_mesh, too_short, without_undershoot
 
 NODES = np.linspace(0.2, 0.8, 31)
 REST = (0.02, 0.02)
@@ -35,7 +35,7 @@ def test_what_is_handed_back_has_no_dips_and_is_the_same_elsewhere(changed, left
     """In the middle of the cell z is (2 + 46 left) / 48 of what is around it, at its nodes (1 + 5 left) / 6."""
     law = law_with(changed, left)
     assert law.dips().any()
-    found = without_dips(law)
+    found = without_undershoot(law)
     assert not found.dips().any() and np.isfinite(found.duration)
     s = np.linspace(found.nodes[0], found.nodes[-1], 5001)
     assert z_of(found, s).min() > 0.0
@@ -57,7 +57,7 @@ def test_z_that_falls_to_nothing_is_raised_to_a_share_of_what_is_around_it(chang
         low, high = (left, high) if z_of(law_with(changed, left), s).min() < 0.0 else (low, left)
     law = law_with(changed, high)
     assert 0.0 <= z_of(law, s).min() < 1e-5
-    found = without_dips(law)
+    found = without_undershoot(law)
     assert z_of(found, s).min() > 0.1 * FLOOR * min(law.z_at_nodes())
     # and the motion does not jump out of rest, or into it
     for at, step in ((found.times[0], 1e-7 * found.times[0]), (found.times[-1], 1e-7 * found.times[0])):
@@ -67,7 +67,7 @@ def test_z_that_falls_to_nothing_is_raised_to_a_share_of_what_is_around_it(chang
 
 def test_a_law_without_dips_is_handed_back_as_it_is():
     law = law_with([16], 0.9)
-    assert without_dips(law) is law
+    assert without_undershoot(law) is law
 
 
 def test_the_same_z_over_a_finer_mesh_and_its_floor():

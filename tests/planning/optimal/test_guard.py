@@ -8,23 +8,23 @@ import pytest
 from testbed.jets import path_of, straight
 from testbed.programs import tulsyan
 from tests.support.mesh_problems import small
-from toolpace.axispath.axispath import AxisPath
-from toolpace.laws.spline import SplineLaw
+from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST
-from toolpace.planning.guarantee import GUARANTEE
+from toolpace.planning.limit_tolerances import GUARANTEE
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal import guard
-from toolpace.planning.optimal.ease import closer, slowing, within_guarantee
-from toolpace.planning.optimal.guard import guarded
+from toolpace.planning.optimal import inter_sample_limits
+from toolpace.planning.optimal.inter_sample_limits import held_between_nodes
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.optimal.slow_down import closer, slowing, within_guarantee
 from toolpace.planning.optimal.solve import LIMITS, Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
-from toolpace.planning.peaks import Look, Peaks
-from toolpace.workers import UNTOLD, Progress, Workers
+from toolpace.planning.peaks import LimitCheck, Peaks
 
 WORKERS = Workers()
 LOOSE = Limits([1.0], [1e6], [1e12])
@@ -50,14 +50,14 @@ def with_a_dip(law, cell, left=0.02):
 def test_a_cell_in_which_z_falls_far_is_solved_again(fixed):
     """It passes no limit: nothing but the look at dips sees that the motion crawls there."""
     meshed, law = meshed_and_solved(path_of(straight([1.0])).runs[0], LOOSE, 60)
-    law = guarded(meshed, law, True, WORKERS)
+    law = held_between_nodes(meshed, law, True, WORKERS)
     assert not law.dips().any() and len(law.nodes) == len(meshed.nodes)
     crawling = with_a_dip(law, 30)
     assert crawling.dips()[30] and meshed.look.peaks(crawling).used.max() <= GUARANTEE
     assert crawling.duration > 1.05 * law.duration
-    found = guarded(meshed, crawling, fixed, WORKERS)
+    found = held_between_nodes(meshed, crawling, fixed, WORKERS)
     assert not found.dips().any() and found.duration < 1.001 * law.duration
-    assert Look(meshed.run, LOOSE, found.nodes).peaks(found).used.max() <= GUARANTEE
+    assert LimitCheck(meshed.run, LOOSE, found.nodes).peaks(found).used.max() <= GUARANTEE
 
 
 def test_many_joints_at_their_limits_at_once_are_all_held():
@@ -69,55 +69,55 @@ def test_many_joints_at_their_limits_at_once_are_all_held():
     at_nodes, _ = fastest_law(run, machine.limits, guard=False)
     law, _ = fastest_law(run, machine.limits)
     assert law.duration < 1.01 * at_nodes.duration
-    assert Look(run, machine.limits, law.nodes).peaks(law).used.max() <= GUARANTEE
+    assert LimitCheck(run, machine.limits, law.nodes).peaks(law).used.max() <= GUARANTEE
 
 
 @pytest.mark.parametrize("most", [0, 1, 3])
 def test_after_the_rounds_that_are_given_what_is_left_is_slowed_down(monkeypatch, most):
     """A coarse mesh, on which limits are passed between the nodes by far."""
-    looks, true = [], guard.looked_at
+    looks, true = [], inter_sample_limits.checked_between_nodes
 
-    def looked_at(*given):
+    def checked_between_nodes(*given):
         looks.append(given)
         return true(*given)
 
-    monkeypatch.setattr(guard, "looked_at", looked_at)
+    monkeypatch.setattr(inter_sample_limits, "looked_at", checked_between_nodes)
     run, limits, _, _ = small(1)
     meshed, law = meshed_and_solved(run, limits, 12)
     assert meshed.look.peaks(law).used.max() > 1.01
-    found = guarded(meshed, law, True, WORKERS, most_rounds=most)
+    found = held_between_nodes(meshed, law, True, WORKERS, most_rounds=most)
     assert len(looks) <= most + 1
     assert most > 0 or found.duration > law.duration
-    assert Look(run, limits, found.nodes).peaks(found).used.max() <= GUARANTEE
+    assert LimitCheck(run, limits, found.nodes).peaks(found).used.max() <= GUARANTEE
 
 
 def test_progress_runs_forward_from_round_to_round_and_not_to_the_end_of_all(monkeypatch):
     """How many rounds there will be nobody knows; each tells of a part of what is left."""
-    true = guard.resolve
+    true = inter_sample_limits.resolve
 
     def resolve(meshed, c, wrong, used, workers, progress):
         for share in (0.0, 0.5, 1.0):
             progress(share)
         return true(meshed, c, wrong, used, workers)
 
-    monkeypatch.setattr(guard, "resolve", resolve)
+    monkeypatch.setattr(inter_sample_limits, "resolve", resolve)
     run, limits, _, _ = small(1)
     meshed, law = meshed_and_solved(run, limits, 12)
     told: list[float] = []
-    guarded(meshed, law, True, WORKERS, Progress(told.append))
+    held_between_nodes(meshed, law, True, WORKERS, Progress(told.append))
     assert len(told) >= 3 and told == sorted(told) and told[0] >= 0.0 and told[-1] < 1.0
 
 
 def test_a_law_that_dips_is_never_handed_back():
     """Within every limit as it is, and too slow, or of no duration at all: z falls to nothing between two nodes."""
     meshed, law = meshed_and_solved(path_of(straight([1.0])).runs[0], LOOSE, 60)
-    law = guarded(meshed, law, True, WORKERS)
+    law = held_between_nodes(meshed, law, True, WORKERS)
     for left in (0.02, -0.08):
         crawling = with_a_dip(law, 30, left)
         assert crawling.dips().any()
         found = within_guarantee(meshed, crawling, meshed.look.peaks(crawling).used, WORKERS)
         assert not found.dips().any() and np.isfinite(found.duration)
-        assert Look(meshed.run, LOOSE, found.nodes).peaks(found).used.max() <= GUARANTEE
+        assert LimitCheck(meshed.run, LOOSE, found.nodes).peaks(found).used.max() <= GUARANTEE
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -126,14 +126,14 @@ def test_what_passes_the_guarantee_is_slowed_down_to_it(seed, faster):
     """The law that holds its limits at the nodes, run faster: as a whole, or at one place."""
     run, limits, _, _ = small(900 + seed, cells=60, breaks=False)
     meshed, law = meshed_and_solved(run, limits, 60)
-    held = guarded(meshed, law, True, WORKERS)
+    held = held_between_nodes(meshed, law, True, WORKERS)
     place = np.full(len(held.c), 1.0)
     place[30:33] = faster
     for c in (held.c * faster, held.c * place):
         fast = SplineLaw(held.nodes, c, held.rest)
-        peak = Look(run, limits, held.nodes).peaks(fast).used
+        peak = LimitCheck(run, limits, held.nodes).peaks(fast).used
         found = within_guarantee(meshed, fast, peak, WORKERS)
-        assert Look(run, limits, found.nodes).peaks(found).used.max() <= GUARANTEE
+        assert LimitCheck(run, limits, found.nodes).peaks(found).used.max() <= GUARANTEE
         assert found.duration <= fast.duration * np.sqrt(slowing(peak)) * (1.0 + 1e-3)
 
 

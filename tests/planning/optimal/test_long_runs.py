@@ -14,25 +14,25 @@ from testbed.long_path import long_path
 from tests.support.random_paths import harmonics, random_limits
 from tests.support.straight_line import line
 from tests.support.usage import dense_usage
-from toolpace.axispath.axispath import AxisPath
+from toolpace.common.workers import CallersProgress, Workers
 from toolpace.kernels.optimal import dual as kernel
 from toolpace.kernels.optimal.newton import Ends
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.bound import pieces
 from toolpace.planning.bound import relaxation as bounds
 from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.relaxation import bound_run
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.guarantee import GUARANTEE, PROMISED
-from toolpace.planning.mesh.guess import places
+from toolpace.planning.limit_tolerances import GUARANTEE, PROMISED
+from toolpace.planning.mesh.initial_guess import places
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import meshed_run, windows
-from toolpace.planning.optimal.ease import easing, slowing, within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.optimal.slow_down import easing, slowing, within_guarantee
 from toolpace.planning.planner import plan
-from toolpace.workers import CallersProgress, Workers
 
 CELLS = 9000
 ROOT = Path(__file__).parents[3]
@@ -176,11 +176,11 @@ def left_too_fast(by):
 def test_a_place_that_stays_above_is_eased_alone():
     of_run, law, peak = left_too_fast(2e-5)
     assert peak.max() > GUARANTEE
-    eased = within_guarantee(of_run, law, peak, Workers())
-    assert of_run.look.peaks(eased).used.max() <= GUARANTEE
+    slowed_down = within_guarantee(of_run, law, peak, Workers())
+    assert of_run.look.peaks(slowed_down).used.max() <= GUARANTEE
     left = easing(law, peak, of_run.ramp)
     assert left[0] == left[-1] == 1.0 and left.min() < 1.0
-    assert eased.duration < law.slowed(slowing(peak)).duration
+    assert slowed_down.duration < law.slowed(slowing(peak)).duration
 
 
 def test_mesh_of_a_path_without_hints_follows_its_turns():

@@ -8,19 +8,19 @@ import pytest
 from testbed.nasty_paths import FAMILIES, case
 from testbed.verdict import verdict
 from tests.support.tool_paths import random_toolpath
-from toolpace.axispath.axispath import AxisPath
-from toolpace.errors import ToolpaceError
+from toolpace.common.errors import ToolpaceError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.motion import limit_ratios
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.path.run import unit_jets
-from toolpace.planning.guarantee import PROMISED
-from toolpace.planning.mesh.detail import detail
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.mesh.nodes import with_breaks
+from toolpace.planning.mesh.path_detail import detail
 from toolpace.planning.optimal.problem import sides
 from toolpace.planning.planner import plan
-from toolpace.reading import read_text
+from toolpace.programs.reading import read_text
 
 MACHINE = "xyzac-trunnion"
 SEEDS = 7

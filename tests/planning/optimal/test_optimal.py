@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from tests.support.random_paths import harmonics, random_limits
 from tests.support.straight_line import line, polynomials, s_curve
 from tests.support.usage import dense_usage
-from toolpace.axispath.axispath import AxisPath
-from toolpace.errors import InfeasibleError, ToolpaceError
+from toolpace.common.errors import InfeasibleError, ToolpaceError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
-from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
 
 # velocity, acceleration, jerk: seven phases; no constant acceleration; no cruise; neither

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.support.random_paths import harmonics, random_limits
-from toolpace.axispath.axispath import AxisPath
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan

@@ -9,16 +9,16 @@ from testbed.mesh_problem import mesh_problem
 from tests.support.usage import dense_usage
 from toolpace import Limits, Optimal, plan
 from toolpace.kernels.motion import between_nodes, cubic_spline
-from toolpace.kernels.motion.rows_between import EIGHTHS, LOWERED, MOST_LOWERED, QUARTERS, SAME_PLACE
+from toolpace.kernels.motion.inter_sample_rows import EIGHTHS, LOWERED, MOST_LOWERED, QUARTERS, SAME_PLACE
 from toolpace.kernels.optimal.solver_rows import wanted
 from toolpace.kernels.optimal.tiles import TILE
-from toolpace.laws.spline import SplineLaw
-from toolpace.planning.guarantee import ALLOWED, PROMISED
-from toolpace.planning.optimal.guard import IDLE, WARM_SPREAD
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.planning.limit_tolerances import ALLOWED, PROMISED
+from toolpace.planning.optimal.inter_sample_limits import IDLE, WARM_SPREAD
+from toolpace.planning.optimal.inter_sample_rows import RowsBetween
 from toolpace.planning.optimal.problem import with_rows_between
-from toolpace.planning.optimal.rows_between import RowsBetween
 from toolpace.planning.optimal.solve import slower, solve, start_from
-from toolpace.planning.peaks import Look, Peaks
+from toolpace.planning.peaks import LimitCheck, Peaks
 
 LIMITS = Limits([1.0] * 5, [4.0] * 5, [40.0] * 5)
 LOST = 2e-4
@@ -48,10 +48,10 @@ def test_the_guard_costs_next_to_nothing(seed, mesh):
     path = ten_harmonics(seed)
     problem, start = everywhere(path, mesh)
     best = duration(problem, solve(problem, start, 1.0))
-    guarded = plan(path, LIMITS, planner=Optimal(mesh=mesh, bound=False))
-    assert guarded.mesh_points == mesh + 1, "on the same spline"
-    assert guarded.duration <= (1.0 + LOST) * best
-    assert dense_usage(guarded) <= PROMISED
+    held_between_nodes = plan(path, LIMITS, planner=Optimal(mesh=mesh, bound=False))
+    assert held_between_nodes.mesh_points == mesh + 1, "on the same spline"
+    assert held_between_nodes.duration <= (1.0 + LOST) * best
+    assert dense_usage(held_between_nodes) <= PROMISED
 
 
 @pytest.mark.sweep
@@ -171,7 +171,7 @@ def test_what_the_nodes_do_not_tell_is_asked_for(size):
     path = path_of(lambda s: (asked.append(s), jets(s))[1])
     limits = Limits([1.0], [4.0], [4.0])
     law = SplineLaw(nodes[1:-1], np.full(101, 0.5), (nodes[1], nodes[1]))
-    look = Look(path.runs[0], limits, law.nodes)
+    look = LimitCheck(path.runs[0], limits, law.nodes)
     peaks = look.peaks(law)
     cell = int(np.searchsorted(law.nodes, place)) - 1
     closely = np.concatenate(asked)

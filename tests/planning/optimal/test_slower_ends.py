@@ -9,8 +9,8 @@ from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
 from tests.support.mesh_problems import moving
 from toolpace.kernels.optimal import limit_rows
-from toolpace.planning.optimal import slower_ends
-from toolpace.planning.optimal.slower_ends import from_slower_ends, solve_whole, with_ends_at
+from toolpace.planning.optimal import boundary_speed_continuation
+from toolpace.planning.optimal.boundary_speed_continuation import from_lower_boundary_speeds, solve_whole, with_ends_at
 from toolpace.planning.optimal.solve import Stalled, pinned, solve
 from toolpace.planning.planner import plan
 
@@ -28,7 +28,7 @@ def test_slower_ends_lead_to_the_motion_that_a_solve_finds(seed, faster):
     """The optimum of the same mesh, whatever the start."""
     problem, c = moving(seed)
     random = np.random.default_rng(seed)
-    found = from_slower_ends(problem, faster * c * random.uniform(0.2, 1.0, len(c)))
+    found = from_lower_boundary_speeds(problem, faster * c * random.uniform(0.2, 1.0, len(c)))
     assert limit_rows.usage(problem.as_points(), found)[0].max() <= 1.0 + 1e-6
     assert pinned(problem, found.copy()) == pytest.approx(found, rel=1e-12)
     assert mesh_time(problem, found) == pytest.approx(mesh_time(problem, c), rel=1e-5)
@@ -75,12 +75,12 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
 
         return solve
 
-    monkeypatch.setattr(slower_ends, "from_slower_ends", lambda *_: 2.0 * c)
-    monkeypatch.setattr(slower_ends, "solve", stalled(0.9 * c))
+    monkeypatch.setattr(boundary_speed_continuation, "from_slower_ends", lambda *_: 2.0 * c)
+    monkeypatch.setattr(boundary_speed_continuation, "solve", stalled(0.9 * c))
     assert (solve_whole(problem, c, 1.0) == 0.9 * c).all()
-    monkeypatch.setattr(slower_ends, "solve", stalled(None))
+    monkeypatch.setattr(boundary_speed_continuation, "solve", stalled(None))
     assert (solve_whole(problem, c, 1.0) == 2.0 * c).all()
-    monkeypatch.setattr(slower_ends, "from_slower_ends", lambda *_: None)
+    monkeypatch.setattr(boundary_speed_continuation, "from_slower_ends", lambda *_: None)
     with pytest.raises(Stalled, match=r"a jerk limit is exceeded near s = 0\.25"):
         solve_whole(problem, c, 1.0)
 
@@ -89,27 +89,27 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
 def test_as_many_solves_may_be_in_vain_as_are_granted(monkeypatch, missing, found):
     """Before one finds the way; whatever more would cost, there is hardly one left."""
     problem, c = moving(3)
-    vain = slower_ends.MOST_IN_VAIN - 1 + missing
+    vain = boundary_speed_continuation.MOST_IN_VAIN - 1 + missing
     asked = []
 
     def found_at(problem, speed, start, first_gap):
         asked.append(speed)
         return None if 1 < len(asked) <= 1 + vain else start
 
-    monkeypatch.setattr(slower_ends, "found_at", found_at)
-    assert (from_slower_ends(problem, c) is not None) == found
+    monkeypatch.setattr(boundary_speed_continuation, "found_at", found_at)
+    assert (from_lower_boundary_speeds(problem, c) is not None) == found
     assert asked[-1] == 1.0 or not found
 
 
 def test_where_there_is_no_way_few_tries_are_made(monkeypatch):
     """Ends ten times as fast as a motion that is at its limits."""
     problem, c = moving(3)
-    true, asked = slower_ends.found_at, []
+    true, asked = boundary_speed_continuation.found_at, []
 
     def found_at(problem, speed, *given):
         asked.append(speed)
         return true(problem, speed, *given)
 
-    monkeypatch.setattr(slower_ends, "found_at", found_at)
-    assert from_slower_ends(with_ends_at(problem, 10.0), c) is None
-    assert min(asked) > 0.0 and max(asked) < 1.0 + 1e-12 and len(asked) <= 1 + slower_ends.MOST_TRIES
+    monkeypatch.setattr(boundary_speed_continuation, "found_at", found_at)
+    assert from_lower_boundary_speeds(with_ends_at(problem, 10.0), c) is None
+    assert min(asked) > 0.0 and max(asked) < 1.0 + 1e-12 and len(asked) <= 1 + boundary_speed_continuation.MOST_TRIES

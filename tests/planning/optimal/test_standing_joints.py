@@ -6,7 +6,7 @@ import pytest
 from testbed.jets import path_of
 from tests.support.usage import dense_usage
 from toolpace import Limits, Optimal, plan
-from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.limit_tolerances import PROMISED
 
 MESHES = (60, 300, 1000)
 WORSE = 5e-3

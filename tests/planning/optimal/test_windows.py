@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from tests.support.mesh_problems import ingredients
-from toolpace.axispath.axispath import AxisPath
+from toolpace.common.workers import Workers
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.endstate import AT_REST
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import windows
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import SEAM_LOSS, WINDOW, Stretch, mend, solve_run, stretches
-from toolpace.workers import Workers
 
 CELLS = 200
 

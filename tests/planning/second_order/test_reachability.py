@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.support.random_paths import harmonics, random_limits
-from toolpace.axispath.axispath import AxisPath
 from toolpace.kernels.planners import reachability
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.second_order.planner import second_order_law
 from toolpace.planning.second_order.problem import BOTH_ENDS, FIVE, Cells
 

@@ -8,14 +8,14 @@ import pytest
 from testbed import nasty_paths
 from tests.support.random_paths import harmonics, random_limits
 from tests.support.usage import dense_usage
-from toolpace.axispath.axispath import AxisPath
-from toolpace.deflect import replan
-from toolpace.errors import InfeasibleError, UsageError
+from toolpace.common.errors import InfeasibleError, UsageError
+from toolpace.deflection.replanning import replan
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
-from toolpace.planning.guarantee import PROMISED
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
 from toolpace.planning.second_order.planner import second_order_law
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from toolpace.common.units import format_length
 from toolpace.study.svg import INK, SOFT, Drawing
-from toolpace.units import format_length
 
 WIDTH, HEIGHT = 720, 420
 LEFT, RIGHT, TOP, BOTTOM = 84.0, 28.0, 56.0, 58.0

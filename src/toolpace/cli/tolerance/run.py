@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from rich.box import SIMPLE
 from rich.table import Table
 
+from toolpace.common.units import format_length, format_time
+from toolpace.common.workers import Progress
 from toolpace.jobs import job
-from toolpace.units import format_length, format_time
-from toolpace.workers import Progress
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +41,7 @@ def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost
     """
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.program_plan import plan_program
-    from toolpace.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
 
     task = job.loaded(task)
     job.warm_up(steps)
@@ -95,7 +95,7 @@ def show_costs(console: Console, usual: float, found: Sequence[Cost]) -> None:
 def run_tolerance(task: job.Job, tolerances: Sequence[float], picture: Path | None, steps: Steps) -> int:
     """Plan a program within each tolerance, that of the job among them, and show what they cost."""
     from toolpace.cli.tolerance.picture import drawn
-    from toolpace.files import whole_file
+    from toolpace.common.files import whole_file
 
     assert isinstance(task.tip_tolerance, float)
     asked = apart(tolerances, task.tip_tolerance)

@@ -12,17 +12,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.cuttingtool import Cut, CuttingTool
+from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.bending.forces import ForceTable
 from toolpace.judge.bending.turning import tool_in_workpiece
 from toolpace.judge.matching.alignment import Lost, align
 from toolpace.judge.rows import motion_row, way_begins
 from toolpace.judge.tool_lengths import ways
 from toolpace.judge.verification import Check
+from toolpace.machine.cutting_tool import Cut, CuttingTool
 from toolpace.machine.machine import Machine
-from toolpace.setpoints import SetPoints
-from toolpace.toolpath import ToolPath
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.toolpath import ToolPath
 
 FINER = 8
 """By how much less the tool may be off once it is known how it bends."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.cuttingtool import Cut
+from toolpace.common.arrays import Floats
+from toolpace.machine.cutting_tool import Cut
 
 ANGLES = 240
 """Places of the integral over the immersion, by Gauss and Legendre."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.machine.machine import Machine
 
 

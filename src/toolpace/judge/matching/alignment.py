@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.matching.sweep import NEVER, Line, OutOfWorkError, Sweep
 
 WORK = 200

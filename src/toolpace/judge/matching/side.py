@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.matching.alignment import Alignment
 from toolpace.judge.rows import MotionRow
 from toolpace.judge.verification import Check
-from toolpace.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPoints
 
 
 def side_check(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 
 FANOUT = 8
 """Parts of a row that make up the next larger part of its tree; the same in the kernel."""

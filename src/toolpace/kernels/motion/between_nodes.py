@@ -6,7 +6,7 @@ import numpy as np
 
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
-from toolpace.kernels.motion.hidden import missing
+from toolpace.kernels.motion.narrow_features import missing
 
 LANES = 64
 """Cells that are worked on side by side, for vector instructions: the probes of one are too few."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.spline import Spline

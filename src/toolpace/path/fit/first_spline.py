@@ -10,15 +10,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats
-from toolpace.errors import PathError
+from toolpace.common.arrays import Bools, Floats
+from toolpace.common.errors import PathError
+from toolpace.common.workers import Workers
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.knots import refined_at
 from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.spline import Spline, knots_of
 from toolpace.path.fit.windows import Range, ranges, solve_ranges
-from toolpace.workers import Workers
 
 INSIDE = 0.6
 """Share of the tolerance within which the first spline must run."""

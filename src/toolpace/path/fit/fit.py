@@ -18,21 +18,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.errors import PathError
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import PathError
+from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import inside_spline
-from toolpace.path.fit.haste import Haste
 from toolpace.path.fit.knots import first_breaks, refined_at
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
 from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.smooth import tighten
+from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.fit.spline import Spline
 from toolpace.path.run import SplineRun
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
-from toolpace.workers import Progress, Workers, side_by_side
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath
 
 SLOW = 0.3
 """A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
@@ -67,10 +67,10 @@ def fit_runs(
     axis_tolerance: float | Tolerances,
     machine: Machine | None,
     progress: Callable[[float], None] | None,
-    hastes: Sequence[Haste] | None = None,
+    speed_weights: Sequence[SpeedWeights] | None = None,
 ) -> tuple[tuple[SplineRun, ...], float, float, float]:
     """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s]."""
-    from toolpace.kernels.warm import ensure_warm
+    from toolpace.kernels.ahead_of_time import ensure_warm
 
     if len(toolpath) < 2:
         raise PathError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
@@ -82,8 +82,8 @@ def fit_runs(
     def one(k: int, workers: Workers, told: Progress) -> FittedRun:
         line = lines[k]
         try:
-            haste = hastes[k] if hastes is not None else None
-            return fit_run(line, toolpath, tolerances, machines[k], workers, told, haste)
+            speed_weight = speed_weights[k] if speed_weights is not None else None
+            return fit_run(line, toolpath, tolerances, machines[k], workers, told, speed_weight)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
@@ -101,7 +101,7 @@ def fit_run(
     machine: Machine | None,
     workers: Workers,
     progress: Progress,
-    haste: Haste | None = None,
+    speed_weight: SpeedWeights | None = None,
 ) -> FittedRun:
     """One run, on the machine with the tool that is in the spindle. Raises PathError where no curve fits."""
     tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
@@ -109,7 +109,7 @@ def fit_run(
     least_third = SLOW * tip_tolerance**2
     check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
     if is_straight(line):
-        haste = None
+        speed_weight = None
     first, samples = inside_spline(line, first_breaks(line), weight, axis_tolerance, machine, check.between, workers)
     spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
@@ -127,7 +127,7 @@ def fit_run(
     for repair in range(REPAIRS):
         # how many there will be nobody knows; the first one takes the longest
         told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
-        rows = haste.rows(spline.breaks, tip_tolerance) if haste is not None else None
+        rows = speed_weight.rows(spline.breaks, tip_tolerance) if speed_weight is not None else None
         tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, told, rows)
         if not spline.is_finite:
             spline, data = first.copy(), samples
@@ -150,7 +150,7 @@ def fit_run(
         elif len(breaks) > len(spline.breaks):
             spline = spline.over(breaks)
         data = sample(line, breaks, axis_tolerance, machine, s, data)
-    if haste is not None:
+    if speed_weight is not None:
         return fit_run(line, toolpath, tolerances, machine, workers, progress)
     found = deviations(check, first, samples)
     if len(found.bad):

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 
 ACROSS, ALONG = np.sqrt(3.0) / 2.0, np.sqrt(3.0) / 4.0
 """Half axes b and a [radii of the ball]."""

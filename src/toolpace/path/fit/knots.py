@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats
-from toolpace.errors import PathError
+from toolpace.common.arrays import Bools, Floats
+from toolpace.common.errors import PathError
 from toolpace.path.fit.polyline import Polyline
 
 SPACING = 20.0

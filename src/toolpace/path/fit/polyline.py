@@ -11,12 +11,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.errors import PathError, ReachError
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.half_ball import HalfBall, unit
-from toolpace.tolerances.tolerances import Tolerances
-from toolpace.toolpath import ToolPath
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath
 
 LEAST_CELL = 1e-7
 """Shorter cells count as repeated points [tolerances]."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import Polyline, axis_columns
 from toolpace.path.fit.spline import knots_of

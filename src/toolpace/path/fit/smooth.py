@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
+from toolpace.common.workers import Progress, Workers
 from toolpace.path.fit.samples import Samples
 from toolpace.path.fit.spline import Spline, knots_of
 from toolpace.path.fit.windows import Range, ranges, solve_ranges
-from toolpace.workers import Progress, Workers
 
 USED = 0.95
 """Share of the tolerance that the samples may use; what lies between takes some of the rest."""
@@ -32,7 +32,7 @@ def tighten(
 ) -> None:
     """Minimise the roughness of a spline inside the tube, in place.
 
-    `rows` (cells, 3, 6) make the roughness of each cell, and it weighs (cells,): see `Haste.rows`. None: that of the
+    `rows` (cells, 3, 6) make the roughness of each cell, and it weighs (cells,): see `SpeedWeights.rows`. None: that of the
     third derivative, all cells alike.
     `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel; `radius` (m,) the share
     of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is

@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
-from toolpace.workers import UNTOLD, Progress, Workers
+from toolpace.common.arrays import Floats
+from toolpace.common.workers import UNTOLD, Progress, Workers
 
 WINDOW = 2000
 """Coefficients of a window."""

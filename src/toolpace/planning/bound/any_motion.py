@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from toolpace.laws.spline import SplineLaw
+from toolpace.common.workers import Workers
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.trajectory import Trajectory
 from toolpace.planning.bound.continuous import FEWEST, continuous_bound
-from toolpace.trajectory import Trajectory
-from toolpace.workers import Workers
 
 CHEAP = 40_000
 """Cells of all runs together up to which this bound is cheap: a second or two of the machine's time."""

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.workers import Progress, Workers
 from toolpace.kernels.optimal import dual
 from toolpace.planning.bound.allowance import Allowance
-from toolpace.planning.bound.open_places import settled, surroundings
+from toolpace.planning.bound.gap_localisation import settled, surroundings
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import Relaxation, relaxed
-from toolpace.workers import Progress, Workers
 
 KNOT_RAMPS = 2.0
 """How far around a knot whose range is asked for the multipliers may change, in times in which an acceleration builds

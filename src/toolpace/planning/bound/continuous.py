@@ -10,13 +10,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import continuous_dual, first_guess
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
-from toolpace.planning.bound.open_places import settled
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.path.axispath.run import AxisRun
+from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed
 from toolpace.planning.endstate import AT_REST

@@ -11,12 +11,13 @@ import threading
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import dual
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import (
     IN_GAP,
@@ -29,9 +30,8 @@ from toolpace.planning.bound.relaxation import (
     standstills,
 )
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.mesh.guess import ramp_time
+from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.optimal.problem import OnMesh, discretise, weights
-from toolpace.workers import UNTOLD, Progress, Workers
 
 PIECE = 4_000
 """Nodes from border to border, unless the overlap would be wider."""

@@ -7,7 +7,7 @@ from copy import copy
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
 from toolpace.kernels.optimal.dual import KnotRows, dual_value

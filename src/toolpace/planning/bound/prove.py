@@ -8,15 +8,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolpace.arrays import Floats, number
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import UsageError
-from toolpace.laws.spline import SplineLaw
+from toolpace.common.arrays import Floats, number
+from toolpace.common.errors import UsageError
+from toolpace.common.units import refuse_other_unit
+from toolpace.common.workers import UNTOLD, CallersProgress, Progress, Workers
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.any_motion import with_continuous_bound
 from toolpace.planning.bound.branch_and_bound import Part, close
-from toolpace.planning.bound.open_places import Place, losses_by_knot, open_places, settled
+from toolpace.planning.bound.gap_localisation import Place, losses_by_knot, open_places, settled
 from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import (
@@ -29,13 +32,10 @@ from toolpace.planning.bound.relaxation import (
     relaxed,
 )
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.mesh.guess import ramp_time
+from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, slower, solve
 from toolpace.planning.planned_run import PlannedRun, total_bound
-from toolpace.trajectory import Trajectory
-from toolpace.units import refuse_other_unit
-from toolpace.workers import UNTOLD, CallersProgress, Progress, Workers
 
 GAP = 1e-4
 """What is to be proved, unless something else is asked for: duration / bound - 1."""

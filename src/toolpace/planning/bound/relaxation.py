@@ -8,16 +8,16 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats
 from toolpace.kernels.optimal import relaxation
-from toolpace.laws.spline import SplineLaw
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.trajectory import OpenPlace
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.bound.problem import Knots, start_within
 from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.mesh.guess import fleeting, highest_of, steady_speed
+from toolpace.planning.mesh.initial_guess import fleeting, highest_of, steady_speed
 from toolpace.planning.optimal.problem import HIGHEST, Problem, discretise
-from toolpace.trajectory import OpenPlace
 
 TOLERANCE = 1e-5
 """What the bound may lose to an end of the iteration ahead of time, relative to the duration."""

@@ -11,21 +11,21 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import InfeasibleError, UsageError
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import InfeasibleError, UsageError
+from toolpace.common.workers import Progress, Workers
 from toolpace.kernels.planners import genetic
 from toolpace.kernels.planners.quintic_interval import Interval
-from toolpace.laws.quintic import INSIDE, QuinticLaw
 from toolpace.machine.limits import Limits
 from toolpace.motion import closer_look
+from toolpace.motion.laws.quintic import INSIDE, QuinticLaw
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.genetic.preset_speeds import Preset, preset
 from toolpace.planning.genetic.problem import Intervals, reference_points
-from toolpace.planning.guarantee import BRED
+from toolpace.planning.limit_tolerances import BRED
 from toolpace.planning.options import Options, check_share, check_whole
 from toolpace.planning.planned_run import PlannedRun
-from toolpace.workers import Progress, Workers
 
 CHECKS = 12
 ATTEMPTS = 5

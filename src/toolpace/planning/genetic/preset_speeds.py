@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.errors import InfeasibleError
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import InfeasibleError
 from toolpace.kernels.planners import preset_speeds
 from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.planning.endstate import EndState
 from toolpace.planning.genetic.problem import Intervals
-from toolpace.planning.mesh.guess import guess
+from toolpace.planning.mesh.initial_guess import guess
 
 REPAIRS = 2000
 RESOLUTION = 600

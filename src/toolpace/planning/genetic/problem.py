@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import UsageError
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError
 from toolpace.machine.limits import KINDS, Limits
+from toolpace.path.axispath.run import AxisRun
 
 NODES = 33
 """Least points of an interval at which the genetic algorithm looks at the limits; the result is checked at more."""

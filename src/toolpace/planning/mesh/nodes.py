@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats, Ints
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.limits import Limits
-from toolpace.planning.mesh.guess import Guess, from_graded, guess, places, ramp_time, to_graded
+from toolpace.path.axispath.run import AxisRun
+from toolpace.planning.mesh.initial_guess import Guess, from_graded, guess, places, ramp_time, to_graded
 
 STEPS_A_RAMP = 8.0
 """Nodes for the time in which the acceleration of the slowest joint builds up."""

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Bools, Floats, Ints
-from toolpace.axispath.run import AxisRun
-from toolpace.laws.spline import SplineLaw
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.endstate import EndState
-from toolpace.planning.guarantee import ALLOWED
-from toolpace.planning.known_path import KnownPath
-from toolpace.planning.mesh.guess import Guess, ramp_time
+from toolpace.planning.limit_tolerances import ALLOWED
+from toolpace.planning.mesh.initial_guess import Guess, ramp_time
 from toolpace.planning.mesh.nodes import cut_cells
-from toolpace.planning.optimal.dips import on_finer_mesh
+from toolpace.planning.optimal.inter_sample_rows import RowsBetween
 from toolpace.planning.optimal.problem import OnMesh, Problem, discretise, with_rows_between
-from toolpace.planning.optimal.rows_between import RowsBetween
 from toolpace.planning.optimal.solve import pinned
-from toolpace.planning.peaks import Look, Peaks
+from toolpace.planning.optimal.undershoot import on_finer_mesh
+from toolpace.planning.path_cache import CachedPath
+from toolpace.planning.peaks import LimitCheck, Peaks
 
 LEAST_REACH = 20
 """Fewest nodes on either side of a place that is mended."""
@@ -42,7 +42,7 @@ class MeshedRun(OnMesh):
         highest: float,
         passed: tuple[Floats, Floats],
         ramp: float,
-        known: KnownPath | None = None,
+        known: CachedPath | None = None,
     ) -> None:
         """Take the nodes from s0 to s1, and the highest z that the limits allow anywhere at steady speed.
 
@@ -54,8 +54,8 @@ class MeshedRun(OnMesh):
         self.run, self.limits, self.ends, self.highest = run, limits, ends, highest
         self.lowered = np.ones((len(inner), 3))
         self.between = RowsBetween()
-        self._known = (known or KnownPath(run)) if len(nodes) <= KEPT else None
-        self.look = Look(run, limits, self.nodes, self._known)
+        self._known = (known or CachedPath(run)) if len(nodes) <= KEPT else None
+        self.look = LimitCheck(run, limits, self.nodes, self._known)
         self.clock, self.ramp = np.interp(self.nodes, *passed), ramp
         self._given = discretise(run, limits, nodes, *ends, highest, self._known) if self._known else None
         """The problem of the whole run with its limits as they are given; None where it is too long for one."""

@@ -19,23 +19,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import InfeasibleError
-from toolpace.laws.spline import SplineLaw
+from toolpace.common.errors import InfeasibleError
+from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.relaxation import places_in_time
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal.another_try import FAR, Plan, another_try
-from toolpace.planning.optimal.guard import MOST_ROUNDS, guarded
+from toolpace.planning.optimal.acceleration_switches import may_switch, sharpened
+from toolpace.planning.optimal.fallback_strategies import FAR, Plan, fallback_plan
+from toolpace.planning.optimal.inter_sample_limits import MOST_ROUNDS, held_between_nodes
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
-from toolpace.planning.optimal.switches import may_switch, sharpened
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.options import Options, check_flag, check_mesh
 from toolpace.planning.planned_run import PlannedRun
-from toolpace.workers import UNTOLD, Progress, Workers
 
 START_SHARE = 0.4
 """Share of the guess at which a solve starts: well inside, where an interior point is quickest."""
@@ -79,7 +79,7 @@ class Optimal(Options):
         def with_cells(cells: int) -> SplineLaw:
             return fastest_law(run, limits, cells, start, end, self.guard, workers)[0]
 
-        best, notes = another_try(run, limits, first, start, end, fixed, self.guard, workers, with_cells, at_nodes)
+        best, notes = fallback_plan(run, limits, first, start, end, fixed, self.guard, workers, with_cells, at_nodes)
         progress(1.0)
         if not self.bound:
             return PlannedRun(best.law, mesh_points(best.law), notes=notes)
@@ -135,7 +135,7 @@ def held_law(
         if cells is None and may_switch(limits, law):
             law = law_with_switches(meshed, law, guard, workers, told, most_rounds)
         elif guard:
-            law = guarded(meshed, law, cells is not None, workers, told, most_rounds)
+            law = held_between_nodes(meshed, law, cells is not None, workers, told, most_rounds)
     except Stalled as stall:
         raise no_motion(run, stall, cells) from None
     progress(1.0)
@@ -152,11 +152,11 @@ def law_with_switches(
     finer, sharp = sharpened(meshed, law, workers)
     if not guard:
         return sharp
-    held = guarded(finer, sharp, False, workers, progress, most_rounds)
+    held = held_between_nodes(finer, sharp, False, workers, progress, most_rounds)
     if held.duration <= law.duration or finer is meshed:
         return held
     with contextlib.suppress(Stalled):
-        held = min(held, guarded(meshed, law, False, workers, UNTOLD, most_rounds), key=lambda one: one.duration)
+        held = min(held, held_between_nodes(meshed, law, False, workers, UNTOLD, most_rounds), key=lambda one: one.duration)
     return held
 
 

@@ -7,15 +7,15 @@ from copy import copy
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.arrays import Floats, Ints
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats, Ints
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.endstate import EndState
-from toolpace.planning.known_path import KnownPath
-from toolpace.planning.mesh.guess import highest_of
+from toolpace.planning.mesh.initial_guess import highest_of
 from toolpace.planning.optimal.rest_cells import rest_cap
+from toolpace.planning.path_cache import CachedPath
 
 AT_NODE = 0.02
 """Share of a cell up to which a break belongs to a node: breaks closer together than nodes are one place."""
@@ -116,7 +116,7 @@ class Problem(OnMesh):
 
 def discretise(
     run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end: EndState, highest: float | None = None,
-    known: KnownPath | None = None,
+    known: CachedPath | None = None,
 ) -> Problem:  # fmt: skip
     """The rows of a run, or of a part of it, at the nodes (n,) from end to end.
 
@@ -149,7 +149,7 @@ def discretise(
 
 
 def rows_at(
-    run: AxisRun | KnownPath, limits: Limits, s: Floats, ahead: Floats
+    run: AxisRun | CachedPath, limits: Limits, s: Floats, ahead: Floats
 ) -> tuple[Floats, tuple[Floats, Floats], Floats]:
     """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 m, 3) at s (n,).
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.motion.look import unexplained
+from toolpace.motion.adaptive_sampling import unexplained
+from toolpace.path.axispath.run import AxisRun
 
 REST_STATES, CLOSER_AT_REST = 65, 3
 """States of a rest cell that are looked at, and places of which the surroundings are looked at so again: on a coarse

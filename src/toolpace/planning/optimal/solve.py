@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
+from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import limit_rows, newton, solver
 from toolpace.planning.optimal.problem import OnMesh, Problem

@@ -11,22 +11,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import InfeasibleError
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import InfeasibleError
+from toolpace.common.workers import Progress, Workers
 from toolpace.kernels.planners import reachability
-from toolpace.laws.linear import LinearLaw
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws.linear import LinearLaw
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.endstate import AT_REST, EndState, check_state
-from toolpace.planning.guarantee import ALLOWED, GUARANTEE
-from toolpace.planning.mesh.detail import detail
+from toolpace.planning.limit_tolerances import ALLOWED, GUARANTEE
 from toolpace.planning.mesh.nodes import cut_cells, with_breaks
+from toolpace.planning.mesh.path_detail import detail
 from toolpace.planning.options import Options, check_flag, check_mesh
 from toolpace.planning.peaks import CHUNK, peaks_of
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.second_order.problem import BOTH_ENDS, FIVE, Cells
 from toolpace.planning.second_order.refusal import refusal
-from toolpace.workers import Progress, Workers
 
 PILOT = 400
 """Even cells of the first solve, which tells where the time goes."""

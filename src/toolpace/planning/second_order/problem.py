@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
+from toolpace.common.arrays import Floats
 from toolpace.kernels.planners import reachability
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.run import AxisRun
 
 BOTH_ENDS = np.array([0.0, 1.0])
 """Limits held at both ends of each cell: TOPP-RA's second scheme, and the rows of COPP's second-order planner."""

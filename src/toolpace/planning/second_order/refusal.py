@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.arrays import Floats
-from toolpace.axispath.run import AxisRun
-from toolpace.errors import InfeasibleError
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import InfeasibleError
 from toolpace.kernels.planners import reachability
 from toolpace.machine.limits import Limits
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.second_order.problem import Cells
 
 CURES = {

@@ -1,0 +1,1 @@
+"""What every room stands on: errors, units, checked arrays, files, workers."""

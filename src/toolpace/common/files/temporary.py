@@ -1,0 +1,174 @@
+"""Names for what is not finished: told from all others, locked while their maker lives, removed when it died.
+
+A temporary file or folder is called `.toolpace-new-...` and lies beside what it will become, so that moving it is a
+rename on one disk. Its maker holds a lock on it, which the system lets go when the process ends, however it ends. So
+whoever comes next may remove what is not locked, and never takes anything from a run under way.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import secrets
+import shutil
+import stat
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+if sys.platform != "win32":
+    import fcntl
+
+from toolpace.common.files.seal import foreign, read_seal
+
+_OURS = re.compile(r"\.toolpace-(?P<kind>new|old)-(?P<target>[0-9a-f]{8})-[0-9a-f]{8}(?:\.[A-Za-z0-9]{1,8})?")
+TRIES = 100
+"""Names that are tried before something else must be wrong."""
+PATIENCE = 10.0
+"""How long the lock on a folder of results is waited for [s]: a run holds it while it puts its own in the place."""
+
+
+def temporary_name(target: Path, kind: str = "new", suffix: str = "") -> Path:
+    """A name that nobody else will use, as short as can be: that of its target may be as long as names are."""
+    suffix = suffix if re.fullmatch(r"\.[A-Za-z0-9]{1,8}", suffix) else ""
+    return target.parent / f".toolpace-{kind}-{_mark(target)}-{secrets.token_hex(4)}{suffix}"
+
+
+class Temporary:
+    """A temporary file or folder, and the lock on it."""
+
+    def __init__(self, target: Path, *, folder: bool) -> None:
+        """Make it beside the target, with the rights that new files have. Raises OSError."""
+        for _ in range(TRIES):
+            self.path = temporary_name(target, suffix="" if folder else target.suffix)
+            if folder:
+                self.path.mkdir()
+            else:
+                os.close(os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+            try:
+                self._handle = _locked(self.path)
+            except (BlockingIOError, FileNotFoundError):
+                # Somebody who cleans up came between the name and the lock, and removes it.
+                continue
+            if self._handle is None or _is_at(self._handle, self.path):
+                return
+            os.close(self._handle)
+        raise OSError(f"{target.parent}: temporary files vanish as soon as they are made")
+
+    def remove(self) -> None:
+        """Remove whatever has its name, and let go of the lock."""
+        _remove(self.path)
+        if self._handle is not None:
+            os.close(self._handle)
+            self._handle = None
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Hold what is in a place while it is looked at and replaced: no other run replaces or sweeps it meanwhile.
+
+    Nothing is held where nothing is there, where the system has no locks, or where somebody keeps it for too long.
+    """
+    handle, until = None, time.monotonic() + PATIENCE
+    while handle is None and time.monotonic() < until:
+        try:
+            handle = _locked(folder)
+        except BlockingIOError:
+            time.sleep(0.005)
+            continue
+        except OSError:
+            break
+        if handle is None:
+            break
+        if not _is_at(handle, folder):
+            os.close(handle)
+            handle = None
+    try:
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
+
+
+def sweep(target: Path) -> None:
+    """Remove what killed runs have left beside a target; a folder that one of them had moved away comes back.
+
+    What is locked belongs to a run under way; what is another user's, or holds what toolpace did not write, stays.
+    """
+    if sys.platform == "win32":
+        return
+    try:
+        found = [Path(entry.path) for entry in os.scandir(target.parent) if _OURS.fullmatch(entry.name)]
+    except OSError:
+        return
+    for path in found:
+        try:
+            state = path.lstat()
+            if state.st_uid != os.geteuid() or not (stat.S_ISDIR(state.st_mode) or stat.S_ISREG(state.st_mode)):
+                continue
+            handle = _locked(path)
+        except OSError:
+            continue
+        if handle is None:
+            continue
+        try:
+            match = _OURS.fullmatch(path.name)
+            moved_away = match is not None and match["kind"] == "old" and match["target"] == _mark(target)
+            if moved_away and not os.path.lexists(target):
+                path.rename(target)
+            elif _is_at(handle, path) and _only_ours(path):
+                _remove(path)
+        except OSError:
+            continue
+        finally:
+            os.close(handle)
+
+
+def _only_ours(path: Path) -> bool:
+    """Whether nothing but what toolpace wrote is lost with it: a finished folder tells; others hold plain files."""
+    if not path.is_dir():
+        return True
+    if read_seal(path) is not None:
+        return foreign(path) == ""
+    return all(entry.is_file(follow_symlinks=False) for entry in os.scandir(path))
+
+
+def _mark(target: Path) -> str:
+    return hashlib.sha256(os.fsencode(target.name)).hexdigest()[:8]
+
+
+def _locked(path: Path) -> int | None:
+    """A handle that holds the lock on a path, or None where the system has no such locks.
+
+    Raises BlockingIOError where somebody else has it, OSError where the path cannot be opened.
+    """
+    if sys.platform == "win32":
+        return None
+    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        raise
+    except OSError:
+        os.close(handle)
+        return None
+    return handle
+
+
+def _is_at(handle: int, path: Path) -> bool:
+    """Whether a handle is of what the path names now."""
+    try:
+        return os.path.samestat(os.fstat(handle), path.lstat())
+    except OSError:
+        return False
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)

@@ -1,7 +1,0 @@
-"""Plans side by side: by operation, by what limits, and over the path."""
-
-from __future__ import annotations
-
-from toolpace.comparing.comparison import Compared, compared
-
-__all__ = ["Compared", "compared"]

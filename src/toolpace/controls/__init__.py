@@ -1,0 +1,1 @@
+"""What a control makes of a motion: cycle times, files that it loads, LinuxCNC's HAL."""

@@ -1,0 +1,101 @@
+"""Units of a table: mm and degrees or others, or the increments of each joint's encoder."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.common.units import ANGLES, LENGTHS
+from toolpace.controls.export.motion import PlannedMotion
+
+MOST_COUNTS = 2.0**53
+"""Increments beyond which a double is no whole number any more."""
+_LENGTHS = {name: LENGTHS[name] for name in ("um", "mm", "cm", "m", "in")}
+_ANGLES = {name: ANGLES[name] for name in ("deg", "rad", "mrad")}
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How each joint is written."""
+
+    units: tuple[str, ...]
+    """(m,) of positions: "mm", "deg", "counts"."""
+    factors: Floats
+    """(m,) from m and rad."""
+    counted: tuple[bool, ...]
+    """(m,) whether positions are whole numbers."""
+    length: tuple[str, float]
+    """Unit of the tip, and its factor from m."""
+
+    @property
+    def resolution(self) -> Floats:
+        """(m,) how far rounding may move a position [m, rad]; 0 for joints that are not counted."""
+        return np.where(self.counted, 0.5 / np.abs(self.factors), 0.0)
+
+
+def scale_of(motion: PlannedMotion, units: str, counts: Mapping[str, str]) -> Scale:
+    """The scale of `mm,deg` or the like, and of `X` to `10000/mm` for the joints that are counted.
+
+    Raises UsageError with what is wrong and the units there are.
+    """
+    parts = [part.strip().lower() for part in units.split(",")]
+    lengths, angles = [p for p in parts if p in _LENGTHS], [p for p in parts if p in _ANGLES]
+    if len(parts) != 2 or len(lengths) != 1 or len(angles) != 1:
+        raise UsageError(
+            f"--scale {units[:40]}: give a unit of length ({', '.join(_LENGTHS)}) and one of angle "
+            f"({', '.join(_ANGLES)}), like mm,deg"
+        )
+    for joint in counts:
+        if joint not in motion.joints:
+            raise UsageError(
+                f"--counts {joint[:40]}: the machine has no such joint; {did_you_mean(joint, motion.joints)}"
+            )
+    if counts and (missing := [joint for joint in motion.joints if joint not in counts]):
+        raise UsageError(
+            f"--counts: nothing is said of joint {', '.join(missing)}; give all, like {missing[0]}=10000/mm"
+        )
+    names, factors = [], []
+    for joint, turns in zip(motion.joints, motion.rotary):
+        if joint in counts:
+            names.append("counts")
+            factors.append(_per_unit(joint, counts[joint], turns))
+        else:
+            names.append(angles[0] if turns else lengths[0])
+            factors.append(1.0 / (_ANGLES[angles[0]] if turns else _LENGTHS[lengths[0]]))
+    counted = tuple(joint in counts for joint in motion.joints)
+    scale = Scale(tuple(names), np.array(factors), counted, (lengths[0], 1.0 / _LENGTHS[lengths[0]]))
+    most = np.abs(motion.setpoints.q).max(axis=0) * np.abs(scale.factors)
+    for joint, value, whole in zip(motion.joints, most, counted):
+        if whole and value > MOST_COUNTS:
+            raise UsageError(
+                f"--counts {joint}={counts[joint]}: {value:.3g} increments are more than a whole number can hold "
+                f"({MOST_COUNTS:.3g}); correct the figure"
+            )
+    return scale
+
+
+def _per_unit(joint: str, text: str, turns: bool) -> float:
+    """Increments for each m or rad, of text such as `10000/mm`; below zero where the encoder counts backwards."""
+    known = _ANGLES if turns else _LENGTHS
+    figure, _, unit = text.partition("/")
+    example = "1000/deg" if turns else "10000/mm"
+    try:
+        value = float(figure)
+    except ValueError:
+        value = math.nan
+    if unit.strip().lower() not in known:
+        kind = "turns" if turns else "moves straight"
+        raise UsageError(
+            f"--counts {joint}={text[:40]}: joint {joint} {kind}; write increments for each of {', '.join(known)}, "
+            f"like {joint}={example}"
+        )
+    if not (math.isfinite(value) and value != 0.0):
+        raise UsageError(
+            f"--counts {joint}={text[:40]}: '{figure[:20]}' is no number of increments; like {joint}={example}"
+        )
+    return value / known[unit.strip().lower()]

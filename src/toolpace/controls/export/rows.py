@@ -1,0 +1,137 @@
+"""Set-points at another period: each k-th one, or, where that is asked for, between them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.errors import UsageError
+from toolpace.common.units import format_time
+from toolpace.controls.export.motion import PlannedMotion
+from toolpace.motion.setpoints import SetPoints
+
+WHOLE = 1e-9
+"""How far a ratio of two times may be from a whole number and still be one."""
+CHUNK = 100_000
+"""Rows that are worked out at once, to keep memory low."""
+QUINTIC_ERROR = 0.006185
+"""Largest error of the quintic through value, slope and curvature at both ends of a step of length 1, of a function
+whose third derivative stays within 1 of some value (Peano's kernel, worked out numerically; a test does it anew)."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Set-points at a period of their own."""
+
+    points: SetPoints
+    period: float
+    """[s]"""
+    error: Floats
+    """(m,) how far positions may be from the planned motion [m, rad]; 0 where they are the plan's own set-points."""
+    acceleration: Floats
+    """(m,) the highest of the planned motion, between the rows too [m/s^2, rad/s^2]."""
+
+    @property
+    def sag(self) -> Floats:
+        """(m,) how far a straight line between two rows may be from the motion [m, rad]: a P^2 / 8."""
+        sag: Floats = self.acceleration * self.period**2 / 8.0
+        return sag
+
+
+def rows_every(motion: PlannedMotion, period: float, resample: bool = False) -> Rows:
+    """The motion every `period` [s], from its start to the first row at or behind its end, where it rests.
+
+    Where the period is a whole number of the plan's time steps these are its own set-points; else they lie between
+    them, which must be asked for. Raises UsageError.
+    """
+    points, dt = motion.setpoints, motion.dt
+    if not (math.isfinite(period) and period > 0.0):
+        raise UsageError(f"--period {period:g} s: it must be above zero")
+    ratio = period / dt
+    step = round(ratio)
+    whole = step >= 1 and abs(ratio - step) <= WHOLE * step
+    rows = math.ceil((len(points) - 1) / ratio * (1.0 - 1e-12)) + 1
+    if not whole and not resample:
+        raise UsageError(
+            f"--period {format_time(period)} is {ratio:.6g} time steps of the plan ({format_time(dt)}), not a whole "
+            f"number of them; give --resample to interpolate, or plan again with --dt {period * 1e3:.6g}ms"
+        )
+    if ratio > len(points) - 1 or rows > 20 * len(points):
+        raise UsageError(
+            f"--period {format_time(period)} makes {rows} rows of a motion of {format_time(motion.duration)} with "
+            f"set-points every {format_time(dt)}; give a period nearer to that"
+        )
+    t: Floats = period * np.arange(rows, dtype=np.float64)
+    highest: Floats = np.abs(points.qdd).max(axis=0)
+    if whole:
+        index = np.minimum(np.arange(rows) * step, len(points) - 1)
+        beyond = np.arange(rows) * step > len(points) - 1
+        return Rows(_picked(points, t, index, beyond), period, np.zeros(len(points.joints)), highest)
+    return Rows(_between(motion, t), period, _error(motion), highest)
+
+
+def _picked(points: SetPoints, t: Floats, index: Ints, beyond: Bools) -> SetPoints:
+    """Rows of the plan's own; behind its end the machine rests."""
+    qd, qdd, qddd = points.qd[index], points.qdd[index], points.qddd[index]
+    for rate in (qd, qdd, qddd):
+        rate[beyond] = 0.0
+    tool = index if points.has_tool else np.zeros(0, dtype=np.int64)
+    tip, axis, block = points.tip[tool], points.axis[tool], points.block[index]
+    lengths = points.tool_length[index] if len(points.tool_length) else points.tool_length
+    return SetPoints(t, points.q[index], qd, qdd, qddd, tip, axis, block, points.joints, lengths)
+
+
+def _between(motion: PlannedMotion, t: Floats) -> SetPoints:
+    """Rows at any times: in each time step the quintic with position, velocity and acceleration of both its ends."""
+    points, dt = motion.setpoints, motion.dt
+    parts: list[list[Floats]] = [[], [], [], []]
+    blocks: list[Ints] = []
+    lengths: list[Floats] = [np.zeros(0)]
+    for start in range(0, len(t), CHUNK):
+        share = t[start : start + CHUNK] / dt
+        k = np.minimum(share.astype(np.int64), len(points) - 2)
+        beyond = share >= len(points) - 1
+        states = quintic(points, k, np.minimum(share - k, 1.0), dt)
+        for order, (part, state) in enumerate(zip(parts, states)):
+            if order:
+                state[beyond] = 0.0
+            part.append(state)
+        row = np.where(beyond, len(points) - 1, k)
+        blocks.append(points.block[row])
+        if len(points.tool_length):
+            lengths.append(points.tool_length[row])
+    q, qd, qdd, qddd = (np.concatenate(part) for part in parts)
+    tools = np.concatenate(lengths)
+    tip, axis = motion.machine.forward(q, tools) if points.has_tool else (np.empty((0, 3)), np.empty((0, 3)))
+    return SetPoints(t, q, qd, qdd, qddd, tip, axis, np.concatenate(blocks), points.joints, tools)
+
+
+def quintic(points: SetPoints, k: Ints, u: Floats, dt: float) -> tuple[Floats, Floats, Floats, Floats]:
+    """Position and three derivatives (n, m) at shares u (n,) of the time steps that begin with set-points k (n,)."""
+    q0, v0, a0 = points.q[k], points.qd[k] * dt, points.qdd[k] * dt**2
+    q1, v1, a1 = points.q[k + 1], points.qd[k + 1] * dt, points.qdd[k + 1] * dt**2
+    x = u[:, None]
+    d = q1 - q0 - v0 - 0.5 * a0
+    e, f = v1 - v0 - a0, a1 - a0
+    c3, c4, c5 = 10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f
+    q = q0 + x * (v0 + x * (0.5 * a0 + x * (c3 + x * (c4 + x * c5))))
+    qd = v0 + x * (a0 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+    qdd = a0 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
+    qddd = 6.0 * c3 + x * (24.0 * c4 + x * 60.0 * c5)
+    return q, qd / dt, qdd / dt**2, qddd / dt**3
+
+
+def _error(motion: PlannedMotion) -> Floats:
+    """(m,) bound of the error of the quintics, by what the plan uses of the limits of jerk."""
+    jerk = motion.machine.limits.jerk
+    if not np.isfinite(jerk).all() or (motion.record is not None and None in motion.record.usage.jerk.values()):
+        raise UsageError(
+            "--resample: without a limit of jerk nothing bounds what lies between two set-points; plan with "
+            "such limits, "
+            "or give a period that is a whole number of time steps"
+        )
+    most: Floats = np.maximum(jerk, np.abs(motion.setpoints.qddd).max(axis=0))
+    return QUINTIC_ERROR * most * motion.dt**3

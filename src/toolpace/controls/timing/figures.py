@@ -1,0 +1,65 @@
+"""The few figures by which a control is described, as the table `[time]` of its file has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+import msgspec
+
+from toolpace.common.errors import UsageError, in_short
+from toolpace.common.units import DEGREE, MILLIMETRE
+
+MODELS = ("linuxcnc", "lookahead", "fir", "ideal")
+USUAL_TOLERANCE = 0.01
+"""[mm]"""
+Positive = Annotated[float, msgspec.Meta(ge=1e-4, le=1e9)]
+Time = Annotated[float, msgspec.Meta(ge=0.0, le=3600.0)]
+
+
+class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What a model of a control needs to know beside the machine; what is not given is the machine's, or usual."""
+
+    model: Literal["linuxcnc", "lookahead", "fir", "ideal"] = "lookahead"
+    tolerance: Positive | None = None
+    """How far corners are rounded where the program does not say [mm]; 0.01, or as LinuxCNC does without G64 P."""
+    axis_tolerance: Positive = 0.05
+    """The same of turns [deg]."""
+    compress: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)] | None = None
+    """Within which `lookahead` takes short blocks as one line, where the program does not say [mm]; 0: it takes none,
+    not given: the tolerance of corners."""
+    limits: Literal["joints", "words"] = "joints"
+    """Whose limits are kept in tool-centre-point mode: the joints', or those of X, Y, Z of the tip."""
+    acceleration: Positive | dict[str, Positive] = 1.0
+    """Share of the machine's limits that is used; or by axis [mm/s^2, deg/s^2]."""
+    jerk: Positive | dict[str, Positive] = 1.0
+    """The same [mm/s^3, deg/s^3]."""
+    look_ahead: Annotated[int, msgspec.Meta(ge=0, le=1_000_000)] = 0
+    """Blocks that are known ahead; 0: all."""
+    block_time: Time = 0.0
+    """Least time of a block [s]: how fast blocks are read."""
+    ramp_time: Time = 0.0
+    """Length of the first moving average of `fir` [s]; 0: the machine's largest velocity over acceleration."""
+    smoothing_time: Time = 0.0
+    """Length of the second [s]; 0: the machine's largest acceleration over jerk."""
+
+    @property
+    def room(self) -> float:
+        """Tolerance of corners [m]."""
+        return (USUAL_TOLERANCE if self.tolerance is None else self.tolerance) * MILLIMETRE
+
+    @property
+    def turned_metre(self) -> float:
+        """What a turn by a radian counts for beside the tolerance of the tip [m]."""
+        return self.room / (self.axis_tolerance * DEGREE)
+
+
+def figures_of(table: Mapping[str, object], source: str, model: str | None = None) -> ControlFigures:
+    """The figures of a table; `model` takes the place of what it names. Raises UsageError."""
+    given = dict(table)
+    if model is not None:
+        given["model"] = model
+    try:
+        return msgspec.convert(given, ControlFigures)
+    except msgspec.ValidationError as error:
+        raise UsageError(f"controller {source}, [time]: {in_short(error)}") from None

@@ -1,0 +1,156 @@
+"""The figures of a control, from a log of a program that it has run.
+
+acceleration of each axis <- what it keeps up for some rows of the log
+repeat                                                            Nelder and Mead's simplex, in logarithms
+  times of the moves <- the model, with these accelerations, and its other figures
+  misfit <- differences from when the log has gone as far, and of the whole durations
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import UsageError
+from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.controls.timing.axis_motion import axis_ways
+from toolpace.controls.timing.figures import ControlFigures
+from toolpace.controls.timing.log import MotionLog
+from toolpace.controls.timing.program_time import MODELS
+from toolpace.programs.commanded import Commanded
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+
+SEARCHED: dict[str, tuple[str, ...]] = {
+    "linuxcnc": ("tolerance",),
+    "lookahead": ("tolerance", "jerk"),
+    "fir": ("tolerance", "ramp_time", "smoothing_time"),
+}
+"""Figures that are searched for each model, beside the accelerations, which the log tells by itself."""
+TRIED = np.geomspace(0.02, 50.0, 12)
+"""Factors of the tolerance that are tried first: there may be more than one that fits nearly."""
+FARTHEST = math.log(1e3)
+"""Most by which a figure leaves what the search begins with, as a logarithm: a log may tell nothing of it."""
+SPANS = (1, 2, 3, 5, 8, 13, 21)
+"""Rows between which accelerations are differences: more where the log is noisy."""
+KEPT_UP = 3
+"""Rows over which an acceleration is kept up that counts."""
+NOISE = 0.02
+"""Most of an acceleration that may be noise."""
+USUAL = {"ramp_time": 0.05, "smoothing_time": 0.02}
+"""Where a search begins that has no figure to begin at."""
+WORST = 0.5
+"""Misfit over the duration from which a log is no log of the program."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What a log tells of a control."""
+
+    figures: ControlFigures
+    logged: float
+    """Duration of the log [s]."""
+    modelled: float
+    """That of the model with these figures [s]."""
+    misfit: float
+    """Root mean square of the differences on the way [s]."""
+
+
+def identify(moves: Commanded, machine: Machine, log: MotionLog, given: ControlFigures) -> Identified:
+    """The figures of the model of `given` that come closest to a log of the program. Raises UsageError."""
+    if len(moves) < 2:
+        raise UsageError(f"{moves.source}: nothing moves in the program: no figure of a control follows from it")
+    from scipy.optimize import minimize
+
+    start = _with_accelerations(given, machine, sustained_accelerations(log))
+    model, names = MODELS[start.model], SEARCHED[start.model]
+    far, when = _progress(moves, machine, log)
+
+    def differences(figures: ControlFigures) -> Floats:
+        times = model(moves, machine, figures)
+        end = np.cumsum(times + moves.dwell) - moves.dwell
+        return np.asarray(np.append(end[far] - when, end[-1] - log.duration))
+
+    def misfit(logarithms: Floats) -> float:
+        off = differences(_scaled(start, names, np.exp(np.clip(logarithms, -FARTHEST, FARTHEST))))
+        return float(np.sqrt(np.mean(off[:-1] ** 2)) + abs(off[-1]))
+
+    steps = np.diag([0.2, *[0.5] * (len(names) - 1)])
+    tried = np.log(TRIED)[:, None] * np.eye(len(names))[:1]
+    first = min(tried, key=misfit)
+    found = minimize(
+        misfit, first, method="Nelder-Mead",
+        options={"initial_simplex": np.vstack([first, first + steps]), "xatol": 2e-3, "fatol": 1e-6 * log.duration,
+                 "maxfev": 200},
+    )  # fmt: skip
+    figures = _scaled(start, names, np.exp(np.clip(found.x, -FARTHEST, FARTHEST)))
+    off = differences(figures)
+    on_the_way = float(np.sqrt(np.mean(off[:-1] ** 2)))
+    if not on_the_way <= WORST * log.duration:
+        raise UsageError(
+            f"the log takes {log.duration:.4g} s, and the model is {on_the_way:.4g} s off on the way: it is not "
+            "the log of this program on this machine, or columns are exchanged"
+        )
+    return Identified(figures, log.duration, log.duration + float(off[-1]), on_the_way)
+
+
+def sustained_accelerations(log: MotionLog) -> Floats:
+    """(joints,) largest acceleration that each joint keeps up [m/s^2, rad/s^2]; nan where it does not move."""
+    return np.array([_sustained(column, log.dt) for column in log.q.T])
+
+
+def _sustained(q: Floats, dt: float) -> float:
+    if not np.isfinite(q).all() or np.ptp(q) == 0.0:
+        return math.nan
+    found = math.nan
+    for span in SPANS:
+        second = np.abs(q[2 * span :] - 2.0 * q[span:-span] + q[: -2 * span]) / (span * dt) ** 2
+        if len(second) <= KEPT_UP:
+            break
+        kept = np.min([second[k : len(second) - KEPT_UP + k] for k in range(KEPT_UP)], axis=0)
+        found = float(kept.max())
+        # fourth differences hold little but noise: 70 of its variances
+        noise = math.sqrt(float(np.median(np.diff(q, 4) ** 2)) / (0.455 * 70.0))
+        if noise * math.sqrt(6.0) / (span * dt) ** 2 < NOISE * found:
+            break
+    return found
+
+
+def _progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints, Floats]:
+    """Moves whose ends the log passes, and when it does [s], both told by how far the joints have gone by then."""
+    ways = axis_ways(moves, machine, joints=True)
+    scale = np.where(machine.is_rotary, 0.1, 1.0)  # a radian counts like 0.1 m
+    known = np.isfinite(log.q[0])
+    mean = 0.5 * (np.abs(ways.first) + np.abs(ways.last))
+    programmed = np.cumsum(np.linalg.norm((mean * scale)[:, known], axis=1) * ways.length)
+    steps = np.linalg.norm(np.diff(log.q[:, known] * scale[known], axis=0), axis=1)
+    gone = np.concatenate([[0.0], np.cumsum(steps)])
+    gone *= programmed[-1] / gone[-1]
+    first = np.concatenate([[True], np.diff(gone) > 0.0])
+    ends = np.flatnonzero(np.diff(programmed, append=np.inf) > 0.0)
+    return ends, np.interp(programmed[ends], gone[first], log.dt * np.flatnonzero(first))
+
+
+def _with_accelerations(given: ControlFigures, machine: Machine, found: Floats) -> ControlFigures:
+    """The figures with the accelerations of the axes that move in the log; for others the machine's hold."""
+    units = np.where(machine.is_rotary, DEGREE, MILLIMETRE)
+    table = dict(given.acceleration) if isinstance(given.acceleration, dict) else {}
+    table |= {name: float(a) for name, a in zip(machine.joints, found / units) if np.isfinite(a) and a > 0.0}
+    return msgspec.structs.replace(given, acceleration=table, tolerance=given.room / MILLIMETRE)
+
+
+def _scaled(start: ControlFigures, names: tuple[str, ...], factors: Floats) -> ControlFigures:
+    changed: dict[str, object] = {}
+    for name, factor in zip(names, factors.tolist()):
+        value = getattr(start, name)
+        if isinstance(value, dict):
+            changed[name] = {axis: figure * factor for axis, figure in value.items()}
+        else:
+            changed[name] = (value or USUAL.get(name, 1.0)) * factor
+    return msgspec.structs.replace(start, **changed)

@@ -1,0 +1,96 @@
+"""How far the tool bends at each place of a program while a motion cuts it.
+
+of a motion along the path:
+  when each place is passed                  the law of each run; the joints there
+  speed of the tip on the way to each        across the tool axis: what makes chips
+  force of the cut, along feed and normal    cutting_forces
+  deflection, in the workpiece frame         compliance, turned with the machine
+  averaged along the way                     blending
+
+The speed is that of the tip along the program, where the bent tip is to be. Moves along the tool axis (plunge, retract)
+make no chip across, and take no force here: where they end, the force grows in proportion to the sine of the angle
+between motion and tool axis, from PLUNGE on, until it is whole at ACROSS.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from toolpace.common.arrays import Floats, Ints
+from toolpace.cutting.bending.blending import blended
+from toolpace.cutting.bending.cuts import cuts_of
+from toolpace.cutting.bending.frames import tool_to_workpiece
+from toolpace.cutting.bending.inserted_points import Places
+from toolpace.cutting.forces import CuttingForces
+from toolpace.machine.cutting_tool import CuttingTool
+from toolpace.machine.machine import Machine
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.path import Path
+from toolpace.path.run import PathRun
+
+PLUNGE, ACROSS = math.sin(math.radians(5.0)), math.sin(math.radians(15.0))
+"""Share of a motion across the tool axis up to which it is one along it, and from which it is one across."""
+
+
+def predicted_bending(
+    places: Places, kept: Ints, cut: Ints, tool: CuttingTool, machine: Machine, path: Path, trajectory: Trajectory
+) -> Floats:
+    """Deflection (n, 3) [m] of the tip in the workpiece frame at n places, blended.
+
+    cut: (n,) which of the tool's cuts acts on the way to each place, -1 for none. path: fitted to the places
+    `kept` (k,), whose parameter the trajectory follows.
+    """
+    duration, rotary = passages(places, kept, path, trajectory, machine)
+    step = places.toolpath.way[1:]
+    at = np.flatnonzero((cut[1:] >= 0) & (duration > 0.0))
+    bent = np.zeros((len(step), 3))
+    bent[at] = bending_of_ways(step[at] / duration[at, None], rotary[at], cut[1:][at], tool, machine)
+    return blended(places.way, bent, tool.blend)
+
+
+def bending_of_ways(velocity: Floats, rotary: Floats, cut: Ints, tool: CuttingTool, machine: Machine) -> Floats:
+    """Deflection (k, 3) [m] where the tip goes at velocities (k, 3) [m/s], with rotary joints at (k, 2) [rad]."""
+    turn = tool_to_workpiece(machine, rotary)
+    axis = turn[:, :, 2]
+    across = velocity - np.einsum("nc,nc->n", velocity, axis)[:, None] * axis
+    speed = np.linalg.norm(across, axis=1)
+    whole = np.linalg.norm(velocity, axis=1)
+    share = np.clip((speed / np.where(whole > 0.0, whole, 1.0) - PLUNGE) / (ACROSS - PLUNGE), 0.0, 1.0)
+    feed = across / np.where(share > 0.0, speed, 1.0)[:, None]
+    normal = np.cross(axis, feed)
+    force = np.zeros((len(velocity), 3))
+    for k, forces in enumerate(map(CuttingForces, cuts_of(tool))):
+        of_cut = np.flatnonzero((cut == k) & (share > 0.0))
+        force[of_cut] = forces.feed_forward(forces.feed_per_tooth(speed[of_cut]), tool.force)
+    force *= share[:, None]
+    in_workpiece = force[:, :1] * feed + force[:, 1:2] * normal + force[:, 2:] * axis
+    found: Floats = np.einsum("nab,bc,ndc,nd->na", turn, tool.compliance, turn, in_workpiece, optimize=True)
+    return found
+
+
+def passages(places: Places, kept: Ints, path: Path, trajectory: Trajectory, machine: Machine) -> tuple[Floats, Floats]:
+    """Of the way to each place but the first: how long the motion is on it (n - 1,) [s], 0 where it has no way, and
+    where its rotary joints are in its middle (n - 1, 2) [rad]."""
+    duration, rotary = np.zeros(len(places.way) - 1), np.zeros((len(places.way) - 1, 2))
+    for run, joints, law in zip(path.runs, trajectory.axis_path.runs, trajectory.laws):
+        at, s = parameters(places, kept, run)
+        passed = law.times_at(s)
+        passed[0], passed[-1] = 0.0, law.duration
+        duration[at[:-1]] = np.diff(passed)
+        rotary[at[:-1]] = joints.evaluate(0.5 * (s[:-1] + s[1:]))[0][:, machine.rotary]
+    return duration, rotary
+
+
+def parameters(places: Places, kept: Ints, run: PathRun) -> tuple[Ints, Floats]:
+    """The places (k,) that a run goes along, both ends too, and its parameters there."""
+    # a kept place that no block leads to stands where the one before it does
+    point = np.arange(run.entry[0] - 1, run.entry[-1] + 1)
+    s = run.block_start[np.searchsorted(run.entry, point, side="right")]
+    at = np.arange(kept[point[0]], kept[point[-1]] + 1)
+    cell = np.clip(np.searchsorted(kept[point], at, side="right") - 1, 0, len(point) - 2)
+    here, there = kept[point[cell]], kept[point[cell + 1]]
+    whole = places.way[there] - places.way[here]
+    share = np.where(at == there, 1.0, (places.way[at] - places.way[here]) / np.where(whole > 0.0, whole, 1.0))
+    return at, s[cell] + share * (s[cell + 1] - s[cell])

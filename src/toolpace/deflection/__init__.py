@@ -1,0 +1,1 @@
+"""Off the path, and back: replanning from a measured tip, and a follower that corrects live."""

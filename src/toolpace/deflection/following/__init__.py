@@ -1,0 +1,7 @@
+"""A plan followed live: set-point by set-point, at any pace, corrected by what is measured, within every limit."""
+
+from toolpace.deflection.following.follower import Follower
+from toolpace.deflection.following.measurement import Measurement
+from toolpace.deflection.following.setpoint import SetPoint, Status
+
+__all__ = ["Follower", "Measurement", "SetPoint", "Status"]

@@ -1,0 +1,52 @@
+"""The part of a run on which a projection is looked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from toolpace.common.arrays import Floats, numbers
+from toolpace.common.errors import UsageError
+from toolpace.path.path import Path
+from toolpace.path.run import PathRun
+
+BORDER = 1e-12
+"""How far an interval may reach beyond its run by rounding."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A run from one parameter to another."""
+
+    index: int
+    """Of the run."""
+    run: PathRun
+    low: float
+    high: float
+
+    def tip(self, s: Floats) -> Floats:
+        """(4, n, 3) tip and three derivatives at s (n,)."""
+        jets: Floats = self.run.evaluate(s).tip
+        return jets
+
+
+def stretches(path: Path, interval: tuple[float, float] | None) -> list[Stretch]:
+    """All runs of a path, or the `interval` (from s, to s) of one of them.
+
+    Raises UsageError where there is none, and where several have it.
+    """
+    if interval is None:
+        return [Stretch(index, run, run.s0, run.s1) for index, run in enumerate(path.runs)]
+    low, high = numbers(interval, "deflection: interval", (2,)).tolist()
+    found = [
+        Stretch(index, run, max(low, run.s0), min(high, run.s1))
+        for index, run in enumerate(path.runs)
+        if run.s0 - BORDER <= low < high <= run.s1 + BORDER
+    ]
+    if not found:
+        raise UsageError(f"deflection: the path has no interval from s = {interval}; give one inside a run")
+    if len(found) > 1:
+        raise UsageError(
+            f"deflection: {len(found)} runs of the path have an interval from s = {interval}; project on the one that"
+            " is meant: Path((path.runs[k],))"
+        )
+    return found

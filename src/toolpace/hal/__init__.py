@@ -1,6 +1,0 @@
-"""A follower as a component of LinuxCNC's HAL: not realtime, a few rows ahead of the realtime side that plays them."""
-
-from toolpace.hal.component import Component, Settings
-from toolpace.hal.linuxcnc import hal_module
-
-__all__ = ["Component", "Settings", "hal_module"]

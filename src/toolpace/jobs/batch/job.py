@@ -1,0 +1,129 @@
+"""One job of a batch: a program, a machine, the work and its options."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.common.units import (
+    DEGREE,
+    LONGEST_TOOL,
+    METRES,
+    MILLIMETRE,
+    format_angle,
+    format_length,
+    format_time,
+    refuse_other_unit,
+)
+from toolpace.jobs.job import AXIS_TOLERANCES, TIME_STEPS, TIP_TOLERANCES
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+
+KINDS = ("plan", "time", "inspect", "export")
+"""What can be done with a program."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BatchJob:
+    """All that is asked of one job, in SI; files are named, and read when the batch begins. Raises UsageError."""
+
+    program: str | os.PathLike[str]
+    machine: str | os.PathLike[str] | Machine | None = None
+    """A name, a machine file or a Machine; may be left out of `inspect` only: all built-in ones are tried then."""
+    what: str = "plan"
+    """plan; time: on its control, and the optimum; inspect: what it asks for; export: plan, and files for a control."""
+    tip_tolerance: float = 0.01 * MILLIMETRE
+    """[m]"""
+    axis_tolerance: float = 0.05 * DEGREE
+    """[rad]"""
+    planner: str = "optimal"
+    effort: str = "normal"
+    """How much is done for a path that may be passed fast: low, normal or high."""
+    prove_within: float | None = None
+    """Time for raising the lower bound [s]; None: it stays as it is found with the plan."""
+    feed: str | None = None
+    """In place of the program's feeds: "120%", "3000mm/min", "none"."""
+    tool_length: float | None = None
+    """In place of the machine file's [m]."""
+    bend: str | None = None
+    """The file of a tool that bends."""
+    dt: float = 1e-3
+    """Time between set-points [s]."""
+    csv: bool = False
+    npz: bool = True
+    report: bool = True
+    """Which files are written beside plan.json."""
+    dialect: str | None = None
+    controller: str | None = None
+    setup: str | None = None
+    skip_unknown: bool = False
+    lenient: bool = False
+    compensation: str = ""
+    max_blocks: int | None = None
+    columns: str = ""
+    units: str = ""
+    """How the program is read: as the options of the commands."""
+    model: str | None = None
+    """Of `time`: how the control is thought to work, in place of what its file says."""
+    optimum: bool = True
+    """Of `time`: whether the fastest motion is planned too."""
+    to: str | None = None
+    """Of `export`: table, linuxcnc-hal, linuxcnc-g93, beckhoff-fifo or program."""
+    export: Mapping[str, Any] = field(default_factory=dict)
+    """Options of that target, as `tp.export` has them."""
+
+    def __post_init__(self) -> None:
+        from toolpace.planning.planner import PLANNERS
+        from toolpace.planning.program_plan import EFFORTS
+
+        known("what", self.what, KINDS)
+        known("planner", self.planner, tuple(PLANNERS))
+        known("effort", self.effort, EFFORTS)
+        within("tip_tolerance", self.tip_tolerance, TIP_TOLERANCES, format_length)
+        within("axis_tolerance", self.axis_tolerance, AXIS_TOLERANCES, format_angle)
+        within("dt", self.dt, TIME_STEPS, format_time)
+        if self.tool_length is not None:
+            refuse_other_unit(self.tool_length, LONGEST_TOOL, "tool_length", METRES)
+        if self.prove_within is not None and not self.prove_within > 0.0:
+            raise UsageError(f"prove_within = {self.prove_within!r:.40}: give a time above zero [s]")
+        if self.machine is None and self.what != "inspect":
+            raise UsageError(f"{self.program}: the machine is missing; name a built-in machine or a machine file")
+        if self.prove_within is not None and self.planner != "optimal":
+            raise UsageError(f"prove_within goes with the planner 'optimal'; '{self.planner}' has no lower bound")
+        if (self.to is None) != (self.what != "export"):
+            raise UsageError("what = export goes with `to`, the target, and `to` with it alone")
+        if self.what == "export" and not self.npz:
+            raise UsageError("what = export needs set-points: leave npz as it is")
+        self._check_words()
+
+    def _check_words(self) -> None:
+        """Raise UsageError where a feed, a model or a target is none, before any job has begun."""
+        if self.feed is not None:
+            from toolpace.programs.reading.feeds import FeedChange
+
+            FeedChange.parse(self.feed)
+        if self.model is not None:
+            from toolpace.controls.timing.figures import MODELS
+
+            known("model", self.model, tuple(MODELS))
+        if self.to is not None:
+            from toolpace.controls.export import target_of
+
+            target_of(self.to, dict(self.export))
+
+
+def known(name: str, value: str, choices: tuple[str, ...]) -> None:
+    """Raise UsageError where a word is none of these."""
+    if value not in choices:
+        raise UsageError(f"{name} = {str(value)[:40]!r} is not known; {did_you_mean(str(value), choices)}")
+
+
+def within(name: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> None:
+    """Raise UsageError where a figure is beyond its bounds."""
+    if not (isinstance(value, (int, float)) and math.isfinite(value) and bounds[0] <= value <= bounds[1]):
+        raise UsageError(f"{name} = {value!r:.40}: give a value from {show(bounds[0])} to {show(bounds[1])}")

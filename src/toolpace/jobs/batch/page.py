@@ -1,0 +1,128 @@
+"""HTML page of a batch: figures, and a table of jobs that can be sorted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from html import escape
+from typing import TypeVar
+from urllib.parse import quote
+
+from toolpace.common.description import counted
+from toolpace.common.units import format_time
+from toolpace.jobs.batch.result_row import BAD, ERROR, GOOD, WAITING, BatchRow
+from toolpace.jobs.batch.work import INSPECTED, TIMED
+from toolpace.results.report.shell import whole_page
+from toolpace.results.report.words import at_most, limit_words, percent
+
+RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspect": INSPECTED}
+"""What a row leads to, in the folder of its job."""
+RECORD = "plan.json"
+"""What it leads to where the report is left out."""
+HEADINGS = (
+    ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("Gap", "n"),
+    ("Blocks", "n"), ("Tip", "n"), ("Axis", "n"), ("Feed", ""), ("Took", "n"), ("Limited by, or what is wrong", ""),
+)  # fmt: skip
+OPTIONAL = {"Optimum", "Gap", "Feed", "Limited by, or what is wrong", "Machine"}
+"""Columns that are left out where no row has anything in them."""
+Number = TypeVar("Number", int, float)
+Cell = tuple[str, float | None, str]
+"""HTML, the figure that it is sorted by or None for words, and its class."""
+
+
+def batch_page(rows: Sequence[BatchRow]) -> str:
+    """The whole HTML text."""
+    table = [_cells(row) for row in rows]
+    shown = [k for k, (name, _) in enumerate(HEADINGS) if name not in OPTIONAL or any(cells[k][0] for cells in table)]
+    head = "".join(f'<th class="{HEADINGS[k][1]}">{HEADINGS[k][0]}</th>' for k in shown)
+    done = sum(row.verdict != WAITING for row in rows)
+    fields = {
+        "lead": f"{counted(len(rows), 'job')}, {done} of them ended",
+        "verdict": _badge(rows),
+        "cards": _cards(rows),
+        "head": head,
+        "rows": "\n".join(f"<tr>{''.join(_html(cells[k]) for k in shown)}</tr>" for cells in table),
+    }
+    return whole_page("toolpace.jobs.batch", "page", "Batch", fields)
+
+
+def _badge(rows: Sequence[BatchRow]) -> str:
+    wrong = sum(not row.ok for row in rows)
+    waiting = sum(row.verdict == WAITING for row in rows)
+    if not wrong:
+        return '<span class="badge good">all is well</span>'
+    if waiting == wrong:
+        return f'<span class="badge quiet">{waiting} not run yet</span>'
+    return f'<span class="badge bad">{wrong - waiting} of {len(rows)} failed</span>'
+
+
+def _cards(rows: Sequence[BatchRow]) -> str:
+    times = [row.duration_s for row in rows if row.duration_s is not None]
+    cards = [("Jobs done", str(sum(row.ok for row in rows)), f"of {len(rows)}", "big")]
+    cards += [
+        (label, str(count), note, "")
+        for label, count, note in (
+            ("Failed", sum(row.verdict in BAD for row in rows), "the verification"),
+            ("Errors", sum(row.verdict == ERROR for row in rows), "no result; the table gives the reason"),
+            ("Not run", sum(row.verdict == WAITING for row in rows), "the same command continues with them"),
+            ("Found", sum(row.found for row in rows), "done by an earlier batch"),
+        )
+        if count
+    ]
+    if times:
+        cards.append(("Total time", format_time(sum(times)), f"of {counted(len(times), 'motion')}", ""))
+    gaps = [row.gap for row in rows if row.gap is not None]
+    if gaps:
+        cards.append(("Largest gap", at_most(max(gaps)), "of a time to the lower bound on its mesh", ""))
+    took = sum(row.seconds for row in rows)
+    if took:
+        cards.append(("Computed in", format_time(took), "sum of all workers", ""))
+    return "\n".join(
+        f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
+        f'<div class="note">{escape(note)}</div></div>'
+        for label, value, note, kind in cards
+    )
+
+
+def _cells(row: BatchRow) -> list[Cell]:
+    """In the order of the headings."""
+    verdict = "good" if row.verdict in GOOD else "quiet" if row.verdict == WAITING else "bad"
+    limits = ", ".join(
+        f"{limit_words(name)} {percent(share)}"
+        for name, share in sorted(row.limited_by.items(), key=lambda item: -item[1])[:2]
+        if share >= 0.01
+    )
+    return [
+        (_linked(row), None, ""),
+        (escape(row.machine), None, ""),
+        (escape(row.verdict), None, verdict),
+        _figure(row.duration_s, format_time),
+        _figure(row.optimum_s, format_time),
+        _figure(row.gap, at_most),
+        _figure(row.blocks, str),
+        _figure(row.tip_tolerance_mm, lambda value: f"{1e3 * value:.4g} µm"),
+        _figure(row.axis_tolerance_deg, lambda value: f"{value:.4g}°"),
+        (escape(row.feed or ""), None, ""),
+        ("found", 0.0, "n quiet") if row.found else _figure(row.seconds or None, format_time),
+        (f'<span class="why">{escape(row.error)}</span>' if row.error else escape(limits), None, "limits"),
+    ]
+
+
+def _figure(value: Number | None, show: Callable[[Number], str]) -> Cell:
+    if value is None:
+        return "", math.inf, "n"
+    return escape(show(value)), float(value), "n"
+
+
+def _linked(row: BatchRow) -> str:
+    """The program, leading to what came of it."""
+    if not row.folder:
+        return escape(row.program)
+    target = quote(f"{row.folder}/{RESULTS[row.what] if row.report else RECORD}")
+    return f'<a href="{escape(target)}">{escape(row.program)}</a>'
+
+
+def _html(cell: Cell) -> str:
+    text, value, kind = cell
+    by = "" if value is None else ' data-value=""' if math.isinf(value) else f' data-value="{value!r}"'
+    return f'<td class="{kind}"{by}>{text}</td>'

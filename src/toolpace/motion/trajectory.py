@@ -1,0 +1,310 @@
+"""The answer: joint motion over time."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.common.arrays import Floats, Ints, number, numbers
+from toolpace.common.description import counted, named, one_line
+from toolpace.common.errors import UsageError
+from toolpace.common.units import SECONDS, ask_about_unit
+from toolpace.machine.limits import KINDS, Limits
+from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
+from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.setpoints import SetPoints, refuse_too_many
+from toolpace.path.axispath.axispath import AxisPath
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+
+BINDING = 0.995
+"""Share of a limit from which it counts as binding."""
+CHUNK = 100_000
+"""Times that are worked out at once, to keep memory low."""
+LONGEST_STEP = 0.2
+"""Between set-points [s] that is not asked about: more is a time in ms."""
+INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
+"""Note of a motion that was loaded."""
+
+
+@dataclass(frozen=True)
+class OpenPlace:
+    """A stretch of the motion where the lower bound leaves room: it may be faster there, or the bound too low."""
+
+    start: float
+    end: float
+    """When it is passed [s]."""
+    seconds: float
+    """At most so much could be gained there [s]."""
+    block: int
+    """Block of the program at its start; 0 where there is none."""
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A stretch of the path that the tip leaves out where a replanned motion comes back onto it."""
+
+    start: float
+    end: float
+    """Parameters of the run, as `replan` takes one to rejoin at."""
+    length: float
+    """Of the path between [m]; without a machine of the joints' way."""
+    off: float
+    """How far the path is from the way of the tip there, at most [m]: more than the 10 um that are no leaving out."""
+    first_block: int
+    last_block: int
+    """Blocks of the program at both ends; 0 where there is none."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory:
+    """Motion along an AxisPath: one time law a run, with the dwells between them. It can judge itself."""
+
+    axis_path: AxisPath
+    limits: Limits
+    laws: tuple[TimeLaw, ...]
+    planner: str = "optimal"
+    lower_bound: float = 0.0
+    """No plan on this mesh, which holds the limits at its nodes, is faster than this [s]; 0 when unknown.
+
+    Another mesh may allow less: of any motion at all `continuous_bound` speaks.
+    """
+    continuous_bound: float = 0.0
+    """No motion that keeps the limits all along the path is faster than this [s], on no mesh; 0 when unknown."""
+    open_places: tuple[OpenPlace, ...] = ()
+    """Where most of the gap between duration and lower bound lies, in the order of time."""
+    notes: tuple[str, ...] = ()
+    """Sentences on the runs whose duration was far from its bound: why, and what came of another try."""
+    skipped: tuple[Skipped, ...] = ()
+    """What a replan leaves out of the path, in its order; empty where it follows all of it."""
+    mesh_points: int = 0
+    solve_seconds: float = 0.0
+    found_usage: Usage | None = None
+    """What `usage` tells where the motion is read from set-points: it was found when these were planned."""
+    starts: Floats = field(init=False)
+    """(runs,) when each run starts [s]."""
+    duration: float = field(init=False)
+    """[s], dwells included."""
+
+    def __post_init__(self) -> None:
+        lengths = np.array([law.duration + run.dwell for law, run in zip(self.laws, self.axis_path.runs, strict=True)])
+        ends = self.axis_path.first_dwell + np.cumsum(lengths)
+        object.__setattr__(self, "starts", np.concatenate([[self.axis_path.first_dwell], ends[:-1]]))
+        object.__setattr__(self, "duration", float(ends[-1]))
+        self.starts.flags.writeable = False
+
+    def __repr__(self) -> str:
+        blocks = sum(run.blocks for run in self.axis_path.runs)
+        return one_line(
+            self,
+            f"{self.duration:.6g} s",
+            named(self.joints),
+            counted(blocks, "block") if blocks else "",
+            f"gap {self.gap * 100.0:.2g} % on its mesh" if self.lower_bound > 0.0 else "",
+            f"planner {self.planner}",
+            f"leaves out {sum(each.length for each in self.skipped):.3g} m of the path" if self.skipped else "",
+        )
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return self.axis_path.joints
+
+    @property
+    def gap(self) -> float:
+        """How far the duration may be from the best on this mesh: duration / lower bound - 1; inf without a bound."""
+        return self.duration / self.lower_bound - 1.0 if self.lower_bound > 0.0 else np.inf
+
+    def _state(self, t: Floats) -> tuple[Ints, Floats]:
+        """Run and state (4, n) of s at times t (n,); at rest while dwelling."""
+        if (t[1:] < t[:-1]).any():
+            # laws take their times in order
+            order = np.argsort(t, kind="stable")
+            back = np.argsort(order)
+            run, state = self._state(t[order])
+            return run[back], state[:, back]
+        run = self.run_at(t)
+        state = np.zeros((4, len(t)))
+        for k in np.unique(run):
+            of_run = run == k
+            law = self.laws[k]
+            local = t[of_run] - self.starts[k]
+            now = law.at(np.clip(local, 0.0, law.duration))
+            now[1:, (local < 0.0) | (local > law.duration * (1.0 + 1e-12))] = 0.0
+            state[:, of_run] = now
+        return run, state
+
+    def run_at(self, t: npt.ArrayLike) -> Ints:
+        """Index of the run at a time or at times t (n,) [s], in the shape of t; its dwell is part of it.
+
+        Raises UsageError as `at`.
+        """
+        run: Ints = np.clip(np.searchsorted(self.starts, _times(t), side="right") - 1, 0, len(self.laws) - 1)
+        return run
+
+    def parameter(self, t: npt.ArrayLike) -> Floats:
+        """Parameter s of the run that `run_at` tells, at a time or at times t (n,) [s], in the shape of t.
+
+        Raises UsageError as `at`.
+        """
+        times = _times(t)
+        s: Floats = self._state(times.ravel())[1][0]
+        return s.reshape(times.shape)
+
+    def state(self, t: float) -> tuple[float, float, float]:
+        """s of the run, ds/dt and d2s/dt2 at one time [s]: where a replanning starts. Raises UsageError as `at`."""
+        times = _times(t)
+        if times.ndim:
+            raise UsageError(f"trajectory: {len(times)} times where one is expected; give a number")
+        s, v, a, _ = self._state(times.ravel())[1][:, 0]
+        return float(s), float(v), float(a)
+
+    def at(self, t: npt.ArrayLike) -> Motion:
+        """Motion of the joints, each array (joints,) at one time t [s], (n, joints) at times t (n,) in any order.
+
+        Before the start and after the end the machine rests. Raises UsageError for what is no time.
+        """
+        times = _times(t)
+        motion, _ = self._motion_in_pieces(times.ravel())
+        return motion if times.ndim else Motion(motion.q[0], motion.qd[0], motion.qdd[0], motion.qddd[0])
+
+    def _motion_in_pieces(self, t: Floats) -> tuple[Motion, Ints]:
+        """Motion and block at times t, without room for all derivatives of all of them at once."""
+        if len(t) <= CHUNK:
+            return self._motion(t)
+        m = len(self.joints)
+        motion, block = Motion(*(np.empty((len(t), m)) for _ in range(4))), np.empty(len(t), dtype=np.int64)
+        for i in range(0, len(t), CHUNK):
+            part = slice(i, i + CHUNK)
+            now, block[part] = self._motion(t[part])
+            motion.q[part], motion.qd[part], motion.qdd[part], motion.qddd[part] = now.q, now.qd, now.qdd, now.qddd
+        return motion, block
+
+    def _motion(self, t: Floats) -> tuple[Motion, Ints]:
+        run, state = self._state(t)
+        m = len(self.joints)
+        parts = [np.empty((len(t), m)) for _ in range(4)]
+        block = np.zeros(len(t), dtype=np.int64)
+        for k in np.unique(run):
+            of_run = run == k
+            axis_run = self.axis_path.runs[k]
+            now = joint_motion(axis_run.evaluate(np.clip(state[0, of_run], axis_run.s0, axis_run.s1)), state[:, of_run])
+            for part, value in zip(parts, (now.q, now.qd, now.qdd, now.qddd)):
+                part[of_run] = value
+            block[of_run] = axis_run.block_at(state[0, of_run])
+        return Motion(*parts), block
+
+    def tip(self, t: npt.ArrayLike) -> tuple[Floats, Floats]:
+        """Tip [m] and axis, in the workpiece frame, of the tool in the spindle: (3,) at one time t [s], (n, 3) at times
+        t (n,).
+
+        Raises UsageError as `at`, and without a machine.
+        """
+        if self.axis_path.machine is None:
+            raise UsageError("trajectory: without a machine there is no tool tip; plan a Path on a Machine")
+        q = self.at(t).q
+        tip, axis = self._tool(self.axis_path.machine, np.atleast_1d(_times(t)), np.atleast_2d(q))
+        return (tip, axis) if q.ndim > 1 else (tip[0], axis[0])
+
+    def _tool(self, machine: Machine, t: Floats, q: Floats) -> tuple[Floats, Floats]:
+        """Tip [m] and axis (n, 3) of the tool in the spindle at times t (n,), with the joints at q (n, m)."""
+        return machine.forward(q, self.axis_path.tool_lengths[self.run_at(t)])
+
+    def sample(self, dt: float = 1e-3) -> SetPoints:
+        """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest.
+
+        Raises UsageError where they would not fit into memory.
+        """
+        dt = number(dt, "set-points: time step dt", least=0.0, above=True, unit="s")
+        ask_about_unit(dt, LONGEST_STEP, "set-points: time step dt", SECONDS)
+        refuse_too_many(self.duration, dt, len(self.joints))
+        t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
+        motion, block = self._motion_in_pieces(t)
+        machine = self.axis_path.machine
+        tip, axis = self._tool(machine, t, motion.q) if machine else (np.empty((0, 3)), np.empty((0, 3)))
+        lengths = self.axis_path.tool_lengths
+        tools = np.zeros(0) if np.isnan(lengths).all() else lengths[self.run_at(t)]
+        return SetPoints(t, motion.q, motion.qd, motion.qdd, motion.qddd, tip, axis, block, self.joints, tools)
+
+    @cached_property
+    def _judgement(self) -> tuple[Floats, dict[str, float]]:
+        """Peak ratios (1 + 3 m,), and the time in which each of them is what binds [s]."""
+        m = len(self.joints)
+        names = ["feed"] + [f"{kind} {joint}" for kind in KINDS for joint in self.joints]
+        peak, times = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m)
+        for run, law in zip(self.axis_path.runs, self.laws):
+            # where acceleration may jump, jerk is no limit that could bind
+            jumpy = law.jumps.size > 0
+            peak[1 + 2 * m :][jerk_jumps(run, self.limits, law)] = np.inf
+            for probe in law.probes():
+                ratios, _, between = closer_look(run, self.limits, law, probe)
+                peak = np.maximum(peak, ratios.max(axis=0))
+                if len(between):
+                    peak = np.maximum(peak, between.max(axis=0))
+                first = ratios[:, : 1 + (2 if jumpy else 3) * m].argmax(axis=1)
+                binds = ratios[np.arange(len(first)), first] >= BINDING
+                times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))
+        return peak, {**{n: float(v) for n, v in zip(names, times) if v > 0.0}, "nothing": float(times[-1])}
+
+    def usage(self) -> Usage:
+        """Peak value over limit in continuous time, between the set-points and nodes too."""
+        if self.found_usage is not None:
+            return self.found_usage
+        peak, m = self._judgement[0], len(self.joints)
+        by_kind = [dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)]
+        return Usage(float(peak[0]), *by_kind)
+
+    def limited_by(self) -> dict[str, float]:
+        """Limits that bind: the share of the duration in which each does, largest first."""
+        times = dict(self._judgement[1])
+        dwell = self.axis_path.first_dwell + sum(run.dwell for run in self.axis_path.runs)
+        if dwell > 0.0:
+            times["dwell"] = dwell
+        return {n: t / self.duration for n, t in sorted(times.items(), key=lambda item: -item[1]) if t > 0.0}
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Trajectory:
+        """The motion in a folder that `toolpace plan --out` wrote, from its set-points, machine and program.
+
+        It passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
+        both, some nanometres from the plan at steps of 1 ms; where the plan's jerk jumps between two set-points, the
+        polynomial's exceeds it, and `notes` says so. `usage` and bounds are those that plan.json tells. Raises
+        UsageError where a file is missing, was changed, or is of another plan.
+        """
+        from toolpace.motion.laws.clock import ClockLaw
+        from toolpace.motion.plan_folder import read_plan_folder
+
+        found = read_plan_folder(folder)
+        machine = found.path.machine
+        assert machine is not None
+        return cls(
+            found.path,
+            machine.limits,
+            tuple(ClockLaw(np.array([run.s0, *run.breaks, run.s1])) for run in found.path.runs),
+            found.planner,
+            found.lower_bound,
+            found.continuous_bound,
+            mesh_points=found.mesh_points,
+            solve_seconds=found.solve_seconds,
+            notes=(INTERPOLATED,),
+            found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk),
+        )
+
+    def save(self, path: str | os.PathLike[str], dt: float = 1e-3) -> None:
+        """Write the set-points as npz (see SetPoints), whole or not at all."""
+        self.sample(dt).save(path)
+
+
+def _times(t: npt.ArrayLike) -> Floats:
+    """One time () or times (n,) as numbers. Raises UsageError for everything else."""
+    times = numbers(t, "trajectory: time", ("n",), (), finite=False, unit="s")
+    if np.isnan(times).any():
+        place = f"[{int(np.argmax(np.isnan(times)))}]" if times.ndim else ""
+        raise UsageError(f"trajectory: time{place} is nan; give a number of seconds, or an array (n,) of them")
+    return times

@@ -1,0 +1,142 @@
+"""Axis paths that are splines: piecewise polynomials that somebody else has made, taken as they are.
+
+Between its knots a spline is analytic. At a knot its derivatives may jump, and what that does to the motion decides
+what is taken:
+
+    jump of q, q'    the velocity would jump: no motion follows it without a stop; refused
+    jump of q''      the acceleration would jump, and no number bounds the jerk there; refused
+    jump of q'''     the jerk jumps within its limit: a break, which the planner takes a node to
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import factorial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import PathError, UsageError
+from toolpace.path.axispath.cap import SpeedCap
+from toolpace.path.axispath.run import AxisRun
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline, PPoly
+
+ORDERS = 4
+"""Position and three derivatives."""
+JUMP = 1e-9
+"""Jump of a derivative, times the power of the piece's length that makes it a position, as a share of the motion on
+both pieces, above which it is one: what solving for an interpolating spline leaves is below 1e-12."""
+ROUNDING = 1e-13
+"""The same for rounding of the positions, as a share of their size: joints may be far from zero."""
+
+
+class SplineAxisRun(AxisRun):
+    """A run of piecewise polynomials of any degree, in powers of the distance from the left end of each piece."""
+
+    def __init__(self, knots: Floats, coefficients: Floats, speed_cap: SpeedCap) -> None:
+        """Take the knots (k + 1,), ascending, and Taylor coefficients (degree + 1, k, m), of the highest power first.
+
+        PathError where a derivative jumps that must not.
+        """
+        from scipy.interpolate import PPoly
+
+        self.knots, self.coefficients, self.cap = knots, coefficients, speed_cap
+        for value in (knots, coefficients):
+            value.flags.writeable = False
+        self.s0, self.s1, self.hints = float(knots[0]), float(knots[-1]), knots
+        first = PPoly(coefficients, knots, extrapolate=True)
+        self._orders = [first] + [first.derivative(order) for order in range(1, ORDERS)]
+        self.breaks = knots[1:-1][third_jumps(knots, coefficients)]
+
+    def evaluate(self, s: Floats) -> Floats:
+        return np.stack([polynomial(s) for polynomial in self._orders])
+
+    def speed_cap(self, s: Floats) -> Floats:
+        return self.cap.at(s)
+
+
+def third_jumps(knots: Floats, coefficients: Floats) -> npt.NDArray[np.bool_]:
+    """(k - 1,) inner knots at which q''' jumps. PathError where position, slope or curvature does.
+
+    A jump of the derivative of order d moves the joint by about jump h^d / d! over a piece of length h; what counts is
+    how that compares with the motion on both pieces.
+    """
+    h = np.diff(knots)
+    degree = len(coefficients) - 1
+    powers = np.arange(degree, -1, -1)
+    # (degree + 1, k, m): how far each term moves the joint on its piece; the last one is where it begins
+    terms = np.abs(coefficients) * h[None, :, None] ** powers[:, None, None]
+    motion, size = terms[:-1].sum(axis=0), terms[-1]
+    allowed = JUMP * (motion[1:] + motion[:-1]) + ROUNDING * (size[1:] + size[:-1] + motion[1:] + motion[:-1])
+    shorter = np.minimum(h[1:], h[:-1])[:, None]
+    jumps = np.zeros((len(h) - 1, coefficients.shape[2]), dtype=np.bool_)
+    for order, what in enumerate(("position", "slope", "curvature", "third derivative")):
+        left, right = _sides(coefficients, h, order)
+        jumps = np.abs(right - left) * shorter**order > allowed
+        if order < ORDERS - 1 and jumps.any():
+            knot, joint = (int(i) for i in np.argwhere(jumps)[0])
+            raise PathError(
+                f"path: the {what} of joint {joint + 1} jumps from {left[knot, joint]:.6g} to "
+                f"{right[knot, joint]:.6g} at s = {knots[knot + 1]:.9g}; a motion needs the path twice continuously "
+                "differentiable: use AxisPath.from_waypoints, or split it there"
+            )
+    return np.asarray(jumps.any(axis=1), dtype=np.bool_)
+
+
+def _sides(coefficients: Floats, h: Floats, order: int) -> tuple[Floats, Floats]:
+    """(k - 1, m) the derivative of an order at the inner knots: from the left, and from the right."""
+    degree = len(coefficients) - 1
+    left, right = np.zeros(coefficients.shape[1:]), np.zeros(coefficients.shape[1:])
+    for power in range(order, degree + 1):
+        factor = factorial(power) // factorial(power - order)
+        term = factor * coefficients[degree - power]
+        left += term * h[:, None] ** (power - order)
+        if power == order:
+            right = term
+    return left[:-1], right[1:]
+
+
+def spline_run(spline: BSpline | PPoly, speed_cap: float | Callable[[Floats], npt.ArrayLike]) -> SplineAxisRun:
+    """A run along the whole of a spline (m,)-valued or, of one joint, scalar. UsageError for what is no such spline."""
+    knots, coefficients = _pieces(spline)
+    if len(knots) < 2 or not (np.diff(knots) > 0.0).all():
+        raise UsageError("path: the spline's knots must ascend from one end to the other; turn it round")
+    if not np.isfinite(coefficients).all() or not np.isfinite(knots).all():
+        raise UsageError("path: the spline has knots or coefficients that are not finite; give finite numbers")
+    return SplineAxisRun(knots, coefficients, SpeedCap(speed_cap))
+
+
+def _pieces(spline: Any) -> tuple[Floats, Floats]:
+    """Knots (k + 1,) and Taylor coefficients (degree + 1, k, m) of a spline of scipy, without those past its ends."""
+    from scipy.interpolate import BSpline, PPoly
+
+    if not isinstance(spline, BSpline | PPoly):
+        raise UsageError(
+            f"path: {type(spline).__name__} is no spline that is taken; give a BSpline, CubicSpline or other PPoly of "
+            "scipy.interpolate, or any function to AxisPath.from_callable"
+        )
+    given = np.asarray(spline.c)
+    if given.dtype.kind not in "iuf":
+        raise UsageError(f"path: the spline's coefficients are {given.dtype}; give real numbers")
+    shape = given.shape[1:] if isinstance(spline, BSpline) else given.shape[2:]
+    if len(shape) > 1 or 0 in shape:
+        raise UsageError(f"path: the spline's values have shape {shape}; give (joints,), one column a joint")
+    if isinstance(spline, PPoly):
+        # a copy of the pieces alone: a periodic spline takes its last parameter for the first
+        return np.array(spline.x, dtype=float), np.array(given, dtype=float).reshape(*given.shape[:2], -1)
+    degree = int(spline.k)
+    knots = np.unique(np.asarray(spline.t, dtype=float)[degree : len(spline.t) - degree])
+    # without `axis` the values are (n, joints), however the caller wants his own
+    plain = BSpline(spline.t, given.reshape(len(given), -1), degree)
+    taylor = [plain(knots[:-1], nu=power) / factorial(power) for power in range(degree, -1, -1)]
+    return knots, np.ascontiguousarray(taylor)
+
+
+def line_run(s: tuple[float, float], q: Floats, speed_cap: SpeedCap) -> SplineAxisRun:
+    """The straight line between two points q (2, m)."""
+    slope = (q[1] - q[0]) / (s[1] - s[0])
+    return SplineAxisRun(np.array(s), np.ascontiguousarray([slope, q[0]])[:, None, :].copy(), speed_cap)

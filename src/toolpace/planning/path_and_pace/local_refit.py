@@ -1,0 +1,184 @@
+"""Path-and-pace optimisation of a planned path, run by run.
+
+of a run, its path and the motion along it:
+  knots: those of the path, and more where the motion takes long from one to the next
+  the fastest change of path and pace within limits and tolerances, window by window between fixed ends,
+  then of windows over their seams
+  the path with its part of the change; where it strays from the tube between the places, the tube is held there too
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from math import comb, factorial
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from toolpace.common.arrays import Bools, Floats
+from toolpace.common.workers import Progress, Workers, side_by_side
+from toolpace.machine.machine import Machine
+from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axispath.follow import FollowRun
+from toolpace.path.fit.deviation import Comparison
+from toolpace.path.fit.fit import LIMIT, largest_of_cells
+from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
+from toolpace.path.path import Path
+from toolpace.path.run import SplineRun
+from toolpace.planning.path_and_pace.effort_settings import EffortSettings
+from toolpace.planning.path_and_pace.interior_point import fastest
+from toolpace.planning.path_and_pace.positioning_joints import standing_still
+from toolpace.planning.path_and_pace.segment import SLOT, Known, Stretch, slots_of
+from toolpace.programs.toolpath import ToolPath
+
+FEWEST, MOST = 16, 200_000
+"""Cells of a run below and above which it stays as it is: one that takes that long is slow by its feeds."""
+WINDOW, SEAM = 500, 120
+"""Slots of a window, and on either side of a seam that move again."""
+FIXED_AT_END = 3
+"""Slots at an end of a run that stay: there position, velocity and acceleration are given."""
+NARROWER = 0.97
+"""Share of the tube that is left where it was left between its places, each time."""
+REPAIRS = 3
+"""Times that the tube is held in more places."""
+
+
+def refitted(
+    toolpath: ToolPath,
+    machine: Machine,
+    path: Path,
+    motion: Trajectory,
+    tolerances: PlaceTolerances,
+    ramp: float,
+    care: EffortSettings,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """The path changed so that its motion gets faster, within tolerances that count in those that it was fitted in.
+
+    `motion` is one along the path that holds its limits, `ramp` the time in which an acceleration builds up [s]. Runs
+    for which nothing is found stay as they are.
+    """
+    lines = polylines(toolpath, tolerances, machine)
+    scale = np.repeat([tolerances.tip, tolerances.axis], [3, 2])
+    in_joints = toolpath.rotary is not None
+
+    def one(k: int, workers: Workers, told: Progress) -> tuple[SplineRun, float, float]:
+        run, axis_run = path.runs[k], motion.axis_path.runs[k]
+        assert isinstance(run, SplineRun)
+        assert isinstance(axis_run, FollowRun)
+        rapid = toolpath.rapid[lines[k].entry]
+        unchanged = run, path.tip_deviation, path.axis_deviation
+        if motion.laws[k].duration > MOST * care.longest * ramp:
+            return unchanged
+        known = known_run(run, axis_run, motion.laws[k], lines[k], rapid, scale, ramp, care)
+        check = Comparison(lines[k], tolerances.axis, machine, in_joints)
+        changed = changed_run(known, check, workers, told)
+        return unchanged if changed is None else changed
+
+    done = side_by_side(one, [len(run.breaks) for run in path.runs], progress)
+    tip, axis = max(each[1] for each in done), max(each[2] for each in done)
+    return replace(path, runs=tuple(each[0] for each in done), tip_deviation=tip, axis_deviation=axis)
+
+
+def known_run(
+    run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, rapid: Bools, scale: Floats, ramp: float,
+    care: EffortSettings,
+) -> Known:  # fmt: skip
+    """A run with knots that its motion passes soon enough after each other; `rapid`: which ways of the line are."""
+    times = law.times_at(run.breaks)
+    times[0], times[-1] = 0.0, law.duration
+    parts = np.maximum(np.ceil(np.diff(times) / (care.longest * ramp)), 1).astype(np.int64)
+    cell = np.repeat(np.arange(len(parts)), parts)
+    share = (np.arange(len(cell)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[cell]
+    finer = np.append(times[cell] + share * np.diff(times)[cell], times[-1])
+    breaks = law.at(finer)[0]
+    breaks[np.append(share == 0.0, True)] = run.breaks
+    still = standing_still(line, rapid, (breaks - run.s0) / scale[0])
+    return Known(run, joints, law, line, joints.machine, scale, breaks, finer, run.s0, still, care)
+
+
+def changed_run(
+    known: Known, check: Comparison, workers: Workers, progress: Progress
+) -> tuple[SplineRun, float, float] | None:
+    """A run with its change, and its deviations of tip [m] and tool axis [rad]; None where nothing is found."""
+    if len(known.breaks) <= FEWEST:
+        return None
+    also = known.begin + known.scale[0] * known.line.s
+    x, stages = np.zeros((slots_of(known.breaks), SLOT)), windows(slots_of(known.breaks), known.care.seams)
+    for repair in range(REPAIRS):
+        told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
+        change(known, x, stages, also, NARROWER**repair, workers, told)
+        run = with_change(known, x)
+        units = known.scale[0] ** np.arange(6.0)[:, None] / known.scale
+        breaks = (run.breaks - known.begin) / known.scale[0]
+        samples = np.union1d(breaks, known.line.s)
+        at, tip, axis = check.closely(run.coefficients * units, breaks, samples)
+        if max(tip.max(), axis.max()) <= LIMIT:
+            tip = check.strays(breaks, run.coefficients * units, at, tip)
+            wide = np.stack([tip, axis], axis=1) * known.line.room_at(at) * known.scale[[0, 4]]
+            off = [largest_of_cells(breaks, at, each) for each in wide.T]
+            return replace(run, tip_off=off[0], axis_off=off[1]), float(off[0].max()), float(off[1].max())
+        astray = known.begin + known.scale[0] * at[~(np.maximum(tip, axis) <= LIMIT)]
+        also = np.union1d(also, astray)
+        stages = [about(stage, known, astray) for stage in stages]
+    return None
+
+
+def about(stage: list[tuple[int, int]], known: Known, places: Floats) -> list[tuple[int, int]]:
+    """Those of the windows that have a slot of the cells at these parameters."""
+    first = np.searchsorted(known.breaks, places, side="right") - 1
+    return [(low, high) for low, high in stage if np.any((first < high) & (first + SLOT > low))]
+
+
+def change(
+    known: Known,
+    x: Floats,
+    stages: list[list[tuple[int, int]]],
+    also: Floats,
+    share: float,
+    workers: Workers,
+    progress: Progress,
+) -> None:
+    """Make the coefficients x (slots, 6) of the change the fastest, window by window, in place, within a `share` of the
+    usual tube, which is held at the parameters `also` too."""
+    count = len(x)
+
+    def solve(part: tuple[int, int]) -> None:
+        low, high = part
+        free = np.zeros(count, dtype=np.bool_)
+        free[low:high] = True
+        first, last = max(low - SLOT + 1, 0), min(high, count - SLOT + 1)
+        found = fastest(Stretch(known, first, last, also), x, free, share)
+        if found is not None:
+            x[low:high] = found[low:high]
+
+    for stage, told in zip(stages, progress.split([len(stage) for stage in stages])):
+        workers.each(solve, stage, told)
+
+
+def windows(count: int, seams_too: bool) -> list[list[tuple[int, int]]]:
+    """Ranges of slots that move, stage by stage; those of a stage have no cell in common.
+
+    `seams_too`: the last stage is that of the seams of the first.
+    """
+    low, high = FIXED_AT_END, count - FIXED_AT_END
+    seams = np.linspace(low, high, max(1, round((high - low) / WINDOW)) + 1).astype(int)
+    first = [(int(a), int(b) - (SLOT - 1 if b < high else 0)) for a, b in pairwise(seams)]
+    return [first, [(int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1]]] if seams_too else [first]
+
+
+def with_change(known: Known, x: Floats) -> SplineRun:
+    """The run with the path's part of the change."""
+    run, breaks = known.run, known.breaks
+    cell = np.clip(np.searchsorted(run.breaks, breaks[:-1], side="right") - 1, 0, len(run.breaks) - 2)
+    given, ahead = run.coefficients[cell], (breaks[:-1] - run.breaks[cell])[:, None]
+    padded = np.concatenate([np.repeat(breaks[0], 5), breaks, np.repeat(breaks[-1], 5)])
+    change = BSpline(padded, x[:, :5] * known.scale, 5)
+    taylor = [
+        sum(comb(i, k) * given[:, i] * ahead ** (i - k) for i in range(k, 6)) + change(breaks[:-1], nu=k) / factorial(k)
+        for k in range(6)
+    ]
+    return replace(run, breaks=breaks, coefficients=np.stack(taylor, axis=1), tip_off=np.zeros(0), axis_off=np.zeros(0))

@@ -1,0 +1,217 @@
+"""Linearised constraints of a part of a motion, for small changes of path and speed law.
+
+Over the time t of the motion at hand, tip and rotary joints x(t) change by d(t), and the pace by z = (dt / dt_new)^2,
+which was 1. The joints q then have, with primes for derivatives by t,
+
+    velocity q' z^(1/2)      acceleration q'' z + q' z' / 2      jerk (q''' z + 3/2 q'' z' + 1/2 q' z'') z^(1/2)
+
+in which q' to q''' are those of the motion plus J d and its derivatives: J is the derivative of the joints by tip and
+rotary joints along the path, with its own derivatives by t, and exact to the second order of d, which is next to
+nothing within tolerances. So all rows are bilinear in d and z.
+
+d is a quintic spline on the knots of the path, z a cubic one. Coefficient k of the one and k - 1 of the other make
+slot k: each cell has six neighbouring slots of six unknowns, the last of them that of the pace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from toolpace.common.arrays import Bools, Floats
+from toolpace.kernels.path_and_pace import newton, stations
+from toolpace.machine import kinematics
+from toolpace.machine.machine import Machine
+from toolpace.motion.laws.law import TimeLaw
+from toolpace.path.axispath.follow import FollowRun
+from toolpace.path.fit.polyline import Polyline
+from toolpace.path.fit.samples import turn_metric
+from toolpace.path.run import SplineRun
+from toolpace.planning.path_and_pace.effort_settings import EffortSettings
+
+JERK = 0.98
+"""Share of the jerk limits that the change may use: where an acceleration or a velocity at its limit tells the pace,
+what is left of the jerks is all the freedom that the plan of the changed path has."""
+NUDGE = 1e-4
+"""By which coordinates are moved to see what joints do [m or rad]."""
+SLOT = stations.SLOT
+"""Unknowns of a slot, and slots of a cell."""
+GROUPS = slice(0, 3), slice(3, 5)
+"""Columns of tip and turn: a ball each."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A run that is fitted and planned, and what it was fitted to."""
+
+    run: SplineRun
+    joints: FollowRun
+    law: TimeLaw
+    line: Polyline
+    machine: Machine
+    scale: Floats
+    """(5,) tolerances of tip [m] and of rotary joints [rad]: units of the change."""
+    breaks: Floats
+    """(cells + 1,) parameters of the knots of the change [m], from the start of the path on."""
+    times: Floats
+    """(cells + 1,) when the motion passes them [s]."""
+    begin: float
+    """Parameter at which the run starts [m]."""
+    still: Bools
+    """(slots, 2) whether a rotary joint stays as it is in a slot."""
+    care: EffortSettings
+
+    def off(self, s: Floats) -> Floats:
+        """(n, 5) deviation of the path from the program at s (n,) [tolerances]."""
+        from toolpace.kernels.fit.polyline import straight
+
+        jet = self.run.evaluate(s)
+        at = (s - self.begin) / self.scale[0]
+        assert jet.rotary is not None
+        wanted = np.concatenate([straight(self.line.s, each, at) for each in (self.line.tip, self.line.turn)], axis=1)
+        return np.asarray(np.concatenate([jet.tip[0], jet.rotary[0]], axis=1) / self.scale - wanted)
+
+
+class Tube:
+    """Where a stretch is held to the program."""
+
+    def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
+        """Of cells low to high; at their ends, thirds and at the parameters `also`."""
+        breaks = known.breaks[low : high + 1]
+        inner = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.array([0.0, 1.0, 2.0]) / 3.0).ravel()[1:]
+        s = np.unique(np.concatenate([inner, also[(also > breaks[0]) & (also < breaks[-1])]]))
+        cell = np.searchsorted(breaks, s, side="right") - 1
+        self.off = known.off(s)
+        """(n, 5) deviation before any change, from the middle of the tube."""
+        self.room = known.line.room_at((s - known.begin) / known.scale[0])
+        """(n, 2) tolerance of tip and turn, in the narrowest."""
+        rotary = known.run.evaluate(s).rotary
+        assert rotary is not None
+        metric = np.zeros((len(s), 5, 5))
+        metric[:, :3, :3] = np.eye(3)
+        half, at = known.line.half, (s - known.begin) / known.scale[0]
+        if half is not None:
+            self.off[:, :3] -= half.centre(at)
+            metric[:, :3, :3] = half.metric(at)
+        metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
+        start = np.searchsorted(cell, np.arange(high - low + 1))
+        self.balls = newton.Balls(low + cell, start, local_basis(known.breaks, 5, s, 0), metric)
+
+    def moved(self, move: Floats) -> Floats:
+        """(n, 5) the part of the path in a move (slots, 6)."""
+        there = move[self.balls.first[:, None] + np.arange(SLOT)][:, :, :5]
+        return np.asarray(np.einsum("nk,nkc->nc", self.balls.basis, there))
+
+
+class Stretch:
+    """The cells low to high of a run, at whose places limits are rows."""
+
+    def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
+        breaks, times = known.breaks[low : high + 1], known.times[low : high + 1]
+        self.low, self.cells = low, high - low
+        self.care, each, self.still = known.care, known.care.places, known.still
+        t = (times[:-1, None] + np.diff(times)[:, None] * (np.arange(each) + 0.5) / each).ravel()
+        self.weight = np.repeat(np.diff(times) / each, each)
+        """(n,) time of each place [s]."""
+        state = known.law.at(t)
+        s = np.clip(state[0] - known.law.s0 + known.begin, breaks[0], breaks[-1])
+        jet = known.run.evaluate(s)
+        assert jet.rotary is not None
+        tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
+        limits, cap = known.machine.limits, known.joints.speed_cap(s)
+        self.places = stations.Places(
+            first=low + np.repeat(np.arange(self.cells), each),
+            basis=by_place(in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)),
+            pace=by_place(np.stack([local_basis(known.times, 3, t, order) for order in range(3)])),
+            moved=by_place(moves(known.machine, tip, rotary) * known.scale),
+            joints=by_place(known.machine.linear_jets(tip, rotary)[1:]),
+            feed=np.where(np.isfinite(cap), state[1] / cap, 0.0),
+            limits=np.stack([limits.velocity, limits.acceleration, JERK * np.asarray(limits.jerk)]),
+        )
+        self.tube = Tube(known, low, high, also)
+
+    def at(self, x: Floats) -> State:
+        """What is felt with coefficients x (slots, 6)."""
+        n, _, m = self.places.joints.shape
+        felt = stations.Felt(np.empty((n, 3)), np.empty((n, 3, m)), np.empty((n, 3 * m + 1)))
+        stations.feel(self.places, x, felt)
+        off = self.tube.off + self.tube.moved(x)
+        return State(felt, off, np.einsum("ncd,nd->nc", self.tube.balls.metric, off))
+
+    def rows_moved(self, now: State, move: Floats) -> Floats:
+        """(n, 3 m + 1) how what is used changes with a move (slots, 6), to the first order."""
+        rows = np.empty_like(now.used)
+        stations.move_rows(self.places, now.felt, move, rows)
+        return rows
+
+
+@dataclass(frozen=True)
+class State:
+    """A stretch with some change."""
+
+    felt: stations.Felt
+    """At the places of its rows."""
+    off: Floats
+    """(k, 5) deviation from the program where the tube is held [tolerances]."""
+    force: Floats
+    """(k, 5) metric times deviation."""
+
+    @property
+    def z(self) -> Floats:
+        """(n,) of the pace."""
+        return self.felt.z[:, 0]
+
+    @property
+    def used(self) -> Floats:
+        """(n, 3 m + 1) acceleration, jerk and velocity over their limits, and ds/dt over its own."""
+        return self.felt.used
+
+    def excess(self, radius: Floats) -> Floats:
+        """(k, 2) half the squared deviation of tip and turn, less that of the radius (k, 2)."""
+        squared = np.stack([np.einsum("nc,nc->n", self.force[:, g], self.off[:, g]) for g in GROUPS], axis=1)
+        return np.asarray(0.5 * (squared - radius**2))
+
+
+def by_place(derivatives: Floats) -> Floats:
+    """(n, orders, ...) from (orders, n, ...)."""
+    return np.ascontiguousarray(np.moveaxis(derivatives, 0, 1))
+
+
+def local_basis(breaks: Floats, degree: int, at: Floats, order: int) -> Floats:
+    """(n, degree + 1) a derivative of the B-splines that are not zero, at places (n,) inside the cells."""
+    padded = np.concatenate([np.repeat(breaks[0], degree), breaks, np.repeat(breaks[-1], degree)])
+    count, width = len(breaks) + degree - 1, degree + 1
+    # of any neighbouring ones each has a column of its own
+    unit = np.zeros((count, width))
+    unit[np.arange(count), np.arange(count) % width] = 1.0
+    cell = np.clip(np.searchsorted(breaks, at, side="right") - 1, 0, len(breaks) - 2)
+    column = (cell[:, None] + np.arange(width)) % width
+    return np.take_along_axis(BSpline(padded, unit, degree)(at, nu=order), column, axis=1)
+
+
+def in_time(by_s: Floats, state: Floats) -> Floats:
+    """Value and derivatives 1 to 3 by t (4, n, k) from those by s (4, n, k), and the state (4, n) of s."""
+    v, a, j = (each[:, None] for each in state[1:])
+    x, first, second, third = by_s
+    return np.stack([x, first * v, second * v**2 + first * a, third * v**3 + 3.0 * second * v * a + first * j])
+
+
+def moves(machine: Machine, tip: Floats, rotary: Floats) -> Floats:
+    """(4, n, m, 5) the derivative of the joints by tip and rotary joints along a path, and its derivatives 1 to 3 by
+    t; tip (4, n, 3) and rotary (4, n, 2) with theirs."""
+    columns = []
+    for coordinate in range(5):
+        sides = []
+        for nudge in (NUDGE, -NUDGE):
+            moved = [tip.copy(), rotary.copy()]
+            moved[coordinate // 3][0, :, coordinate % 3] += nudge
+            sides.append(kinematics.linear_jets(machine.geometry, moved[0], moved[1]))
+        columns.append((sides[0] - sides[1]) / (2.0 * NUDGE))
+    return np.stack(columns, axis=3)
+
+
+def slots_of(breaks: Floats) -> int:
+    """How many slots a run with these breaks has."""
+    return len(breaks) + 4

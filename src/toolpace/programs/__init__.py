@@ -1,0 +1,1 @@
+"""What a program says: points, tool axes, feeds, tolerances; and the readers of programs."""

@@ -1,0 +1,146 @@
+"""A controller: a TOML file that says what words mean to it, and by which signs its programs are known."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+
+from toolpace.common.errors import UsageError, did_you_mean, in_short
+from toolpace.common.files.toml import toml_text
+from toolpace.programs.reading.controllers.options import fault
+
+FOLDER = Path(__file__).parent / "builtin"
+LANGUAGES = ("word-address", "sinumerik", "heidenhain")
+Option = TypeVar("Option", bool, float, str)
+LONGEST = 1 << 20
+"""Most characters of a controller's file."""
+
+
+class Sign(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Something in a program that tells its controller."""
+
+    pattern: str
+    """Regular expression, matched line by line, in capitals."""
+    reason: str
+    """What it is, in words: "G43.4 is Fanuc's tool-centre-point mode"."""
+    comments: bool = False
+    """Whether it is looked for in comments too, as what a post says of itself."""
+    weight: float = 1.0
+
+
+class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What differs from controller to controller of one language."""
+
+    name: str
+    language: str = ""
+    """How its programs are written; may be left out where it is like another."""
+    like: str = ""
+    """A built-in controller whose words and options hold where this file says nothing; its signs are this one's too."""
+    note: str = ""
+    suffixes: tuple[str, ...] = ()
+    """Endings of names that tell it, where nothing in the program does: ".mpf"."""
+    signs: tuple[Sign, ...] = ()
+    meanings: dict[str, str] = {}
+    """Word (G43.4, M6, TRAORI) to what it does: a name that the language knows, such as "tip mode on"."""
+    ignored: tuple[str, ...] = ()
+    """Words that move nothing: they are counted."""
+    refused: dict[str, str] = {}
+    """Words that may move something and are not read, with the cure."""
+    options: dict[str, bool | float | str] = {}
+    """What else differs: names that the language knows."""
+    time: dict[str, bool | int | float | str | dict[str, float]] = {}
+    """How fast it goes through a program: the model that `toolpace time` takes, and its figures."""
+    source: str = ""
+
+    @staticmethod
+    def names() -> tuple[str, ...]:
+        """Names of the built-in controllers."""
+        return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
+
+    @classmethod
+    def load(cls, name_or_path: str | Path) -> Controller:
+        """A built-in controller by name, or one from a TOML file. Raises UsageError."""
+        return cls.from_toml(cls.text_of(name_or_path), str(name_or_path))
+
+    @classmethod
+    def text_of(cls, name_or_path: str | Path) -> str:
+        """The text of its file, with the comments. Raises UsageError."""
+        given = str(name_or_path)
+        path = FOLDER / f"{given}.toml" if given in cls.names() else Path(given)
+        try:
+            with path.open(encoding="utf-8-sig") as stream:
+                return stream.read(LONGEST)
+        except (OSError, ValueError) as error:
+            if path.suffix == ".toml":
+                reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
+                raise UsageError(f"controller file {given}: {reason}") from None
+            near = did_you_mean(given, cls.names())
+            raise UsageError(
+                f"controller '{given[:200]}' is not known: {near}; or give the path of a .toml file"
+            ) from None
+
+    @classmethod
+    def from_toml(cls, text: str, source: str = "controller file") -> Controller:
+        """A controller from the text of a file. Raises UsageError."""
+        try:
+            found = msgspec.toml.decode(text, type=cls)
+            with warnings.catch_warnings(action="error", category=FutureWarning):
+                for sign in found.signs:
+                    re.compile(sign.pattern)
+        except (FutureWarning, msgspec.DecodeError, re.error, ValueError, OverflowError, RecursionError) as error:
+            cure = "see `toolpace controllers fanuc --toml` for an example"
+            unknown = re.search(r"unknown field `(\w{1,40})`", str(error))
+            near = f", {did_you_mean(unknown[1], (*cls.__struct_fields__, *Sign.__struct_fields__))}" if unknown else ""
+            raise UsageError(f"{source}: {in_short(error)}{near}; {cure}") from None
+        if found.like:
+            found = _upon(found, source)
+        if found.language not in LANGUAGES:
+            raise UsageError(
+                f"{source}: language '{found.language[:40]}' is not known: use one of {', '.join(LANGUAGES)}"
+            )
+        for name, value in found.options.items():
+            if wrong := fault(found.language, name, value):
+                raise UsageError(f"{source}: {wrong}")
+        return msgspec.structs.replace(found, source=source)
+
+    def to_toml(self) -> str:
+        """The text of a file that loads to this controller, with all that it has from the one that it is like."""
+        given = {
+            key: value for key, value in msgspec.to_builtins(self).items() if value and key not in ("source", "like")
+        }
+        return toml_text(given)
+
+    def option(self, name: str, default: Option) -> Option:
+        """The option, or the default, which is of its kind."""
+        value = self.options.get(name, default)
+        if isinstance(default, float):
+            value = float(value)
+        assert isinstance(value, type(default)), name
+        return value
+
+
+def _upon(own: Controller, source: str) -> Controller:
+    """The controller with all that the one it is like has, and it does not say itself. Raises UsageError."""
+    if own.like not in Controller.names() or own.like == own.name:
+        others = [name for name in Controller.names() if name != own.name]
+        raise UsageError(
+            f"{source}: like = '{own.like[:40]}' is no built-in controller; {did_you_mean(own.like, others)}"
+        )
+    base = Controller.load(own.like)
+    if own.language not in ("", base.language):
+        raise UsageError(f"{source}: language '{own.language[:40]}' is not that of {base.name}; leave the line out")
+    said = {*own.meanings, *own.ignored, *own.refused}
+    return msgspec.structs.replace(
+        own,
+        language=base.language,
+        signs=(*base.signs, *own.signs),
+        meanings={word: meaning for word, meaning in base.meanings.items() if word not in said} | own.meanings,
+        ignored=(*(word for word in base.ignored if word not in said), *own.ignored),
+        refused={word: cure for word, cure in base.refused.items() if word not in said} | own.refused,
+        options=base.options | own.options,
+        time=base.time | own.time,
+    )

@@ -1,0 +1,211 @@
+"""Round blocks: CC, C, CR, CT."""
+
+from __future__ import annotations
+
+import math
+
+from toolpace.common.units import MILLIMETRE
+from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.curves.arcs import SPIRAL_SAID, Arc, Tolerance, centre_of_radius, plane_arc
+from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
+from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
+from toolpace.programs.reading.heidenhain.klartext.words import PathWords
+from toolpace.programs.reading.heidenhain.state import ARC_PLANE, OF_AXIS, State
+
+PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
+"""Two of X, Y, Z as bits, to the axis across them."""
+SAME = 1e-9
+"""Coordinates closer than this [m] are one."""
+
+SHORT = "a CR whose R is shorter than half the way to its end, within what the control allows, is half a circle"
+POLE_STAYS = "a CC before a change of coordinates keeps the figures that it was written with, in the new ones"
+
+
+class Circles:
+    """Arcs about a pole, by radius, tangent."""
+
+    def __init__(self, control: Control, state: State, motion: Motion) -> None:
+        self.control, self.state, self.motion = control, state, motion
+        option = control.controller.option
+        self.radii = Tolerance(option("arc_radii_mm", 0.016) * MILLIMETRE, 0.0)
+        """Of the radii at the ends of an arc, also in programs in inches."""
+
+    def pole(self, words: PathWords) -> Step:
+        """CC: no motion."""
+        axes = self.motion.resolved(words)
+        if any(axis[0] > 2 for axis in axes):
+            raise BlockError("CC takes X, Y and Z only: remove the rotary axis")
+
+        def run() -> None:
+            state = self.state
+            target, named = self.motion.target(axes)
+            if not named:
+                state.pole = self.control.words[:3]
+            elif named.bit_count() == 1 and not state.pole_known:
+                raise BlockError("the first CC names one coordinate, and it takes two of X, Y and Z: write both")
+            elif named.bit_count() == 1:
+                self.control.findings.assumed("a CC of one coordinate keeps the other one of the CC before")
+            for slot, _, _, _ in axes:
+                state.pole[slot] = target[slot]
+            state.pole_known, state.pole_in = True, self.control.placement
+            across = PAIRS.get(named)
+            state.pole_across = None if across == state.tool_axis else across
+            if named == 7:
+                state.pole_in_space = True
+                self.control.findings.assumed(
+                    "a CC of three coordinates and the arcs behind it lie across the axis that start, centre and end "
+                    "share"
+                )
+
+        return run
+
+    @property
+    def pole_axis(self) -> int:
+        """The axis across which the pole's plane lies: the two coordinates of CC tell it, else it is the tool's."""
+        across = self.state.pole_across
+        return self.state.tool_axis if across is None else across
+
+    def need_pole(self) -> None:
+        """Raises BlockError where no CC came before."""
+        if not self.state.pole_known:
+            raise BlockError("there is no CC before this block: write one, it is the centre and the pole")
+        if self.state.pole_in != self.control.placement:
+            self.control.findings.assumed(POLE_STAYS)
+
+    def about_pole(self, words: PathWords) -> Step:
+        """C: to a point about the pole."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "C", ())
+        sense = self.sense(words)
+
+        def run() -> None:
+            self.need_pole()
+            rapid = self.begin(words)
+            target, named = self.motion.target(axes)
+            axis = self.across(target)
+            start, pole, plane = self.control.words, self.state.pole, ARC_PLANE[axis]
+            self.arc(plane_arc(start, target, pole, plane, sense < 0, tolerance=self.radii), target, named, rapid)
+
+        return run
+
+    def across(self, target: list[float]) -> int:
+        """The axis across which an arc about the pole lies."""
+        state, start, pole = self.state, self.control.words, self.state.pole
+        if not state.pole_in_space:
+            return self.pole_axis
+        shared = [k for k in range(3) if abs(start[k] - pole[k]) < SAME and abs(target[k] - pole[k]) < SAME]
+        level = abs(start[state.tool_axis] - target[state.tool_axis]) < SAME
+        if not shared and level:
+            return state.tool_axis  # an ordinary arc again: its CC names the plane alone
+        if len(shared) > 1 and state.came_from and self.control.moved_in == self.control.placement:
+            # the centre stands between both ends: the motion before tells the plane, which it lies in
+            shared = [k for k in shared if abs(start[k] - state.came_from[k]) < SAME]
+        if len(shared) != 1:
+            raise BlockError("CC of three coordinates: start, centre and end do not share just one of X, Y, Z")
+        return shared[0]
+
+    def of_radius(self, words: PathWords) -> Step:
+        """CR: to a point with a radius; a negative one asks for the longer way."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "CR", ("R",))
+        sense, given = self.sense(words), words.others.get("R")
+        if given is None:
+            raise BlockError("CR needs its radius R: write one")
+
+        def run() -> None:
+            rapid = self.begin(words)
+            target, named = self.motion.target(axes)
+            start, plane = self.control.words, ARC_PLANE[self.state.tool_axis]
+            radius = self.limited(evaluate(given)) * self.state.unit
+            first, second = OF_AXIS[self.state.tool_axis]
+            half = 0.5 * math.hypot(target[first] - start[first], target[second] - start[second])
+            if half - abs(radius) > SPIRAL_SAID:
+                self.control.findings.assumed(SHORT)
+            centre = centre_of_radius(start, target, radius, plane, sense < 0, self.radii)
+            self.arc(plane_arc(start, target, centre, plane, sense < 0), target, named, rapid)
+
+        return run
+
+    def tangent_arc(self, words: PathWords) -> Step:
+        """CT: to a point, beginning in the direction in which the last element ended."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "CT", ())
+
+        def run() -> None:
+            rapid = self.begin(words)
+            target, named = self.motion.target(axes)
+            self.along_tangent(target, named, rapid)
+
+        return run
+
+    def along_tangent(self, target: list[float], named: int, rapid: bool) -> None:
+        """The arc from here that keeps the direction; a straight way where the end lies ahead."""
+        start = self.control.words
+        first, second = OF_AXIS[self.state.tool_axis]
+        if self.control.moved_in != self.control.placement:
+            cure = "write C or CR: whether the control keeps the direction of the element before is not known here"
+            self.control.findings.refused("a tangent arc behind a change of coordinates", self.control.line, cure)
+            self.motion.straight(target, named, rapid)
+            return
+        u, v = self.direction()
+        du, dv = target[first] - start[first], target[second] - start[second]
+        aside = u * dv - v * du  # how far the end lies to the left
+        chord = math.hypot(du, dv)
+        if abs(aside) < max(SAME, 1e-9 * chord):
+            if du * u + dv * v < 0.0:
+                raise BlockError("the end of a tangent arc lies straight behind its start: write C or CR")
+            self.motion.straight(target, named, rapid)
+            return
+        radius = chord * chord / (2.0 * aside)
+        centre = list(start[:3])
+        centre[first] -= v * radius
+        centre[second] += u * radius
+        plane = ARC_PLANE[self.state.tool_axis]
+        self.arc(plane_arc(start, target, centre, plane, radius < 0.0), target, named, rapid)
+
+    def direction(self) -> tuple[float, float]:
+        """Unit vector in the plane in which the last motion ended. Raises BlockError."""
+        state, first_second = self.state, OF_AXIS[self.state.tool_axis]
+        arc = state.came_by
+        if arc is not None:
+            c, s = math.cos(arc.sweep), math.sin(arc.sweep)
+            ended = [c * b - s * a for a, b in zip(arc.u, arc.w)]
+        elif state.came_from:
+            ended = [a - b for a, b in zip(self.control.words[:3], state.came_from)]
+        else:
+            ended = [0.0, 0.0, 0.0]
+        u, v = (ended[k] for k in first_second)
+        length = math.hypot(u, v)
+        if length < SAME:
+            raise BlockError("a tangent arc needs an element before it that moves in its plane")
+        return u / length, v / length
+
+    def begin(self, words: PathWords) -> bool:
+        """Take compensation and feed; returns whether the block is a rapid."""
+        self.motion.compensation.take(words.side)
+        return self.motion.set_feed(words)
+
+    def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:
+        """Move along it."""
+        self.motion.refuse_corner()
+        first, second = (k for k in range(3) if abs(arc.u[k]) + abs(arc.w[k]) > SAME)
+        self.motion.need_even_scale(first, second)
+        self.motion.contour_begins(list(arc.w))
+        before = self.control.words
+        self.control.arc(target, named, arc, rapid=rapid)
+        self.state.came_from, self.state.came_by = before, arc
+
+    @staticmethod
+    def sense(words: PathWords) -> int:
+        """DR+ or DR-. Raises BlockError where a block has none."""
+        if not words.sense:
+            raise BlockError("the arc has no sense: write DR+ or DR-")
+        return words.sense
+
+    @staticmethod
+    def limited(value: float) -> float:
+        """The value. Raises BlockError where it is beyond any machine."""
+        if not abs(value) <= LARGEST:
+            raise BlockError(f"{value:.6g} is beyond any machine: check its figures")
+        return value

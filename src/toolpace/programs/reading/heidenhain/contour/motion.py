@@ -1,0 +1,277 @@
+"""Straight blocks: L, LN, and what turns with them. Compiled once, executed often."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from toolpace.common.units import DEGREE, MINUTE
+from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
+from toolpace.programs.reading.control.joint_moves import turn_joints
+from toolpace.programs.reading.control.tool_axis import direction_on_part, rotary_for
+from toolpace.programs.reading.coordinates import affine
+from toolpace.programs.reading.coordinates.orientation import near
+from toolpace.programs.reading.heidenhain.contour.compensation import Compensation
+from toolpace.programs.reading.heidenhain.frames import Frames, spatial
+from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
+from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
+from toolpace.programs.reading.heidenhain.klartext.words import PathWords
+from toolpace.programs.reading.heidenhain.state import State
+
+Step = Callable[[], None]
+Axis = tuple[int, bool, Value, float]
+"""Column of the words, whether incremental, value, and its unit [m or rad]."""
+UPRIGHT = 3e-5
+"""By how much a unit vector may miss the normal of its plane: posts write angles with three decimals [rad]."""
+TURNING = {
+    "vector": "F of a block that turns without M128 is millimetres and degrees as one length a minute",
+    "xyz": "F of a block that turns without M128 is the way of X, Y, Z a minute",
+}
+"""What is said of `feed_when_turning`."""
+NOT_TURNED = (
+    "a block moves X, Y or Z in a tilted plane that the rotary axes are not turned to, without M128: its words are the "
+    "tip in the plane all the same"
+)
+OTHER_FEEDS = {
+    "FZ": "write F or FU, a length a turn, in place of a length a tooth",
+    "FT": "write F in place of the time of a block",
+    "FMAXT": "write FMAX in place of the time of a rapid",
+}
+
+
+class CornerLayer(Protocol):
+    """What a motion asks of `corners`."""
+
+    def lay(self, target: list[float]) -> None:
+        """Lay the corner before the straight way to the target begins."""
+
+    def refuse(self) -> None:
+        """Note that the corner at hand is not read."""
+
+
+class ApproachLayer(Protocol):
+    """What a motion asks of `approaches`."""
+
+    @property
+    def waiting(self) -> object:
+        """The approach whose contour is to come, if any."""
+
+    def lay(self, way: list[float]) -> None:
+        """A contour begins in this direction, where the approach that waits ends."""
+
+    def refuse(self) -> None:
+        """No contour came."""
+
+
+class Motion:
+    """Straight motion and feed."""
+
+    def __init__(self, control: Control, state: State, frames: Frames, follow_contour: bool) -> None:
+        self.control, self.state, self.frames = control, state, frames
+        self.compensation = Compensation(control, state, follow_contour, self.approach_waits)
+        self.corners: CornerLayer | None = None
+        """What lays a corner before the line behind it."""
+        self.approaches: ApproachLayer | None = None
+        """What lays an approach before the contour behind it."""
+        self.seen_upright: tuple[float, ...] | None = None
+        """Rotary words at which the tool was last held against the plane in force."""
+
+    # Words
+
+    def resolved(self, words: PathWords) -> list[Axis]:
+        """Axis words with their columns and units; of one letter that stands twice, an error."""
+        found: list[Axis] = []
+        for letter, incremental, value in words.axes:
+            slot = self.control.slot(letter)
+            if any(axis[0] == slot for axis in found):
+                raise BlockError(f"{letter} stands twice in one block: remove one")
+            found.append((slot, incremental, value, self.state.unit if slot < 3 else DEGREE))
+        return found
+
+    def target(self, axes: list[Axis], *, of_program: bool = True) -> tuple[list[float], int]:
+        """Words (3 + rotary) at the end of a block, and the bits of X, Y, Z that it names.
+
+        of_program: in the program's coordinates, where a mirror of rotary axes counts, not in the machine's.
+        """
+        words, named = list(self.control.words), 0
+        mirrored = self.frames.mirrored if of_program else ()
+        for slot, incremental, value, unit in axes:
+            if slot in self.state.beside:
+                if incremental:
+                    raise BlockError("an incremental way behind R+ or R- has no sure beginning: write an absolute one")
+                self.state.beside.discard(slot)
+            figure = value if isinstance(value, float) else value()
+            if not -LARGEST <= figure <= LARGEST:
+                raise BlockError(f"a coordinate of {figure:.6g} is beyond any machine: check its figures")
+            figure *= -unit if slot in mirrored else unit
+            words[slot] = words[slot] + figure if incremental else figure
+            if slot < 3:
+                named |= 1 << slot
+            elif self.state.shortest and not incremental:
+                words[slot] = self.shorter(slot, words[slot])
+        return words, named
+
+    def shorter(self, slot: int, angle: float) -> float:
+        """The rotary word plus the whole turns that make the shortest way within travel [rad]."""
+        control = self.control
+        machine, shift = control.poses.machine, control.placement.shift
+        assert machine is not None
+        low, high = machine.travel[control.poses.rotary[slot - 3]]
+        added = shift[slot - 3] if shift else 0.0
+        found = near(angle + added, control.words[slot] + added, float(low), float(high))
+        return angle if found is None else found - added
+
+    # Feed
+
+    def set_feed(self, words: PathWords) -> bool:
+        """Take the F of a block; returns whether it is a rapid."""
+        word = words.feed_word
+        if not word or word == "FMAX":
+            return word == "FMAX"
+        if word in OTHER_FEEDS:
+            self.control.findings.refused(word, self.control.line, OTHER_FEEDS[word])
+            return False
+        if word == "FAUTO":
+            self.feed(self.automatic())
+        elif words.feed is not None:
+            self.feed(evaluate(words.feed), per_revolution=word == "FU" or self.state.per_revolution)
+        return False
+
+    def automatic(self) -> float:
+        """The F of TOOL CALL, which FAUTO takes. Raises BlockError."""
+        if self.state.tool_feed is None:
+            raise BlockError("FAUTO takes the F of TOOL CALL, which has none: write one there, or F here")
+        return self.state.tool_feed
+
+    def feed(self, number: float, per_revolution: bool = False) -> None:
+        """Put F in force."""
+        self.control.feed.set_mode(PER_REVOLUTION if per_revolution else PER_MINUTE)
+        self.control.feed.set(number, self.state.feed_unit, self.control.line)
+
+    def speed_of(self, number: float) -> tuple[float, float]:
+        """F as a speed [m/s] and a rotation in place [rad/s]. Raises BlockError."""
+        if not 0.0 < number <= 1e9:
+            raise BlockError(f"feed F{number:g} must be above zero (and at most 1e9): correct F")
+        return number * self.state.feed_unit / MINUTE, number * DEGREE / MINUTE
+
+    # Blocks
+
+    def line(self, words: PathWords) -> Step:
+        """L with its axis words, feed and compensation."""
+        slots = self.control.slots
+        absent = [letter for letter, _, _ in words.axes if letter in "ABC" and letter not in slots]
+        present = replace(words, axes=[axis for axis in words.axes if axis[0] not in absent])
+        axes, side, plain = self.resolved(present), words.side, words.feed_word in ("", "FMAX")
+        angles = [axis for axis in words.axes if axis[0] in "ABC"]
+        self.only(words, "L", ())
+        rapid = words.feed_word == "FMAX"
+        turns = bool(absent) or any(axis[0] > 2 for axis in axes)
+
+        def run() -> None:
+            if side:
+                self.compensation.take(side)
+            fast = rapid if plain else self.set_feed(words)
+            if not axes and not absent:
+                return
+            if self.state.spatial and self.state.tip_mode and angles:
+                target, named = self.target([axis for axis in axes if axis[0] < 3])
+                self.straight([*target[:3], *self.rotary_of_angles(angles)], named, fast)
+                return
+            if absent:
+                self.control.slot(absent[0])
+            target, named = self.target(axes)
+            if turns and self.frames.plane is not None:
+                self.turning(target, named, fast)
+            elif turns and named and not fast and not self.state.tip_mode:
+                self.control.findings.assumed(TURNING[self.control.rules.feed.turning])
+                self.straight(target, named, fast)
+            else:
+                self.straight(target, named, fast)
+
+        return run
+
+    def rotary_of_angles(self, angles: Sequence[tuple[str, bool, Value]]) -> list[float]:
+        """Rotary words of spatial angles; one that the block leaves out is that of the last. Raises BlockError."""
+        told = list(self.state.spatial_angles)
+        for letter, incremental, value in angles:
+            figure = (value if isinstance(value, float) else value()) * DEGREE
+            before = told["ABC".index(letter)] if incremental else 0.0
+            told["ABC".index(letter)] = None if before is None else before + figure
+        self.state.spatial_angles = told
+        a, b, c = told
+        if a is None or b is None or c is None:
+            missing = ", ".join(letter for letter, angle in zip("ABC", told) if angle is None)
+            raise BlockError(
+                f"under AXIS SPAT the block tells no {missing}, and the tool did not stand upright where TCPM was "
+                "switched on: write A, B and C in the first block that turns"
+            )
+        axis = direction_on_part(self.control, affine.direct(spatial(a, b, c), (0.0, 0.0, 1.0)))
+        return rotary_for(self.control, axis)
+
+    def straight(self, target: list[float], named: int, rapid: bool) -> None:
+        """Move straight, and remember from where."""
+        control, state = self.control, self.state
+        self.contour_begins([target[k] - control.words[k] for k in range(3)])
+        if state.corner is not None:
+            if rapid or self.corners is None:
+                self.refuse_corner()
+            else:
+                self.corners.lay(target)
+        if self.frames.plane is not None and not state.tip_mode:
+            self.say_where_not_turned(target)
+        before = control.words
+        control.straight(target, named, rapid=rapid)
+        state.came_from, state.came_by = before, None
+
+    def approach_waits(self) -> bool:
+        """Whether an approach waits for its contour."""
+        return self.approaches is not None and self.approaches.waiting is not None
+    def say_where_not_turned(self, target: list[float]) -> None:
+        """Say what is assumed where the tool does not stand upright on the plane at the end of a block."""
+        control, at = self.control, tuple(target[3:])
+        if control.poses.machine is None or at == self.seen_upright:
+            return
+        axis = control.poses.axis(control.placement.place(target)[3:])
+        if math.dist(axis, self.frames.normal()) > UPRIGHT:
+            control.findings.assumed(NOT_TURNED)
+        self.seen_upright = at
+
+    def contour_begins(self, way: list[float]) -> None:
+        """A motion in this direction (3,) comes next."""
+        if self.approaches is not None and self.approach_waits():
+            self.approaches.lay(way)
+
+    def refuse_corner(self) -> None:
+        """A corner that waits for a straight line, before a motion that is none."""
+        if self.state.corner is not None and self.corners is not None:
+            self.corners.refuse()
+
+    def turning(self, target: list[float], named: int, rapid: bool) -> None:
+        """A block that turns, in a tilted plane."""
+        control, state = self.control, self.state
+        if state.tip_mode or named:
+            self.straight(target, named, rapid)
+        else:
+            # without M128 the linear axes stand still while rotary axes turn, also in a tilted plane
+            turn_joints(control, target[3:], rapid=rapid)
+            state.came_from = []
+
+    def need_even_scale(self, first: int, second: int) -> None:
+        """Raise BlockError where an arc lies in a plane that is scaled unevenly.
+
+        "Coordinate axes sharing coordinates for arcs must be enlarged or reduced by the same factor" (TNC 620 Cycle
+        Programming, "Axis-specific scaling (cycle 26)").
+        """
+        if self.frames.before.uneven(first, second) or self.frames.within.uneven(first, second):
+            raise BlockError("an arc in axes that CYCL DEF 26 scales differently: give both the same factor")
+
+    def only(self, words: PathWords, name: str, allowed: tuple[str, ...]) -> None:
+        """Refuse a block with words that its kind does not have."""
+        for other, value in words.others.items():
+            if other == "S" and isinstance(value, float):
+                continue
+            if other not in allowed:
+                raise BlockError(f"{other} is no word of {name}: check its spelling, or remove it")

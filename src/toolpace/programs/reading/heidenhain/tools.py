@@ -1,0 +1,130 @@
+"""TOOL CALL: another tool, its axis, its speed and its feed."""
+
+from __future__ import annotations
+
+import re
+
+from toolpace.common.units import MINUTE
+from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.coordinates.tool_lengths import NOT_LISTED
+from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.frames import Frames
+from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
+from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.programs.reading.heidenhain.state import State
+
+_TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
+_WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
+_FIGURES = re.compile(r"\s[LR]\s*" + VALUE)
+DEFINED = "L and R of TOOL DEF are passed over: lengths and radii of tools are those of the set-up sheet"
+DELTAS = ("DL", "DR", "DR2")
+MOST_DELTA, MOST_TOOL = 999.9999, 32767.9
+"""Of an oversize (TNC7; 99.9999 on older ones), and of a tool's number ("Input format and unit of TNC functions")."""
+STRAIGHT = 1e-9
+"""By what a unit vector may miss an axis that it is along."""
+
+
+class Tools:
+    """Compiles TOOL CALL."""
+
+    def __init__(self, control: Control, state: State, frames: Frames, parameters: Parameters) -> None:
+        self.control, self.state, self.frames, self.parameters = control, state, frames, parameters
+
+    def compile(self, text: str) -> Step:
+        """What stands behind TOOL CALL. Raises BlockError."""
+        found = _TOOL.match(text)
+        assert found is not None
+        letter, words = "", {}
+        at = found.end()
+        while text[at:].strip():
+            match = _WORD.match(text, at)
+            if match is None:
+                raise BlockError(f"'{text[at:].strip()[:20]}' is not read in TOOL CALL: check its spelling")
+            at = match.end()
+            if match[1]:
+                letter = match[1]
+            elif match[3]:
+                words[match[2]] = signed(match[3], self.parameters)
+
+        def run() -> None:
+            if letter:
+                self.axis(letter)
+            figures = {name: evaluate(value) for name, value in words.items()}
+            tool = self.name(found)
+            for name in DELTAS:
+                if abs(figures.get(name, 0.0)) > MOST_DELTA:
+                    raise BlockError(f"{name} of TOOL CALL is not between -999.9999 and 999.9999: correct it")
+            deltas = [figures[name] for name in DELTAS if name in figures]
+            if tool or deltas:
+                self.state.oversize = any(deltas)
+                self.change(tool or self.control.tool, figures)
+            if "VC" in figures:
+                self.control.findings.refused("VC of TOOL CALL", self.control.line, "write the spindle speed S")
+            if "S" in figures:
+                self.control.feed.spindle = max(figures["S"], 0.0) / MINUTE
+            if figures.get("F"):
+                self.state.tool_feed = figures["F"]
+                self.control.feed.set(figures["F"], self.state.feed_unit, self.control.line)
+
+        return run
+
+    def defined(self, text: str) -> None:
+        """TOOL DEF: which tool is next moves nothing; what it tells of a tool is on the set-up sheet here."""
+        self.control.findings.ignored("TOOL DEF")
+        if _FIGURES.search(text):
+            self.control.findings.assumed(DEFINED)
+
+    def axis(self, letter: str) -> None:
+        """The tool axis; it sets the plane of arcs, turns and cycles."""
+        if letter not in "XYZ":
+            cure = "write X, Y or Z for the tool axis"
+            self.control.findings.refused(f"TOOL CALL with tool axis {letter}", self.control.line, cure)
+            return
+        axis = "XYZ".index(letter)
+        if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - STRAIGHT:
+            self.control.findings.assumed(
+                f"TOOL CALL with tool axis {letter} sets the plane of arcs, turns and cycles; the tool stands as the "
+                "machine holds it, and its length counts along it"
+            )
+        self.state.tool_axis = axis
+
+    def name(self, found: re.Match[str]) -> str:
+        """Number or name of the tool; "" where the block has none."""
+        if found[1] is not None:
+            return found[1].strip()
+        if found[2]:
+            return self.parameters.text(found[2])
+        if not found[3] and not found[4]:
+            return ""
+        number = self.parameters.get(found[3]) if found[3] else float(found[4])
+        if not 0.0 <= number <= MOST_TOOL:
+            raise BlockError(f"tool {number:g} is not between 0 and {MOST_TOOL:g}: correct its number")
+        return f"{number:g}"
+
+    def change(self, tool: str, figures: dict[str, float]) -> None:
+        """Take it, and reckon with its length and oversize; 0 is none, whose length is zero."""
+        control = self.control
+        if control.stage is not None and control.stage.compensates:
+            raise BlockError("TOOL CALL under RL or RR is not read: write R0 before it")
+        if self.state.tip_mode:
+            # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128"
+            cure = "write M129 or FUNCTION RESET TCPM before, and switch it on again behind"
+            control.findings.refused("TOOL CALL of a tool under M128", control.line, cure)
+            return
+        self.state.radius_oversize = figures.get("DR", 0.0) * self.state.unit
+        table = {name.upper(): name for name in control.setup.tools}
+        tool = table.get(tool, tool)
+        if tool != control.tool or tool == "0":
+            control.change_tool(tool)
+        if tool and tool not in control.setup.tools and control.setup.tools:
+            control.findings.assumed(NOT_LISTED.format(tool))
+        control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
+        known = control.setup.tool(tool)
+        if known is None or known.radius is None:
+            if "Q108" not in map(str.upper, control.setup.variables):
+                self.parameters.shared.pop("Q108", None)
+        else:
+            # "Q108: radius R of the tool table, plus DR of TOOL CALL" (Q parameters that the control assigns)
+            self.parameters.set("Q108", known.radius / self.state.unit + figures.get("DR", 0.0))
+        self.state.came_from = []

@@ -1,0 +1,158 @@
+"""The last step of every dialect: from points with their ways to a ToolPath that keeps its promises."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NoReturn
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.programs.reading.feeds import LONGEST, SLOWEST, feed_fault
+from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.source import Source
+from toolpace.programs.toolpath import Operation, ToolPath, no_normals
+
+SAME = 1e-12
+"""ProgramPoints closer than this [m, rad] are the same point."""
+AXIS_ROUNDING = 0.02
+"""How far the length of a tool axis may be from 1: programs round it to three to six decimals."""
+
+
+@dataclass(frozen=True)
+class ProgramPoints:
+    """ProgramPoints in order, as ToolPath has them (see there for shapes and units)."""
+
+    tip: Floats
+    axis: Floats
+    feed: Floats
+    least_time: Floats
+    block: Ints
+    stop: Bools
+    dwell: Floats
+    rapid: Bools
+    operation: Ints
+    rotary: Floats | None = None
+    rotary_joints: tuple[str, ...] = ()
+    normal: Floats | None = None
+    """(n, 3) unit vectors out of the part, nan where the program tells none."""
+    asked: Floats | None = None
+    """(n, 2) how far tip [m] and axis [rad] may stray by the program's words, nan where it tells nothing."""
+    tool_length: Floats | None = None
+    """(n,) of the tool whose tip is meant [m]; None: of the machine's own."""
+    bow: Floats | None = None
+    """(n,) most distance of the way to the point from the straight one [m]; None: all are straight."""
+
+    def of_one_tool(self, axis: Floats) -> Floats:
+        """(n, 3) the tips as they would be with the first tool at unit axes (n, 3): what joints move shows in them."""
+        if self.tool_length is None:
+            return self.tip
+        tips: Floats = self.tip + (self.tool_length - self.tool_length[0])[:, None] * axis
+        return tips
+
+
+@dataclass(frozen=True)
+class ProgramFacts:
+    """What a program tells beside its points."""
+
+    skipped: dict[str, int] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
+    blocks: int = 0
+    operations: tuple[Operation, ...] = (Operation(),)
+    controller: str = ""
+
+    @staticmethod
+    def of(
+        findings: Findings, blocks: int, operations: tuple[Operation, ...] = (), controller: str = ""
+    ) -> ProgramFacts:
+        """With what was found while it was read."""
+        return ProgramFacts(
+            dict(findings.skipped), findings.assumptions, blocks, operations or (Operation(),), controller
+        )
+
+
+def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> ToolPath:
+    """ToolPath of points in order.
+
+    A point equal to the one before is dropped: a repeated position takes no time. Its stop and its dwell move
+    onto the point that stays. The first and the last point are stops, and where the length of the tool changes.
+    """
+    axis = unit_axes(source, points.axis, points.block)
+    kept = np.flatnonzero(_moved(points.of_one_tool(axis), axis if points.rotary is None else points.rotary))
+    if len(kept) < 2:
+        refuse_still(source, len(points.tip))
+    stop = np.logical_or.reduceat(points.stop, kept)
+    stop[[0, -1]] = True
+    tool_length = np.full(len(kept), np.nan) if points.tool_length is None else points.tool_length[kept]
+    stop[:-1] |= np.abs(np.diff(tool_length)) > 0.0
+    feed, least_time = points.feed[kept], points.least_time[kept]
+    # Nothing leads to the first point.
+    feed[0], least_time[0] = np.inf, 0.0
+    asked = np.full((len(kept), 2), np.nan) if points.asked is None else points.asked[kept]
+    _refuse_endless(source, feed, least_time, points.block[kept])
+    return ToolPath(
+        tip=np.ascontiguousarray(points.tip[kept]),
+        axis=np.ascontiguousarray(axis[kept]),
+        feed=feed,
+        least_time=least_time,
+        block=points.block[kept],
+        stop=stop,
+        dwell=np.add.reduceat(points.dwell, kept),
+        rotary=None if points.rotary is None else np.ascontiguousarray(points.rotary[kept]),
+        rotary_joints=points.rotary_joints,
+        source=source.name,
+        blocks=facts.blocks,
+        skipped=facts.skipped,
+        rapid=points.rapid[kept],
+        operation=points.operation[kept],
+        operations=facts.operations,
+        controller=facts.controller,
+        assumed=facts.assumed,
+        tip_tolerance=np.ascontiguousarray(asked[:, 0]),
+        axis_tolerance=np.ascontiguousarray(asked[:, 1]),
+        tool_length=tool_length,
+        bow=np.zeros(len(kept)) if points.bow is None else points.bow[kept],
+        normal=no_normals() if points.normal is None else np.ascontiguousarray(points.normal[kept]),
+    )
+
+
+def _moved(tip: Floats, turned: Floats) -> Bools:
+    """Whether each point (n,) differs from the one before, in its tip or in how it is turned."""
+    moved = np.ones(len(tip), dtype=bool)
+    if len(tip) > 1:
+        moved[1:] = np.abs(np.diff(tip, axis=0)).max(axis=1) > SAME
+        if turned.shape[1]:
+            moved[1:] |= np.abs(np.diff(turned, axis=0)).max(axis=1) > SAME
+    return moved
+
+
+def _refuse_endless(source: Source, feed: Floats, least_time: Floats, block: Ints) -> None:
+    """Refuse a block that takes longer than anybody waits: its numbers are a slip, and would swamp all others."""
+    slowest, longest = int(np.argmin(feed)), int(np.argmax(least_time))
+    if feed[slowest] < SLOWEST:
+        source.fail(feed_fault(float(feed[slowest])), int(block[slowest]))
+    if not least_time[longest] <= LONGEST:
+        source.fail(f"this block takes {least_time[longest]:.3g} s, more than a year: correct F", int(block[longest]))
+
+
+def refuse_still(source: Source, positions: int) -> NoReturn:
+    """Raise the error of a program with fewer than two different positions."""
+    where = ": it names one position only, and the path starts there" if positions else ""
+    source.fail(f"there is no motion in the program{where}; is it complete, and is this its dialect?", 0)
+
+
+def unit_axes(source: Source, axis: Floats, block: Ints) -> Floats:
+    """Tool axes (n, 3) at length 1; ProgramError with the line of the first that is zero or no unit vector."""
+    length = np.linalg.norm(axis, axis=1)
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= AXIS_ROUNDING))
+    if len(wrong):
+        first = wrong[0]
+        line, found = int(block[first]), float(length[first])
+        if found < 1e-6:
+            source.fail("the tool axis i, j, k is zero: give the direction from the tip to the spindle", line)
+        source.fail(
+            f"the tool axis i, j, k has length {found:.6g}, not 1 (2 percent of rounding allowed): "
+            "give a unit vector from the tip to the spindle",
+            line,
+        )
+    return np.asarray(axis / length[:, None])

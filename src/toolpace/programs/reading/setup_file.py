@@ -1,0 +1,223 @@
+"""Set-up sheets (TOML) to `SetUp`, every figure checked where it is read, and back.
+
+Lengths are in mm and angles in deg unless a table [units] says otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TypeVar
+
+from toolpace.common.errors import UsageError
+from toolpace.common.files.tables import TableFile
+from toolpace.common.files.toml import toml_text
+from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
+from toolpace.programs.reading.coordinates.setup import Position, SetUp, Tool, tool_name
+from toolpace.programs.reading.in_units import ANGLES, LENGTHS, TablesInUnits
+
+FILE = TableFile("set-up sheet", longest=1_000_000)
+LETTERS = "XYZABCUVW"
+TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times")
+FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
+"""Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
+MOST_REFERENCES = 4
+LONGEST_NAME = 100
+"""Characters of a heading or a variable."""
+LONGEST_CHANGE = 3600.0
+"""Of a tool [s]."""
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+_P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
+
+
+def load_setup(path: str | Path) -> SetUp:
+    """The set-up sheet in a file. Raises UsageError naming file, key and cure."""
+    return setup_of_text(FILE.text(path), str(path))
+
+
+def setup_of_text(text: str, source: str = "set-up sheet") -> SetUp:
+    """A set-up sheet from its text; `source` names it in messages. Raises UsageError."""
+    return setup_of_table(FILE.table(text, source), source)
+
+
+def setup_of_table(table: Mapping[str, object], source: str) -> SetUp:
+    """A set-up sheet from its tables, as they stand in the file. Raises UsageError."""
+    return _Sheet(source, table, "the sheet", TABLES).read()
+
+
+def setup_text(setup: SetUp) -> str:
+    """The text of a sheet that reads as exactly this set-up, in metres and radians."""
+    tools = {name: tool.figures() for name, tool in setup.tools.items()}
+    tables: dict[str, Mapping[str, object]] = {
+        "offsets": {name: dict(place) for name, place in setup.offsets.items()},
+        "references": {str(number): dict(place) for number, place in setup.references.items()},
+        "machine_zero": dict(setup.machine_zero),
+        "tools": tools,
+        "part": {name: list(vector) for name, vector in setup.part.items()},
+        "start": dict(setup.start),
+        "variables": dict(setup.variables),
+        "times": {"tool_change": setup.tool_change} if setup.tool_change else {},
+    }
+    given = {name: table for name, table in tables.items() if table}
+    return toml_text({"units": {"length": "m", "angle": "rad"}, **given})
+
+
+def setup_in(machine: object) -> SetUp:
+    """The set-up sheet in the file of a machine; an empty one where there is none. Raises UsageError."""
+    table = getattr(machine, "setup", None)
+    source = str(getattr(machine, "source", "") or getattr(machine, "name", "") or "machine file")
+    return setup_of_table(table, f"{source}: [setup]") if table else SetUp()
+
+
+def check_setup(setup: SetUp, machine: Kinematics) -> None:
+    """Raise UsageError where the sheet names an axis that the machine does not have, or clamps the part elsewhere."""
+    source = setup.source or "set-up sheet"
+    known = Poses(machine).slots()
+    places: dict[str, Position] = {f"offsets.{name}": place for name, place in setup.offsets.items()}
+    places |= {f"references.{number}": place for number, place in setup.references.items()}
+    places |= {"machine_zero": setup.machine_zero, "start": setup.start}
+    for name, place in places.items():
+        for letter in place:
+            if letter not in known:
+                raise UsageError(
+                    f"{source}: [{name}] {letter}: machine '{machine.name}' has no axis {letter}, its axes are "
+                    f"{', '.join(known)}; remove the line, or choose the right machine"
+                )
+    mounted = getattr(machine, "mounted", None)
+    if setup.part and mounted is not None and mounted(**setup.part) != machine:
+        raise UsageError(
+            f"{source}: [part] clamps the part elsewhere than machine '{machine.name}' has it; "
+            "read and plan with machine.mounted(**setup.part)"
+        )
+
+
+class _Sheet(TablesInUnits):
+    """One reading of one sheet."""
+
+    def read(self) -> SetUp:
+        return SetUp(
+            source=self.source,
+            offsets=self.named("offsets", offset_name, self.position),
+            references=self.named("references", self.number_of_reference, self.position),
+            machine_zero=self.position("[machine_zero]", self.table("machine_zero")),
+            tools=self.named("tools", tool_name, self.tool),
+            start=self.position("[start]", self.table("start")),
+            variables=self.variables(),
+            part=self.part(),
+            tool_change=self.tool_change(),
+        )
+
+    def named(
+        self, name: str, key_of: Callable[[str], Key], value_of: Callable[[str, Mapping[str, object]], Value]
+    ) -> dict[Key, Value]:
+        """The tables of a table, by what their headings mean."""
+        found: dict[Key, Value] = {}
+        for heading, value in self.table(name).items():
+            place = f"[{name}.{heading[:40]}]"
+            self.short(f"[{name}]", heading)
+            key = key_of(heading)
+            if not isinstance(value, dict):
+                self.fail(f"[{name}]", f"{heading[:40]} = {value!r:.40} is not a table; write it under {place}")
+            if key in found:
+                self.fail(place, f"stands twice, as {key} in another way of writing; keep one")
+            found[key] = value_of(place, value)
+        return found
+
+    def short(self, place: str, name: str) -> None:
+        if len(name) > LONGEST_NAME:
+            self.fail(place, f"has the name '{name[:40]}...', of {len(name)} characters; {LONGEST_NAME} are the most")
+
+    def variables(self) -> dict[str, float]:
+        found = {}
+        for name, value in self.table("variables").items():
+            self.short("[variables]", name)
+            found[name] = self.number("[variables]", name, value)
+        return found
+
+    def number_of_reference(self, heading: str) -> int:
+        if heading not in map(str, range(1, MOST_REFERENCES + 1)):
+            self.fail(
+                f"[references.{heading[:40]}]", f"is not 1 to {MOST_REFERENCES}; 1 is G28's, the others are G30's by P"
+            )
+        return int(heading)
+
+    def position(self, place: str, table: Mapping[str, object]) -> dict[str, float]:
+        found = {}
+        for letter, value in table.items():
+            if len(letter) != 1 or letter not in LETTERS:
+                self.fail(place, f"has the key '{letter[:40]}'; write axis letters, like X = 12.5")
+            if letter in "ABC":
+                found[letter] = self.quantity(place, letter, value, self.angle, ANGLES, MOST_TURN)
+            else:
+                found[letter] = self.quantity(place, letter, value, self.length, LENGTHS, FARTHEST)
+        return found
+
+    def tool(self, place: str, table: Mapping[str, object]) -> Tool:
+        keys = ("length", "radius", "corner_radius")
+        self.known(place, table, keys)
+        if "length" not in table:
+            self.fail(place, f"has no length; write the way from the spindle nose to the tip [{self.length}]")
+        figures = [self.quantity(place, key, table.get(key, 0.0), self.length, LENGTHS, LONGEST_TOOL) for key in keys]
+        for key, value in zip(keys, figures):
+            if value < 0.0:
+                cure = "it from the spindle nose, above zero"
+                if key != "length":
+                    cure = "the tool's own, from zero on: for a negative one of a control G41 and G42 change places"
+                self.fail(place, f"{key} = {table[key]!r} is below zero; write {cure}")
+        length, radius, corner = figures
+        told = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
+        return Tool(length, *told)
+
+    def part(self) -> dict[str, tuple[float, float, float]]:
+        table = self.table("part")
+        self.known("[part]", table, ("origin", "x", "z"))
+        found: dict[str, tuple[float, float, float]] = {}
+        for key, value in table.items():
+            if not isinstance(value, list) or len(value) != 3:
+                self.fail("[part]", f"{key} = {value!r:.40} is not three numbers; write it like {key} = [0, 0, 1]")
+            if key == "origin":
+                x, y, z = (self.quantity("[part]", key, each, self.length, LENGTHS, FARTHEST) for each in value)
+            else:
+                x, y, z = (self.number("[part]", key, each) for each in value)
+                if not math.hypot(x, y, z) > 0.0:
+                    self.fail("[part]", f"{key} has no length; write the direction of the part's {key} at the bed")
+            found[key] = (x, y, z)
+        return found
+
+    def tool_change(self) -> float:
+        times = self.table("times")
+        self.known("[times]", times, ("tool_change",))
+        found = self.number("[times]", "tool_change", times.get("tool_change", 0.0), "seconds")
+        if not 0.0 <= found <= LONGEST_CHANGE:
+            self.fail("[times]", f"tool_change = {found:g} is not between 0 and {LONGEST_CHANGE:g} s: correct it")
+        return found
+
+    def quantity(
+        self, place: str, key: str, value: object, unit: str, scales: Mapping[str, float], most: float
+    ) -> float:
+        """A number in its unit, in m or rad."""
+        found = self.number(place, key, value, unit) * scales[unit]
+        if not abs(found) <= most:
+            self.fail(place, f"{key} = {value!r:.40} is more than {most / scales[unit]:g} {unit}: check its unit")
+        return found
+
+    def number(self, place: str, key: str, value: object, unit: str = "") -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            self.fail(
+                place, f"{key[:40]} = {value!r:.40} is not a number; write it{f' in {unit}' * bool(unit)} like 12.5"
+            )
+        try:
+            found = float(value)
+        except OverflowError:
+            found = math.inf
+        if not math.isfinite(found):
+            self.fail(place, f"{key[:40]} = {str(value)[:40]} is not finite; write a number")
+        return found
+
+
+def offset_name(heading: str) -> str:
+    """The name of a work offset as readers call it: G54, "G54.1 P12"."""
+    return _P_WORD.sub(" P", " ".join(heading.upper().split()))

@@ -1,0 +1,141 @@
+"""Compensation of the tool's radius: G40, G41, G42, the rules that are in force, and its suppression."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.common.units import DEGREE
+from toolpace.programs.reading.compensation.ends import Departing, follow, leave
+from toolpace.programs.reading.compensation.following import Follower
+from toolpace.programs.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, INSIDE, MEETING, TOUCHING, Rules
+from toolpace.programs.reading.compensation.suppressed import Suppressed
+from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.sinumerik.state import State
+from toolpace.programs.reading.sinumerik.syntax.values import ValueFault
+from toolpace.programs.reading.sinumerik.tooling import Tooling
+
+_CURE = (
+    "the tool's radius is not known: write it on the set-up sheet ([tools.N] radius), or give --compensation program "
+    "where the CAM system wrote the path of the tool's centre (the radius of D is then that of wear, or zero)"
+)
+SLIGHT, MOST_MET = 10.0 * DEGREE, 100.0 * DEGREE
+"""MD20230 and MD20210 as they are delivered: turn of an outside corner up to which there is no arc under G450, and from
+which on there is one under G451."""
+SAID = "outside corners that turn by up to 10 degrees are met, from 100 degrees on there is an arc (MD20230, MD20210)"
+SAID_OF_FEED = "F is of the contour on arcs of a compensated contour: CFC is in force where the program does not say"
+FEEDS = {"": CONTOUR, "CFC": CONTOUR, "CFTCP": CENTRE, "CFIN": INSIDE}
+LOOKED_AT = 999
+"""Elements that CDON looks at here: MD20240 tells how many, which we do not know."""
+SIDES = {"G41": 1, "G42": -1}
+SUPPRESSION = ("CUTCONON", "CUTCONOF")
+
+
+class Compensation:
+    """Begins and ends it, and changes its rules."""
+
+    def __init__(self, control: Control, state: State, tooling: Tooling) -> None:
+        self.control, self.state, self.tooling = control, state, tooling
+
+    def take(self, code: str) -> None:
+        """G40, G41, G42. Raises ValueFault."""
+        control, state, stage = self.control, self.state, self.control.stage
+        if isinstance(stage, Suppressed):
+            raise ValueFault(f"{code} while CUTCONON suppresses the compensation is not read: write CUTCONOF before it")
+        follower = stage if isinstance(stage, Follower) else None
+        state.compensation = code
+        if code == "G40":
+            if follower is not None:
+                leave(follower)
+            return
+        radius = self.tooling.radius
+        if radius is None:
+            control.findings.refused(code, control.line, _CURE)
+        elif self.tooling.as_programmed:
+            control.findings.assumed("G41 and G42: the tool follows the programmed contour")
+        elif follower is None:
+            self._begin(code, radius + state.allowance)
+        elif follower.side != SIDES[code]:
+            raise ValueFault(f"{code} changes the side of the tool while it compensates: write G40 before it")
+
+    def _begin(self, code: str, distance: float) -> None:
+        """Follow the contour at a distance [m]: radius and allowance."""
+        if distance < 0.0:
+            raise ValueFault(f"radius and OFFN come to {distance * 1e3:.6g} mm: correct them")
+        if distance:
+            self._refuse_unread(code)
+            follow(self.control, SIDES[code], distance, self.state.plane, self.rules())
+
+    def rules(self) -> Rules:
+        """How contours are followed now."""
+        state = self.state
+        return Rules(
+            ARC if state.outside == "G450" else MEETING,
+            TOUCHING if state.approach == "KONT" else ACROSS,
+            FEEDS[state.contour_feed],
+            most_met=MOST_MET,
+            slight=SLIGHT,
+            said_of_limits=SAID,
+            most_idle=3,
+            looks_ahead=LOOKED_AT if state.watches else 0,
+            gouge="the control stops with an alarm (10750, 10751), or leaves elements out",
+            assumed="" if state.contour_feed else SAID_OF_FEED,
+        )
+
+    def change_rules(self, code: str) -> None:
+        """G450, G451, CFC and their kin may stand within a contour, and beside G40; the plane may not.
+
+        "The approach/retraction behavior is determined by the state of the G command in the approach/retraction block"
+        (Function Manual W1, 11/2006). Raises ProgramError.
+        """
+        stage = self.control.stage
+        if isinstance(stage, (Follower, Suppressed)) and stage.plane != self.state.plane:
+            stage.other_motion(f"a change of the plane ({code})")
+        if isinstance(stage, Follower):
+            self._refuse_unread(self.state.compensation)
+            stage.rules = self.rules()
+        elif isinstance(stage, (Suppressed, Departing)):
+            stage.follower.rules = self.rules()
+
+    def suppress(self, code: str) -> None:
+        """CUTCONON and CUTCONOF. Raises ValueFault."""
+        stage = self.control.stage
+        if code == "CUTCONOF":
+            if isinstance(stage, Suppressed):
+                self._refuse_bypass()
+                stage.resume()
+            else:
+                self.control.findings.ignored(code)
+        elif isinstance(stage, Follower):
+            self.control.stage = Suppressed(stage)
+        elif self.state.compensation == "G40" or self.tooling.as_programmed:
+            raise ValueFault("CUTCONON stands where no radius is compensated: write it behind G41 or G42")
+
+    def _refuse_bypass(self) -> None:
+        if self.state.approach != "NORM":
+            raise ValueFault(f"CUTCONOF under {self.state.approach} goes round the contour: write NORM before it")
+
+    def _refuse_unread(self, code: str) -> None:
+        control, state = self.control, self.state
+        if state.approach not in ("NORM", "KONT"):
+            cure = "NORM and KONT are read: write one of them in its place"
+            control.findings.refused(f"{code} with {state.approach}", control.line, cure)
+        if state.overshoot and state.outside == "G450":  # "DISC only applies with call of G450"
+            control.findings.refused(f"{code} with DISC", control.line, "arcs are read without it: write DISC=0")
+        if not state.in_frame and not self._in_machine_plane():
+            cure = "its plane is that of the machine: write CUT2DF"
+            control.findings.refused(f"{code} in a tilted frame", control.line, cure)
+
+    def _in_machine_plane(self) -> bool:
+        """Whether the plane of the program is parallel to that of the axes, as the rotary axes stand.
+
+        So it is where a table has turned the part to the tool: CUT2D and CUT2DF are one then.
+        """
+        control = self.control
+        placement = control.placement
+        normal = 2 if self.state.plane == 0 else 2 - self.state.plane
+        columns = np.eye(3)
+        if control.coordinates.tilted and control.poses.machine is not None:
+            _, columns, _ = control.poses.linear_map(placement.place(control.words)[3:])
+        across = np.cross(columns[:, normal - 2], columns[:, normal - 1])
+        of_program = np.array(placement.matrix)[:3, normal]
+        return bool(abs(abs(across @ of_program) - np.linalg.norm(across) * np.linalg.norm(of_program)) < 1e-9)

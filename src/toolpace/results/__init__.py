@@ -1,0 +1,1 @@
+"""What a person gets of a motion: folders of results, reports, comparisons."""

@@ -1,0 +1,111 @@
+"""What a plan leaves on disk: one folder, whole or not at all, from which it can be judged again."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+
+from toolpace.common.errors import UsageError
+from toolpace.common.files import reason, sealed_files, whole_folder
+from toolpace.results.write.bent_tool import TOOL, bent_tool
+from toolpace.results.write.csv import write_csv
+from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
+from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
+from toolpace.results.write.result import PlanResult, copy_name
+
+__all__ = [
+    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "SET_POINTS", "TABLE", "TOOL", "WRITING", "PlanRecord",
+    "PlanResult", "bent_tool", "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv",
+    "write_folder",
+]  # fmt: skip
+
+SET_POINTS = "setpoints.npz"
+TABLE = "setpoints.csv"
+MACHINE = "machine.toml"
+REPORT = "report.html"
+"""Names of the files beside plan.json."""
+WRITING = "writing"
+"""The step under which plan.json tells the time that the other files took."""
+
+
+def write_folder(
+    directory: str | os.PathLike[str],
+    result: PlanResult,
+    *,
+    csv: bool = False,
+    report: bool = True,
+    npz: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> PlanRecord:
+    """Write machine.toml, a copy of the program (program.<ext>), controller.toml and setup.toml where it was read with
+    them, tool.toml where its bending is compensated, as asked setpoints.npz, setpoints.csv and report.html, and last
+    plan.json; return what plan.json says.
+
+    `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which
+    takes its place in one step. What is there already is replaced only where toolpace wrote all of it; where it is
+    not, or anything fails (UsageError), all is as it was.
+    """
+    tell = progress or (lambda share: None)
+    began = time.perf_counter()
+    record = result.record()
+    with whole_folder(directory, seal=PLAN) as folder:
+        tell(0.0)
+        if npz:
+            result.setpoints.save(folder / SET_POINTS)
+        (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
+        if result.program is not None:
+            copy_program(result, folder / result.program_copy)
+        write_how_read(folder, result.options)
+        if result.aimed is not None:
+            (folder / TOOL).write_bytes(result.aimed.tool.data)
+        if csv:
+            tell(0.1)
+            write_csv(folder / TABLE, result.setpoints, result.machine)
+        if report:
+            tell(0.4)
+            from toolpace.results.report import write_report
+
+            write_report(
+                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record
+            )
+        steps = {**record.step_s, WRITING: time.perf_counter() - began}
+        record = msgspec.structs.replace(record, step_s=steps)
+        write_plan(folder / PLAN, record)
+        tell(1.0)
+    return record
+
+
+def copy_program(result: PlanResult, copy: Path) -> None:
+    """Put the program beside its plan, as it was read. Raises UsageError where it was not, and cannot be now."""
+    data = result.program_bytes
+    if data is None:
+        assert result.program is not None
+        try:
+            data = result.program.read_bytes()
+        except OSError as error:
+            raise UsageError(f"{result.program}: cannot read: {reason(error)}") from None
+    copy.write_bytes(data)
+
+
+def refuse_without_set_points(folder: Path, what: str) -> None:
+    """Raise UsageError where the folder of a plan has no set-points: nothing can then be `what`."""
+    if os.path.lexists(folder / SET_POINTS):
+        return
+    sealed = sealed_files(folder)
+    why = (
+        "was taken out of it" if SET_POINTS in sealed else "was not written (--npz none)" if sealed else "is not there"
+    )
+    raise UsageError(
+        f"{folder}: {SET_POINTS} {why}, and without set-points nothing can be {what}; plan again without --npz none"
+    )
+
+
+def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: bool = True) -> list[str]:
+    """Names of the files of a plan, the one to look at last."""
+    how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
+    how += [record.bending.tool_file] if record.bending is not None else []
+    return [PLAN, *[SET_POINTS] * npz, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

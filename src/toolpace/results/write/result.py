@@ -1,0 +1,154 @@
+"""Result of a job and its inputs, from which the folder of a plan is written."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from toolpace.common.errors import printable
+from toolpace.common.version import __version__
+from toolpace.motion.operation_times import operation_times
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.results.write import figures
+from toolpace.results.write.bent_tool import bending_record
+from toolpace.results.write.plan_json import PlanRecord
+from toolpace.results.write.reading_options import reading_record
+
+if TYPE_CHECKING:
+    from toolpace.cutting.bending.compensated_program import BendingCompensation
+    from toolpace.judge import Verification
+    from toolpace.machine.machine import Machine
+    from toolpace.motion.trajectory import Trajectory
+    from toolpace.planning.path_and_pace.alternating import Round
+    from toolpace.programs.toolpath import ToolPath
+
+
+_SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
+
+
+class Fitted(Protocol):
+    """What is told of a path that was fitted to a program, as a Path tells it."""
+
+    @property
+    def tip_deviation(self) -> float:
+        """[m]"""
+
+    @property
+    def axis_deviation(self) -> float:
+        """[rad]"""
+
+    @property
+    def fit_seconds(self) -> float:
+        """[s]"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanResult:
+    """A plan with its set-points and its verification, and what was asked for, so that it can be judged by files alone.
+
+    What there was not is None.
+    """
+
+    trajectory: Trajectory
+    machine: Machine
+    setpoints: SetPoints
+    toolpath: ToolPath | None = None
+    path: Fitted | None = None
+    effort: str = "low"
+    """How much was done for a fast path."""
+    rounds: Sequence[Round] = ()
+    """What came of it."""
+    verification: Verification | None = None
+    program: Path | None = None
+    """The file of the program; a copy of it goes beside the plan."""
+    program_bytes: bytes | None = None
+    """What was read from it: a file may change meanwhile, a pipe is read but once. None: it is read for the copy."""
+    dialect: str | None = None
+    """What the program was to be read as, where that was said."""
+    feed: str | None = None
+    """What replaced the feeds of the program."""
+    options: ReadOptions = field(default_factory=ReadOptions)
+    """How the program was read, beside these two."""
+    tip_tolerance: float | Tolerances | None = None
+    """[m]"""
+    axis_tolerance: float | Tolerances | None = None
+    """[rad]"""
+    aimed: BendingCompensation | None = None
+    """Where the bending of the tool is compensated: by what, and for which tool."""
+    step_s: Mapping[str, float] = field(default_factory=dict)
+    """Times of the steps so far [s]."""
+
+    @property
+    def program_copy(self) -> str:
+        """Name of the copy of the program; empty where there is none."""
+        return copy_name(self.program) if self.program is not None else ""
+
+    def record(self) -> PlanRecord:
+        """The figures of plan.json. Deviations are what the judge measured, without one what the fit did."""
+        trajectory, toolpath, verification = self.trajectory, self.toolpath, self.verification
+        bound = figures.known_bound(trajectory)
+        # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
+        blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
+        source = toolpath.source if toolpath is not None else ""
+        times = operation_times(trajectory, toolpath) if toolpath is not None else []
+        tip = figures.widest(self.tip_tolerance, toolpath, "tip")
+        axis = figures.widest(self.axis_tolerance, toolpath, "axis")
+        measured = [found for found in (verification, self.path) if found is not None][:1]
+        t = self.setpoints.t
+        return PlanRecord(
+            duration_s=float(trajectory.duration),
+            lower_bound_s=bound,
+            gap=None if bound is None else float(trajectory.duration) / bound - 1.0,
+            solve_s=float(trajectory.solve_seconds),
+            fit_s=float(self.path.fit_seconds) if self.path is not None else 0.0,
+            mesh_points=int(trajectory.mesh_points),
+            blocks=int(blocks),
+            stops=len(trajectory.laws) - 1,
+            usage=figures.usage_record(trajectory),
+            limited_by=trajectory.limited_by(),
+            tip_deviation_mm=figures.largest_known([source.tip_deviation for source in measured], 1e3),
+            axis_deviation_deg=figures.largest_known([source.axis_deviation for source in measured], 180.0 / math.pi),
+            machine=printable(self.machine.name),
+            program=printable((self.program.name if self.program is not None else "") or source),
+            toolpace_version=__version__,
+            planner=trajectory.planner,
+            dt_s=float(t[1] - t[0]) if len(t) > 1 else 0.0,
+            set_points=len(self.setpoints),
+            path_length_mm=figures.tip_length(self.setpoints),
+            tip_tolerance_mm=tip * 1e3 if tip is not None else None,
+            axis_tolerance_deg=math.degrees(axis) if axis is not None else None,
+            tip_tolerances=figures.by_place(self.tip_tolerance, lambda value: f"{value * 1e6:.12g}um"),
+            axis_tolerances=figures.by_place(self.axis_tolerance, lambda value: f"{math.degrees(value):.12g}deg"),
+            feed=self.feed,
+            program_file=self.program_copy,
+            verified=verification.ok if verification is not None else None,
+            dialect=self.dialect,
+            continuous_bound_s=trajectory.continuous_bound or None,
+            lower_bound_of=None if bound is None else "this mesh",
+            open_places=figures.open_place_records(trajectory),
+            bending=bending_record(self.aimed) if self.aimed is not None else None,
+            effort=self.effort,
+            rounds=figures.round_records(self.rounds),
+            tip_at_tolerance=figures.share_at_tolerance(trajectory, 0, tip),
+            axis_at_tolerance=figures.share_at_tolerance(trajectory, 1, axis),
+            step_s=dict(self.step_s),
+            controller=printable(toolpath.controller) if toolpath is not None else "",
+            assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
+            skipped=figures.printable_counts(toolpath.skipped) if toolpath is not None else {},
+            reading=reading_record(self.options),
+            operations=figures.operation_records(times),
+            cutting_s=sum(each.cutting for each in times) if times else None,
+            rapid_s=sum(each.rapid for each in times) if times else None,
+            dwell_s=sum(each.dwell for each in times) if times else None,
+        )
+
+
+def copy_name(program: Path) -> str:
+    """Name of the copy of a program: the suffix tells its dialect, and is kept where it could."""
+    return f"program{program.suffix if _SUFFIX.fullmatch(program.suffix) else ''}"

@@ -1,0 +1,172 @@
+"""Choices of a set-up search (fixtures, turns, places, tools), and clampings from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.common.units import DEGREE, FARTHEST_PART, LONGEST_TOOL, METRES, MILLIMETRE, RADIANS, refuse_other_unit
+from toolpace.machine.machine import Machine
+from toolpace.setup_search.clamping import WHOLE_TURN, Clamping
+from toolpace.setup_search.zones import Zone, is_angle
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Values at hand, or all between two."""
+
+    values: tuple[float, ...] = ()
+    """[m] or [rad]; empty where all values between `low` and `high` are at hand."""
+    low: float = 0.0
+    high: float = 0.0
+
+    @classmethod
+    def between(cls, low: float, high: float) -> Choice:
+        """All values between two; one where both are the same. UsageError where the first is higher."""
+        if low > high:
+            raise UsageError(f"choice: from {low:g} to {high:g}; give the lower one first")
+        return cls((), low, high) if low < high else cls((low,))
+
+    @property
+    def is_free(self) -> bool:
+        """Whether there is anything to choose."""
+        return len(self.values) != 1
+
+    def __contains__(self, value: float) -> bool:
+        return value in self.values if self.values else self.low <= value <= self.high
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether single values are at hand, and none between."""
+        return bool(self.values)
+
+    def at(self, share: float) -> float:
+        """The value at a share of the choice, from 0 to 1."""
+        if self.values:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        return self.low + (self.high - self.low) * share
+
+    def share_of(self, value: float) -> float:
+        """The share at which a value, or the nearest to it, is had."""
+        if self.values:
+            nearest = min(range(len(self.values)), key=lambda i: abs(self.values[i] - value))
+            return (nearest + 0.5) / len(self.values)
+        return min(max((value - self.low) / (self.high - self.low), 0.0), 1.0)
+
+
+ANY_TURN = Choice((), -180.0 * DEGREE, 180.0 * DEGREE)
+USUAL_TILTS = Choice(tuple(angle * DEGREE for angle in (0.0, 15.0, 30.0, 45.0)))
+ABOUT_HERE = Choice((), -100.0 * MILLIMETRE, 100.0 * MILLIMETRE)
+FROM_HERE_UP = Choice((), 0.0, 100.0 * MILLIMETRE)
+AS_IT_IS = Choice((0.0,))
+EITHER_SIDE = Choice((-1.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What may be chosen of a set-up; see `Clamping` for what each means."""
+
+    turn: Choice = ANY_TURN
+    tilt: Choice = USUAL_TILTS
+    swing: Choice = AS_IT_IS
+    x: Choice = ABOUT_HERE
+    y: Choice = ABOUT_HERE
+    z: Choice = FROM_HERE_UP
+    """How far the part may be moved: not down, where the table is."""
+    tool_length: Choice | None = None
+    """None: the tool stays as it is."""
+    side: Choice = EITHER_SIDE
+    """Which solution of the inverse kinematics is taken; 0 leaves it to the least rotary motion."""
+    forbidden: tuple[Zone, ...] = ()
+    """Where the machine must not be."""
+    source: str = field(default="", compare=False)
+    """The file, for messages."""
+
+    def __post_init__(self) -> None:
+        for names, most, cure in (
+            (("turn", "tilt", "swing"), WHOLE_TURN, RADIANS),
+            (("x", "y", "z"), FARTHEST_PART, METRES),
+            (("tool_length",), LONGEST_TOOL, METRES),
+        ):
+            for name in names:
+                choice = getattr(self, name)
+                for value in () if choice is None else (*choice.values, choice.low, choice.high):
+                    refuse_other_unit(value, most, f"choices: {name}", cure)
+
+    @property
+    def direction(self) -> tuple[str, ...]:
+        """Names of what is to be chosen of direction, tool and solution."""
+        return self._free("turn", "tilt", "swing", "tool_length", "side")
+
+    @property
+    def position(self) -> tuple[str, ...]:
+        """Names of the coordinates that are to be chosen."""
+        return self._free("x", "y", "z")
+
+    def _free(self, *names: str) -> tuple[str, ...]:
+        return tuple(name for name in names if (choice := getattr(self, name)) is not None and choice.is_free)
+
+    def named(self, name: str) -> Choice:
+        """The choice of a name that is to be chosen."""
+        choice: Choice = getattr(self, name)
+        return choice
+
+    def values_of(self, clamping: Clamping) -> dict[str, float]:
+        """The values of a clamping by name."""
+        tool = clamping.tool_length
+        values = (clamping.turn, clamping.tilt, clamping.swing, *clamping.shift, math.nan if tool is None else tool)
+        return dict(zip(NAMES, (*values, float(clamping.side)), strict=True))
+
+    def checked(self, machine: Machine) -> Choices:
+        """These choices, found to speak of the machine's joints. Raises UsageError."""
+        for zone in self.forbidden:
+            place = f"{self.source or 'choices'}: forbidden zone {zone.name}"
+            for joint in zone.bounds:
+                if joint not in machine.joints:
+                    hint = did_you_mean(joint, machine.joints)
+                    raise UsageError(f"{place}: machine {machine.name} has no joint {joint[:40]}; {hint}")
+                if bool(machine.is_rotary[machine.joints.index(joint)]) != is_angle(joint):
+                    raise UsageError(
+                        f"{place}: joint {joint} of machine {machine.name}: names of rotary joints, and of no others, "
+                        "begin with A, B or C, by which angles are told from lengths; rename it in the machine file"
+                    )
+        return self
+
+    def clamping(self, values: Mapping[str, float]) -> Clamping:
+        """The clamping of values by name; what is not named is as given, or as the one value that is at hand."""
+        of = {each.name: self._value(each.name, values) for each in fields(self) if each.name in NAMES}
+        tool = of["tool_length"]
+        return Clamping(
+            of["turn"], of["tilt"], of["swing"], (of["x"], of["y"], of["z"]), None if math.isnan(tool) else tool,
+            int(of["side"]),
+        )  # fmt: skip
+
+    def _value(self, name: str, values: Mapping[str, float]) -> float:
+        choice: Choice | None = getattr(self, name)
+        if name in values:
+            return values[name]
+        if choice is None:
+            return math.nan
+        return choice.values[0] if not choice.is_free else choice.at(choice.share_of(0.0))
+
+    def from_shares(self, names: tuple[str, ...], shares: Floats) -> dict[str, float]:
+        """Values of the named choices at shares (k,) of each."""
+        return {name: getattr(self, name).at(float(share)) for name, share in zip(names, shares, strict=True)}
+
+    def shares_of(self, names: tuple[str, ...], values: Mapping[str, float]) -> Floats:
+        """Shares (k,) of the named choices at which values are had."""
+        return np.array([getattr(self, name).share_of(values[name]) for name in names])
+
+    def box(self) -> Floats:
+        """(3, 2) lowest and highest coordinates that may be chosen [m]."""
+        return np.array([[min(each.values), max(each.values)] if each.values else [each.low, each.high]
+                         for each in (self.x, self.y, self.z)])  # fmt: skip
+
+
+NAMES = ("turn", "tilt", "swing", "x", "y", "z", "tool_length", "side")
+"""Of all choices, as a file writes them."""
