@@ -73,7 +73,8 @@ def watched() -> Iterator[Work]:
     # what is called by this name at each call; kernels take the time of their thread, another try that of all
     places: list[tuple[Any, str, Callable[[], float], Callable[[float, Any], None]]] = [
         (solver, "maximise_speed", time.thread_time, solved), (relaxation, "relax", time.thread_time, bounded),
-        (inter_sample_limits, "looked_at", time.thread_time, looked), (planner, "another_try", time.process_time, tried),
+        (inter_sample_limits, "checked_between_nodes", time.thread_time, looked),
+        (planner, "fallback_plan", time.process_time, tried),
     ]  # fmt: skip
     before = [getattr(module, name) for module, name, _, _ in places]
     for (module, name, clock, told), function in zip(places, before):

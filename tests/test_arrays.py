@@ -185,36 +185,36 @@ CASES: dict[str, Case] = {
     "CuttingForces.feed_forward: chip": Case(FORCES.feed_forward, f32(1e-5 * LINES), "chip"),
     "Clamping.on: centre": Case(lambda x: tp.Clamping(0.5).on(M, x), f32([0.1, 0.2, 0.3]), "centre"),
     "Zone.entered: q": Case(lambda x: ZONE.entered(M.joints, x), POSES, "q"),
-    "Haste: s": Case(lambda x: dataclasses.replace(HASTE, s=x), HASTE.s, "s"),
-    "Haste: pace": Case(lambda x: dataclasses.replace(HASTE, pace=x), HASTE.pace, "pace"),
-    "Haste.rows: breaks": Case(lambda x: HASTE.rows(x, 1.0), np.linspace(0.0, 1.0, 5), "breaks"),
-    "deflect.project: tip": Case(lambda x: tp.deflect.project(EXACT, x), f32([0.09, 0.02, 0.01]), "tip"),
-    "deflect.project: deflection": Case(
-        lambda x: tp.deflect.project(EXACT, deflection=x), f32([0.09, 0.02, 0.01]), "tip"
+    "SpeedWeights: s": Case(lambda x: dataclasses.replace(HASTE, s=x), HASTE.s, "s"),
+    "SpeedWeights: pace": Case(lambda x: dataclasses.replace(HASTE, pace=x), HASTE.pace, "pace"),
+    "SpeedWeights.rows: breaks": Case(lambda x: HASTE.rows(x, 1.0), np.linspace(0.0, 1.0, 5), "breaks"),
+    "deflection.project: tip": Case(lambda x: tp.deflection.project(EXACT, x), f32([0.09, 0.02, 0.01]), "tip"),
+    "deflection.project: deflection": Case(
+        lambda x: tp.deflection.project(EXACT, deflection=x), f32([0.09, 0.02, 0.01]), "tip"
     ),
-    "deflect.force: target": Case(lambda x: tp.deflect.force(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
-    "deflect.force: deflection": Case(lambda x: tp.deflect.force([0.0, 0.0, 0.0], x), LINES[:3], "deflection"),
-    "deflect.potential: target": Case(lambda x: tp.deflect.potential(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
-    "deflect.potential: deflection": Case(lambda x: tp.deflect.potential([0.0, 0.0, 0.0], x), LINES[:3], "deflection"),
-    "deflect.potential: velocity": Case(
-        lambda x: tp.deflect.potential([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], velocity=(x, [0.0, 0.0, 0.0])), LINES[:3],
+    "deflection.force: target": Case(lambda x: tp.deflection.force(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
+    "deflection.force: deflection": Case(lambda x: tp.deflection.force([0.0, 0.0, 0.0], x), LINES[:3], "deflection"),
+    "deflection.potential: target": Case(lambda x: tp.deflection.potential(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
+    "deflection.potential: deflection": Case(lambda x: tp.deflection.potential([0.0, 0.0, 0.0], x), LINES[:3], "deflection"),
+    "deflection.potential: velocity": Case(
+        lambda x: tp.deflection.potential([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], velocity=(x, [0.0, 0.0, 0.0])), LINES[:3],
         "velocity",
     ),
-    "deflect.deflected_pose: tip": Case(
-        lambda x: tp.deflect.deflected_pose(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-4), "tip"
+    "deflection.deflected_pose: tip": Case(
+        lambda x: tp.deflection.deflected_pose(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-4), "tip"
     ),
-    "deflect.deflected_pose: deflection": Case(
-        lambda x: tp.deflect.deflected_pose(ON_MACHINE, 0.3, deflection=x), f32([1e-4, -2e-4, 3e-4]), "deflection"
+    "deflection.deflected_pose: deflection": Case(
+        lambda x: tp.deflection.deflected_pose(ON_MACHINE, 0.3, deflection=x), f32([1e-4, -2e-4, 3e-4]), "deflection"
     ),
-    "deflect.deflected_pose: axis": Case(
-        lambda x: tp.deflect.deflected_pose(ON_MACHINE, 0.3, ON_MACHINE.tip(0.3)[0], axis=x),
+    "deflection.deflected_pose: axis": Case(
+        lambda x: tp.deflection.deflected_pose(ON_MACHINE, 0.3, ON_MACHINE.tip(0.3)[0], axis=x),
         f32(ON_MACHINE.tip(0.3)[1]), "axis", optional=True,
     ),
-    "deflect.replan: tip": Case(lambda x: tp.replan(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-5), "tip"),
-    "deflect.replan: deflection": Case(
+    "deflection.replan: tip": Case(lambda x: tp.replan(ON_MACHINE, 0.3, x), f32(ON_MACHINE.tip(0.3)[0] + 1e-5), "tip"),
+    "deflection.replan: deflection": Case(
         lambda x: tp.replan(ON_MACHINE, 0.3, deflection=x), f32([1e-5, -2e-5, 3e-5]), "deflection"
     ),
-    "deflect.replan: axis": Case(
+    "deflection.replan: axis": Case(
         lambda x: tp.replan(ON_MACHINE, 0.3, f32(ON_MACHINE.tip(0.3)[0]), axis=x), f32(ON_MACHINE.tip(0.3)[1]), "axis",
         optional=True,
     ),
@@ -260,8 +260,9 @@ for kind, objects, argument, methods in (
         )
 
 RESULTS = (
-    "AimedOff", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp", "Probe", "ProgramTime", "SetPoint",
-    "deflect.Projection", "PathRun",
+    "BendingCompensation", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp", "Probe", "ProgramTime",
+    "SetPoint",
+    "deflection.Projection", "PathRun",
 )  # fmt: skip
 """What functions return: nothing public takes one, and nobody need make one."""
 SHARES = ("Choices.from_shares", "Choices.shares_of", "Choices.box")
@@ -273,7 +274,7 @@ LIVE = ("Measurement", "Measurement.write")
 def public() -> Iterator[tuple[str, Any]]:
     """Every public function, class and method by its name."""
     roots = {name: getattr(tp, name) for name in tp.__all__ if name not in ("__version__", "deflect", "replan")}
-    roots |= {f"deflect.{name}": getattr(tp.deflect, name) for name in tp.deflect.__all__}
+    roots |= {f"deflection.{name}": getattr(tp.deflection, name) for name in tp.deflection.__all__}
     for name, thing in roots.items():
         yield name, thing
         if not inspect.isclass(thing):

@@ -43,7 +43,7 @@ def test_reading_and_machines_need_neither_scipy_nor_plotly():
 
 
 def test_deflect_is_reached_as_an_attribute():
-    assert python("import toolpace as tp; print(tp.deflect.replan.__name__)") == "replan"
+    assert python("import toolpace as tp; print(tp.deflection.replan.__name__)") == "replan"
 
 
 def test_no_public_function_is_named_like_a_module():

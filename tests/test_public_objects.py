@@ -63,7 +63,7 @@ def made() -> dict[str, Any]:
         "verification": verification,
         "check": verification.checks[0],
         "end state": tp.EndState(0.1, 0.2),
-        "projection": tp.deflect.project(exact, [0.05, 0.05, 0.05]),
+        "projection": tp.deflection.project(exact, [0.05, 0.05, 0.05]),
     }
 
 
@@ -267,7 +267,7 @@ def classes(hint: Any) -> Iterator[type]:
 
 def test_public_signatures_name_public_types_only() -> None:
     roots = {name: getattr(tp, name) for name in tp.__all__ if name not in ("__version__", "deflect")}
-    roots |= {f"deflect.{name}": getattr(tp.deflect, name) for name in tp.deflect.__all__}
+    roots |= {f"deflection.{name}": getattr(tp.deflection, name) for name in tp.deflection.__all__}
     public, hidden, seen = set(map(id, roots.values())), set(), 0
     for thing in roots.values():
         for where, holder in annotated(thing):

@@ -182,7 +182,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "Choices: places in mm": (lambda: tp.Choices(x=tp.Choice.between(-100, 100)), "120 mm is 0.12"),
     "Zone: bounds in mm": (lambda: tp.Zone("fixture", {"X": (100.0, 200.0)}), "120 mm is 0.12"),
     "Zone: the higher bound first": (lambda: tp.Zone("fixture", {"X": (0.2, 0.1)}), "the lower one first"),
-    "aim_off: the path of a tool file": (lambda: tp.compensate_bending(program(), MACHINE, "tool.toml"), "load_tool"),  # type: ignore[arg-type]
+    "compensate_bending: the path of a tool file": (lambda: tp.compensate_bending(program(), MACHINE, "tool.toml"), "load_tool"),  # type: ignore[arg-type]
     "write_set_up: nothing found": (lambda: tp.write_set_up("out", None, "part"), "search_setup returns"),  # type: ignore[arg-type]
     "batch: a path for the jobs": (lambda: tp.batch("part.ngc", client=0), "give a list of BatchJob"),  # type: ignore[arg-type]
     "BatchJob: a tool length in mm": (
@@ -221,8 +221,8 @@ SAID: dict[str, tuple[Callable[[], Any], Callable[[Any], bool]]] = {
         lambda: shown(tp.Measurement(40.0, deflection=[1e-6, 0, 0])), lambda s: "LATE" in s
     ),
     "Follower.step: percents of feed": (lambda: repr(follower().step(feed=80).status), lambda s: "OVERRIDE_CUT" in s),
-    "deflect.project: a point in mm": (
-        lambda: tp.deflect.project(path(), [20.0, 0.0, 50.0]).distance, lambda far: far > 50.0
+    "deflection.project: a point in mm": (
+        lambda: tp.deflection.project(path(), [20.0, 0.0, 50.0]).distance, lambda far: far > 50.0
     ),
 }  # fmt: skip
 UNSEEN: dict[str, tuple[Callable[[], Any], Callable[[Any], bool]]] = {

@@ -15,11 +15,13 @@ Names are imported when they are first used: `import toolpace` alone loads no nu
 from __future__ import annotations
 
 import importlib
+import warnings
 from typing import TYPE_CHECKING, Any
 
 from toolpace.common.version import __version__
 
 if TYPE_CHECKING:
+    from toolpace import deflection
     from toolpace.common.errors import ToolpaceError, UnitWarning
     from toolpace.common.workers import Progress, Workers
     from toolpace.controls.export import Exported, ReadBack, export
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
     from toolpace.cutting.bending.compliance import Bending
     from toolpace.cutting.forces import CuttingForces
     from toolpace.cutting.tool_file import load_tool
-    from toolpace.deflection import replanning
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
     from toolpace.deflection.replanning.new_trajectory import replan
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
@@ -74,13 +75,13 @@ if TYPE_CHECKING:
     from toolpace.setup_search.zones import Zone
 
 __all__ = [
-    "AimedOff",
     "AxisPath",
     "AxisRun",
     "Batch",
     "BatchJob",
     "BatchRow",
     "Bending",
+    "BendingCompensation",
     "ChainFile",
     "Check",
     "Choice",
@@ -99,7 +100,6 @@ __all__ = [
     "FoundSetUp",
     "Genetic",
     "Geometry",
-    "Haste",
     "JointFile",
     "Kinematics",
     "Limits",
@@ -131,6 +131,7 @@ __all__ = [
     "SetUp",
     "Sign",
     "Skipped",
+    "SpeedWeights",
     "Status",
     "TimeLaw",
     "Tolerances",
@@ -144,10 +145,10 @@ __all__ = [
     "Workers",
     "Zone",
     "__version__",
-    "aim_off",
     "apply_feed",
     "batch",
-    "deflect",
+    "compensate_bending",
+    "deflection",
     "export",
     "load_choices",
     "load_tool",
@@ -165,13 +166,13 @@ __all__ = [
 ]
 
 _HOME = {
-    "AimedOff": "cutting.bending.compensated_program",
     "AxisPath": "path.axispath.axispath",
     "AxisRun": "path.axispath.run",
     "Batch": "jobs.batch",
     "BatchJob": "jobs.batch",
     "BatchRow": "jobs.batch",
     "Bending": "cutting.bending.compliance",
+    "BendingCompensation": "cutting.bending.compensated_program",
     "ChainFile": "machine.file",
     "Check": "judge",
     "Choice": "setup_search.choices",
@@ -190,7 +191,6 @@ _HOME = {
     "FoundSetUp": "setup_search.search_result",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
-    "Haste": "path.fit.speed_weights",
     "JointFile": "machine.file",
     "Kinematics": "programs.reading",
     "Limits": "machine.limits",
@@ -222,10 +222,11 @@ _HOME = {
     "SetUp": "programs.reading.coordinates.setup",
     "Sign": "programs.reading.controllers.controller",
     "Skipped": "motion.trajectory",
+    "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
     "TimeLaw": "motion.laws.law",
-    "Tool": "programs.reading.coordinates.setup",
     "Tolerances": "programs.tolerances.tolerances",
+    "Tool": "programs.reading.coordinates.setup",
     "ToolPath": "programs.toolpath",
     "ToolpaceError": "common.errors",
     "Trajectory": "motion.trajectory",
@@ -234,9 +235,9 @@ _HOME = {
     "Verification": "judge",
     "Workers": "common.workers",
     "Zone": "setup_search.zones",
-    "aim_off": "cutting.bending.compensated_program",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
+    "compensate_bending": "cutting.bending.compensated_program",
     "export": "controls.export",
     "load_choices": "setup_search.choices_file",
     "load_tool": "cutting.tool_file",
@@ -253,11 +254,24 @@ _HOME = {
     "write_set_up": "results.write.set_up_folder",
 }
 """Public name to the module that defines it. No public function is named like a module: see docs/design/house.md."""
-_MODULES = ("deflect",)
+_MODULES = ("deflection",)
 """Public modules that are reached as attributes."""
+_RENAMED = {
+    "AimedOff": "BendingCompensation",
+    "Haste": "SpeedWeights",
+    "aim_off": "compensate_bending",
+    "deflect": "deflection",
+}
+"""Public names of the release before, and what they are called now."""
 
 
 def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        warnings.warn(
+            f"toolpace.{name} is called toolpace.{_RENAMED[name]} now; the old name goes with the next release",
+            DeprecationWarning, stacklevel=2,
+        )  # fmt: skip
+        name = _RENAMED[name]
     if name in _MODULES:
         return importlib.import_module(f"toolpace.{name}")
     home = _HOME.get(name)

@@ -248,7 +248,8 @@ def test_the_demo_is_read_whole(tmp_path, capsys):
     path = tmp_path / "impeller.ngc"
     path.write_text(demo_programs.impeller_program(Machine.load(demo_programs.MACHINE)))
     code, (found,) = inspected(capsys, str(path))
-    assert code == 0 and demo_programs.MACHINE in found["machines"] and found["five_axis_blocks"] > 0.9 * found["blocks"]
+    assert code == 0 and demo_programs.MACHINE in found["machines"]
+    assert found["five_axis_blocks"] > 0.9 * found["blocks"]
 
 
 def test_a_sheet_to_fill_in_is_written_once(five, tmp_path, capsys):

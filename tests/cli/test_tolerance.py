@@ -117,7 +117,8 @@ def test_tolerances_by_place_are_planned_told_and_judged(tmp_path, capsys, asked
 def test_a_place_that_is_not_in_the_program_is_told_in_a_line(tmp_path, capsys):
     file = tmp_path / "two.ngc"
     file.write_text(OPERATIONS)
-    given = ["plan", str(file), "-m", demo_programs.MACHINE, "--out", str(tmp_path / "plan"), "--controller", "linuxcnc"]
+    out = str(tmp_path / "plan")
+    given = ["plan", str(file), "-m", demo_programs.MACHINE, "--out", out, "--controller", "linuxcnc"]
     assert main([*given, "--tip-tolerance", "20um,T22:5um"]) == 2
     assert "tolerance of 'T22'" in (told := capsys.readouterr().err) and "did you mean 'T2'?" in told
     assert main([*given, "--tip-tolerance", "20um,T2:5"]) == 2

@@ -86,7 +86,7 @@ def test_as_planned_the_bent_tool_misses(toolpath):
 
 def test_it_converges_to_a_micrometre_and_says_so(aimed):
     assert aimed.change <= 1e-6 and aimed.rounds >= 1
-    assert repr(aimed).startswith("<AimedOff by at most 0.0") and len(repr(aimed)) <= 120
+    assert repr(aimed).startswith("<BendingCompensation by at most 0.0") and len(repr(aimed)) <= 120
 
 
 def test_the_path_has_the_blocks_of_the_program(aimed, toolpath):

@@ -6,7 +6,8 @@ share. What lies on the longest way to the end goes first. One process at a time
 work out; others that come meanwhile wait, and then load. Nothing depends on it having been done: a kernel that is not
 found is compiled where it is first called.
 
-`python -m toolpace.kernels.ahead_of_time` does it ahead, for instance once for all users of a machine, with TOOLPACE_CACHE.
+`python -m toolpace.kernels.ahead_of_time` does it ahead, for instance once for all users of a machine, with
+TOOLPACE_CACHE.
 """
 
 from __future__ import annotations
@@ -123,7 +124,10 @@ def cores() -> int:
 def _start(kept: Store) -> subprocess.Popen[str]:
     """A process that compiles what it is told to, with the modules and the folder of this one."""
     assert kept.folder is not None
-    program = f"import sys; sys.path[:] = {sys.path!r}; from toolpace.kernels.ahead_of_time import compile_on_order as go; go()"
+    program = (
+        f"import sys; sys.path[:] = {sys.path!r}; "
+        "from toolpace.kernels.ahead_of_time import compile_on_order as go; go()"
+    )
     return subprocess.Popen(
         [sys.executable, "-c", program],
         stdin=subprocess.PIPE,

@@ -32,8 +32,8 @@ def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tup
     """Value over limit at the states of a probe (n, 1 + 3 m), and at places between (k,) where these tell too little.
 
     Places are added in stretches between two hints of the run that have too few states; where the path does not go on
-    between two states as its derivatives say (kernels/motion/narrow_features.py), until what is there is resolved; and beside
-    tops between three states.
+    between two states as its derivatives say (kernels/motion/narrow_features.py), until what is there is resolved;
+    and beside tops between three states.
     """
     ratio, path = ratios_along(run, limits, probe.state, probe.right)
     s, speed = probe.state[0], probe.state[1]
@@ -123,7 +123,8 @@ def unexplained(
     bounds, least = (limits.velocity, limits.acceleration, limits.jerk), least_changes(limits)
     length = high - low
     missed = narrow_features.missing(of_low, of_high, low, length, swift, least)
-    go = narrow_features.odd_ones(missed, length) | (narrow_features.asked(missed, length, swift, *bounds) > UNTOLD_SHARE)
+    asked = narrow_features.asked(missed, length, swift, *bounds)
+    go = narrow_features.odd_ones(missed, length) | (asked > UNTOLD_SHARE)
     shortest, count = SHORTEST * (run.s1 - run.s0), 0
     while go.any() and count < MOST_PLACES:
         low, high, swift, missed = low[go], high[go], swift[go], missed[go]

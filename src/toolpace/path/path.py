@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -62,13 +63,14 @@ class Path:
         machine: Machine | None = None,
         progress: Callable[[float], None] | None = None,
         speed_weights: Sequence[SpeedWeights] | None = None,
+        hastes: Sequence[SpeedWeights] | None = None,
     ) -> Path:
         """The smoothest curve within the tolerances [m], [rad] of a tool path, stopping where it stops.
 
         A tolerance is a number, or `Tolerances` where it differs by operation, tool or block: each block's own holds.
 
         With a machine the curve is one of tip and rotary joints, else of tip and tool axis. `progress` is told the
-        share done. `hastes`, one a run, say where a motion is fast: there the curve is smoother, and less so where it
+        share done. `speed_weights`, one a run, say where a motion is fast: there the curve is smoother, and less so where it
         is slow; see `plan_program`, which finds them. PathError where nothing moves or no curve fits.
         """
         from toolpace.machine.machine import check_machine
@@ -76,6 +78,12 @@ class Path:
         from toolpace.programs.toolpath import check_toolpath
 
         check_toolpath(toolpath, "fit")
+        if hastes is not None:
+            warnings.warn(
+                "Path.fit: hastes= is called speed_weights= now; the old name goes with the next release",
+                DeprecationWarning, stacklevel=2,
+            )  # fmt: skip
+            speed_weights = hastes
         if machine is not None:
             check_machine(machine, "fit", "a Machine, or None")
         begin = time.perf_counter()

@@ -172,7 +172,9 @@ def fit_program(
     return FittedProgram(all_candidates(made), last.first, effort, all_rounds(made), last.candidates()[0], together)
 
 
-def made_rounds(rounds: AlternatingOptimisation, asked: Tolerances, quick: bool, measures: Sequence[Measure]) -> AlternatingOptimisation:
+def made_rounds(
+    rounds: AlternatingOptimisation, asked: Tolerances, quick: bool, measures: Sequence[Measure]
+) -> AlternatingOptimisation:
     """The rounds within each tolerance of the axis up to those asked for; `quick`: one within the narrowest that a path
     fits in and one within the widest, and a quick change of what these found."""
     widest = float(asked.axis_along(rounds.toolpath).max())
@@ -200,7 +202,9 @@ def made_rounds(rounds: AlternatingOptimisation, asked: Tolerances, quick: bool,
     return rounds
 
 
-def change_once(rounds: AlternatingOptimisation, asked: Tolerances, within: Sequence[float], narrow: Fastest | None) -> None:
+def change_once(
+    rounds: AlternatingOptimisation, asked: Tolerances, within: Sequence[float], narrow: Fastest | None
+) -> None:
     """The quick change within the widest tolerance of the axis, and within those that are narrower, ascending, from the
     fastest path of these: the widest first, as long as that is no slower."""
     fastest = rounds.change(rounds.best)

@@ -55,7 +55,9 @@ class FeasiblePosition:
         return self.shortfall <= PASSED
 
 
-def feasible_position(clamping: Clamping, machine: Machine, toolpath: ToolPath, centre: Floats, box: Floats) -> FeasiblePosition:
+def feasible_position(
+    clamping: Clamping, machine: Machine, toolpath: ToolPath, centre: Floats, box: Floats
+) -> FeasiblePosition:
     """The clamping at the nearest place in the box (3, 2) [m] within all travels; `machine` as it is without it."""
     on = clamping.on(machine, centre)
     toolpath = toolpath.with_tool(on.tool_length)

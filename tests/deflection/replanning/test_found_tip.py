@@ -63,7 +63,7 @@ def test_a_position_given_by_its_former_name_is_still_taken_and_said() -> None:
         old = tp.replan(arc(), 2.0, deflection=place)
     assert old.duration == tp.replan(arc(), 2.0, tip=place).duration
     with pytest.warns(DeprecationWarning, match="tip= now"):
-        assert tp.deflect.project(tp.Path.paper_arc(), deflection=place).distance < 3e-4 + 1e-9
+        assert tp.deflection.project(tp.Path.paper_arc(), deflection=place).distance < 3e-4 + 1e-9
 
 
 def test_near_the_origin_the_name_decides_and_it_is_said() -> None:

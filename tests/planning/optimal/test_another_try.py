@@ -52,7 +52,9 @@ def test_a_plan_that_the_guard_made_slow_is_tried_again_without_a_bound_too(monk
     path = tp.Path.fit(toolpath, machine=clamped)
     rounds = iter([0])
     at_nodes = plan(path, clamped, guard=False, bound=False)
-    monkeypatch.setattr(planner, "guarded", lambda *given: held_between_nodes(*given[:-1], next(rounds, given[-1])))
+    monkeypatch.setattr(
+        planner, "held_between_nodes", lambda *given: held_between_nodes(*given[:-1], next(rounds, given[-1]))
+    )
     held = plan(path, clamped, bound=False)
     assert held.duration < 1.01 * at_nodes.duration and held.usage().worst <= PROMISED
     assert held.lower_bound == 0.0 and "gap" in held.notes[0]
@@ -77,7 +79,7 @@ def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0, fewer_gap=
     def gap_interval_of(run, limits, law, start, end):
         return SimpleNamespace(stands=stands, low=0.0, high=0.5, cells=law.nodes)
 
-    monkeypatch.setattr(another, "opening_of", gap_interval_of)
+    monkeypatch.setattr(another, "gap_interval_of", gap_interval_of)
     monkeypatch.setattr(another, "prove_run", lambda *_: plan_of(next(gaps)).bound)
 
     def finer_mesh(run, limits, plan, opening, *_):

@@ -81,7 +81,7 @@ def test_after_the_rounds_that_are_given_what_is_left_is_slowed_down(monkeypatch
         looks.append(given)
         return true(*given)
 
-    monkeypatch.setattr(inter_sample_limits, "looked_at", checked_between_nodes)
+    monkeypatch.setattr(inter_sample_limits, "checked_between_nodes", checked_between_nodes)
     run, limits, _, _ = small(1)
     meshed, law = meshed_and_solved(run, limits, 12)
     assert meshed.look.peaks(law).used.max() > 1.01

@@ -75,12 +75,12 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
 
         return solve
 
-    monkeypatch.setattr(boundary_speed_continuation, "from_slower_ends", lambda *_: 2.0 * c)
+    monkeypatch.setattr(boundary_speed_continuation, "from_lower_boundary_speeds", lambda *_: 2.0 * c)
     monkeypatch.setattr(boundary_speed_continuation, "solve", stalled(0.9 * c))
     assert (solve_whole(problem, c, 1.0) == 0.9 * c).all()
     monkeypatch.setattr(boundary_speed_continuation, "solve", stalled(None))
     assert (solve_whole(problem, c, 1.0) == 2.0 * c).all()
-    monkeypatch.setattr(boundary_speed_continuation, "from_slower_ends", lambda *_: None)
+    monkeypatch.setattr(boundary_speed_continuation, "from_lower_boundary_speeds", lambda *_: None)
     with pytest.raises(Stalled, match=r"a jerk limit is exceeded near s = 0\.25"):
         solve_whole(problem, c, 1.0)
 

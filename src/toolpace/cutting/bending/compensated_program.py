@@ -95,10 +95,10 @@ def compensate_bending(
     Raises UsageError where nothing cuts, where the tool bends by so much that the blend is too short for it, and where
     an iteration changes the bending by more than a micrometre for ever; ReachError and PathError as `Path.fit` does.
     """
-    check_toolpath(toolpath, "aim_off")
+    check_toolpath(toolpath, "compensate_bending")
     if not isinstance(tool, CuttingTool):
-        raise UsageError(f"aim_off: tool is {str(tool)[:40]!r}; give a CuttingTool, as load_tool(path) makes it")
-    check_machine(machine, "aim_off")
+        raise UsageError(f"compensate_bending: tool is {str(tool)[:40]!r}; give a CuttingTool, as load_tool(path) makes it")
+    check_machine(machine, "compensate_bending")
     if Tolerances.of(tip_tolerance, "tip_tolerance").one_sided:
         raise UsageError("a tip that must be on one side of its program and a tool that bends: one at a time")
     cut = cut_of_way(tool, toolpath)

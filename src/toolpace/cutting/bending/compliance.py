@@ -28,7 +28,7 @@ SOFTEST = 1e-3
 class Bending(ByValue):
     """Static, linear bending: the tip goes by `compliance` times the force that acts on it.
 
-    Only the tip's place is told, not the turn of the tool's end. The tool frame is that of `cutting/bending/frames.py`: z from
+    Only the tip's place is told, not the turn of the tool's end. The tool frame is that of `frames.py`: z from
     the tip to the spindle, x and y fixed to the spindle housing. Raises UsageError for what no spring can be.
     """
 
@@ -82,7 +82,7 @@ class Bending(ByValue):
         """How far the tip bends [m], in the workpiece frame, in the shape of `force`.
 
         force: (3,) or (n, 3) [N] that acts on the tool, measured or modelled, in `frame`: "workpiece", "bed" or "tool"
-        (cutting/bending/frames.py). q: joint positions (m,) for all, or (n, m). Raises UsageError where shapes do not fit.
+        (`frames.py`). q: joint positions (m,) for all, or (n, m). Raises UsageError where shapes do not fit.
         """
         check_machine(machine, "deflection")
         forces = numbers(force, "deflection: force", ("n", 3), (3,), unit="N")

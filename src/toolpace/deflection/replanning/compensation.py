@@ -42,7 +42,9 @@ class Compensation:
     """Duration over that on the path, 1 or a little more."""
 
     @classmethod
-    def of(cls, bending: Floats, machine: Machine | None, limits: Limits, rest: Sequence[CommandedMotion]) -> Compensation:
+    def of(
+        cls, bending: Floats, machine: Machine | None, limits: Limits, rest: Sequence[CommandedMotion]
+    ) -> Compensation:
         """Against a bending, on the `rest` of the motion that was planned."""
         return cls(-bending, machine, 1.0 if machine is None else pace_of(bending, machine, limits, rest))
 

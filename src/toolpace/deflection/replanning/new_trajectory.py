@@ -159,7 +159,8 @@ def bent(
         return before
     if np.abs(bending).max() <= IN_PLACE:
         return None
-    return Compensation.of(bending, machine, trajectory.limits, [motion_state.original, *behind(trajectory, motion_state)])
+    on_path = [motion_state.original, *behind(trajectory, motion_state)]
+    return Compensation.of(bending, machine, trajectory.limits, on_path)
 
 
 def behind(trajectory: Trajectory, motion_state: MotionState) -> list[CommandedMotion]:
@@ -169,7 +170,13 @@ def behind(trajectory: Trajectory, motion_state: MotionState) -> list[CommandedM
 
 
 def _joined(
-    trajectory: Trajectory, motion_state: MotionState, run: AxisRun, law: TimeLaw, aim: Compensation | None, planner: str, began: float
+    trajectory: Trajectory,
+    motion_state: MotionState,
+    run: AxisRun,
+    law: TimeLaw,
+    aim: Compensation | None,
+    planner: str,
+    began: float,
 ) -> Trajectory:
     """The first run with what follows it, compensated as it is."""
     runs, laws = trajectory.axis_path.runs[motion_state.behind :], trajectory.laws[motion_state.behind :]

@@ -17,8 +17,8 @@ JOINTS = 5
     HOLD, FADE, PATIENCE, BELIEVABLE, CAUSE, FEED_SHARE, TIP_PER_LINEAR, LEVER, NOMINAL, WAIT, AXIS_TOLERANCE,
     RHO, CHECKSUM, TOOLS, DEAD_TIME, USED,
 ) = range(30)  # fmt: skip
-"""Counts and times [s] of samples and cells, then the figures of deflection/following/figures.py in SI units; FEED_SHARE: of the
-feed, for each joint's correction; TIP_PER_LINEAR, LEVER: most motion of the tip for one of a linear and a rotary joint;
+"""Counts and times [s] of samples and cells, then the figures of a follower in SI units; FEED_SHARE: of the feed,
+ for each joint's correction; TIP_PER_LINEAR, LEVER: most motion of the tip for one of a linear and a rotary joint;
 NOMINAL: pace of the plan at which it was sampled; MOST_TURN: 0 where measured axes do not count; CHECKSUM: of a file,
 CRC-32 of all its bytes with zeros for this figure, and 0 elsewhere; TOOLS: rows of the table of tools; DEAD_TIME: of a
 sensor whose measurements bear no time, for who gives them one; USED: joints that there are, the others of the five

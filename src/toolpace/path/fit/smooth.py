@@ -32,8 +32,8 @@ def tighten(
 ) -> None:
     """Minimise the roughness of a spline inside the tube, in place.
 
-    `rows` (cells, 3, 6) make the roughness of each cell, and it weighs (cells,): see `SpeedWeights.rows`. None: that of the
-    third derivative, all cells alike.
+    `rows` (cells, 3, 6) make the roughness of each cell, and it weighs (cells,): see `SpeedWeights.rows`. None: that of
+    the third derivative, all cells alike.
     `least_third` is a third derivative [tolerances, at unit weight] that no axis would feel; `radius` (m,) the share
     of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is
     everywhere.

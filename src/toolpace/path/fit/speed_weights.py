@@ -1,4 +1,4 @@
-"""How much a path weighs from place to place: by what its axes feel there at the pace of a motion.
+"""Speed-dependent weights of the spline fit, from the speed law of a motion along the path.
 
 A path P(s) that is passed at the pace s(t) has the acceleration and the jerk
 
@@ -13,15 +13,22 @@ has: jerk at the two points of Gauss' rule, acceleration in the middle.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, number, numbers
 from toolpace.common.errors import UsageError
 
-if TYPE_CHECKING:
-    from toolpace.motion.laws.law import TimeLaw
+
+class SpeedLaw(Protocol):
+    """What is asked of the time law of a run: any `TimeLaw` is one."""
+
+    s0: float
+    duration: float
+
+    def at(self, t: Floats) -> Floats:
+        """s and its three time derivatives (4, n) at times (n,)."""
 
 SLOWEST = 0.02
 """Least pace, as a share of the highest: what is passed more slowly has next to no weight beside the rest."""
@@ -51,18 +58,18 @@ class SpeedWeights:
     """Of ds/dt in the weight of the squared third derivative: 5 is the integral over time, 6 that over the way."""
 
     def __post_init__(self) -> None:
-        s = numbers(self.s, "haste: s", ("n",), unit="m")
+        s = numbers(self.s, "speed weights: s", ("n",), unit="m")
         if len(s) < 2 or (np.diff(s) < 0.0).any():
-            raise UsageError("haste: s must ascend, and have two places at least")
+            raise UsageError("speed weights: s must ascend, and have two places at least")
         object.__setattr__(self, "s", s)
-        object.__setattr__(self, "pace", numbers(self.pace, "haste: pace", (3, len(s))))
+        object.__setattr__(self, "pace", numbers(self.pace, "speed weights: pace", (3, len(s))))
         if not (self.pace[0] > 0.0).all():
-            raise UsageError("haste: pace[0] is ds/dt, and must lie above zero everywhere")
-        number(self.ramp, "haste: ramp", least=0.0, above=True, unit="s")
-        number(self.power, "haste: power")
+            raise UsageError("speed weights: pace[0] is ds/dt, and must lie above zero everywhere")
+        number(self.ramp, "speed weights: ramp", least=0.0, above=True, unit="s")
+        number(self.power, "speed weights: power")
 
     @classmethod
-    def of_law(cls, law: TimeLaw, smoothed: float, ramp: float, power: float) -> SpeedWeights:
+    def of_law(cls, law: SpeedLaw, smoothed: float, ramp: float, power: float) -> SpeedWeights:
         """That of a motion along the run, as a mean over the time `smoothed` [s]."""
         count = int(np.clip(np.ceil(STEPS * law.duration / smoothed), 2, MOST_PLACES)) + 1
         t = np.linspace(0.0, law.duration, count)
@@ -85,10 +92,10 @@ class SpeedWeights:
 
         Breaks (cells + 1,) are in units [m], from the start of the run.
         """
-        breaks = numbers(breaks, "haste: breaks", ("n",))
+        breaks = numbers(breaks, "speed weights: breaks", ("n",))
         if len(breaks) < 2 or not (np.diff(breaks) > 0.0).all():
-            raise UsageError("haste: breaks must ascend, and be two at least")
-        unit = number(unit, "haste: unit", least=0.0, above=True, unit="m")
+            raise UsageError("speed weights: breaks must ascend, and be two at least")
+        unit = number(unit, "speed weights: unit", least=0.0, above=True, unit="m")
         h = np.diff(breaks)
         inside = 0.5 * h[:, None] * (1.0 + PLACES)
         at = unit * (breaks[:-1, None] + inside)

@@ -1,8 +1,8 @@
 """Search for narrow features between two points of a grid, from the increments of the path.
 
 A bend, a kink or a jump between two places changes position, slope or curvature by more than the derivatives at both
-tell, however short it is (kernels/motion/narrow_features.py). The gap is halved, the half kept from which that is still missing,
-until it is as short as what happens in it.
+tell, however short it is (kernels/motion/narrow_features.py). The gap is halved, the half kept from which that is
+still missing, until it is as short as what happens in it.
 """
 
 from __future__ import annotations

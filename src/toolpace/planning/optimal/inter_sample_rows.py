@@ -53,6 +53,7 @@ class RowsBetween:
         A cell marked `fresh` has just been cut from one that passed by far: it gets a row whatever. `urge` is how much
         more than usual limits are lowered.
         """
+        used, place = peaks.used, peaks.place
         return RowsBetween(
-            *inter_sample_rows.held(nodes, self.place, self.lowered, peaks.used, peaks.place, wrong, fresh, urge, ALLOWED)
+            *inter_sample_rows.held(nodes, self.place, self.lowered, used, place, wrong, fresh, urge, ALLOWED)
         )

@@ -156,7 +156,8 @@ def law_with_switches(
     if held.duration <= law.duration or finer is meshed:
         return held
     with contextlib.suppress(Stalled):
-        held = min(held, held_between_nodes(meshed, law, False, workers, UNTOLD, most_rounds), key=lambda one: one.duration)
+        again = held_between_nodes(meshed, law, False, workers, UNTOLD, most_rounds)
+        held = min(held, again, key=lambda one: one.duration)
     return held
 
 

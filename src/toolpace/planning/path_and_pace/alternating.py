@@ -182,7 +182,8 @@ class AlternatingOptimisation:
                 self.motion = motion
             if gained < ENOUGH or motion.duration > WORSE * min(each.duration for each in self.done):
                 return
-            speed_weights = [now.mean_with(before) for now, before in zip(self._speed_weights(motion, measure), speed_weights)]
+            latest = self._speed_weights(motion, measure)
+            speed_weights = [now.mean_with(before) for now, before in zip(latest, speed_weights)]
 
     def _note(self, path: Path, motion: Trajectory | None, power: float, fitted: PlaceTolerances | None = None) -> None:
         """Put a round down, and keep its path where it is among the fastest; `fitted`: in which tolerances it counts,

@@ -181,7 +181,9 @@ def best_aside(
     return best
 
 
-def restarted(problem: Problem, before: Stop | None, place: float, most: float, spare: FeedFallback) -> RestartFromRest | None:
+def restarted(
+    problem: Problem, before: Stop | None, place: float, most: float, spare: FeedFallback
+) -> RestartFromRest | None:
     """To rest at a place of the path, on the clock of its law, and on from there, in less than `most` [s].
 
     None where already the way to the path passes feed or travel.
