@@ -52,7 +52,7 @@ def test_pages_print_what_they_say(page, capsys):
 def test_every_public_name_is_in_the_reference():
     reference = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.md"))
     entries = set(re.findall(r"^\.\. auto\w+:: toolpace\.([\w.]+)$", reference, re.MULTILINE))
-    public = set(tp.__all__) - {"__version__", "deflect", "ToolpaceError"}
+    public = set(tp.__all__) - {"__version__", "deflection", "ToolpaceError"}
     public |= {f"deflection.{name}" for name in tp.deflection.__all__} | {"errors.ToolpaceError"}
     assert public <= entries
 

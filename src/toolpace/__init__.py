@@ -254,7 +254,7 @@ _HOME = {
     "write_set_up": "results.write.set_up_folder",
 }
 """Public name to the module that defines it. No public function is named like a module: see docs/design/house.md."""
-_MODULES = ("deflection",)
+_MODULES = ("deflection", "errors")
 """Public modules that are reached as attributes."""
 _RENAMED = {
     "AimedOff": "BendingCompensation",

@@ -4,6 +4,6 @@
 
 A fuzzer of our own, since it needs no more than the standard library and knows the words of each controller.
 Coverage is counted by statements that are put into the modules of `toolpace.programs.reading` when they are imported,
-one for each branch: a tenth of the time goes there, where `sys.settrace` makes reading ten times slower, and Python 3.11
-has no `sys.monitoring`.
+one for each branch: a tenth of the time goes there, where `sys.settrace` makes reading ten times slower, and Python
+3.11 has no `sys.monitoring`.
 """

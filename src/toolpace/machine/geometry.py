@@ -9,10 +9,9 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import MachineError, did_you_mean
-from toolpace.machine.chain_diagnosis import PARALLEL, check_rotary, lie_in_a_plane
+from toolpace.machine.chain_diagnosis import PARALLEL, check_rotary, leaning, lie_in_a_plane, turned
 from toolpace.machine.figures import check_chain
 from toolpace.machine.file import MachineFile
-from toolpace.machine.tilt_direction import leaning, turned
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,8 +70,8 @@ class Path:
         A tolerance is a number, or `Tolerances` where it differs by operation, tool or block: each block's own holds.
 
         With a machine the curve is one of tip and rotary joints, else of tip and tool axis. `progress` is told the
-        share done. `speed_weights`, one a run, say where a motion is fast: there the curve is smoother, and less so where it
-        is slow; see `plan_program`, which finds them. PathError where nothing moves or no curve fits.
+        share done. `speed_weights`, one a run, say where a motion is fast: there the curve is smoother, and less so
+        where it is slow; see `plan_program`, which finds them. PathError where nothing moves or no curve fits.
         """
         from toolpace.machine.machine import check_machine
         from toolpace.path.fit.fit import fit_runs
