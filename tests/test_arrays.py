@@ -273,7 +273,7 @@ LIVE = ("Measurement", "Measurement.write")
 
 def public() -> Iterator[tuple[str, Any]]:
     """Every public function, class and method by its name."""
-    roots = {name: getattr(tp, name) for name in tp.__all__ if name not in ("__version__", "deflect", "replan")}
+    roots = {name: getattr(tp, name) for name in tp.__all__ if name not in ("__version__", "deflection", "replan")}
     roots |= {f"deflection.{name}": getattr(tp.deflection, name) for name in tp.deflection.__all__}
     for name, thing in roots.items():
         yield name, thing

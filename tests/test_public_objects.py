@@ -266,7 +266,7 @@ def classes(hint: Any) -> Iterator[type]:
 
 
 def test_public_signatures_name_public_types_only() -> None:
-    roots = {name: getattr(tp, name) for name in tp.__all__ if name not in ("__version__", "deflect")}
+    roots = {name: getattr(tp, name) for name in tp.__all__ if name not in ("__version__", "deflection")}
     roots |= {f"deflection.{name}": getattr(tp.deflection, name) for name in tp.deflection.__all__}
     public, hidden, seen = set(map(id, roots.values())), set(), 0
     for thing in roots.values():

@@ -123,7 +123,7 @@ def test_one_that_is_stopped_while_it_compiles_leaves_nothing_locked(tmp_path, h
 
 JOB = """
 import toolpace as tp
-from toolpace import demo
+from toolpace.cli import demo_programs as demo
 from toolpace.kernels.jit import KERNELS
 from toolpace.kernels.signatures import from_text, read_signatures
 

@@ -27,8 +27,8 @@ from tools.mutants.trial import SURVIVED, ChangedFile, tried
 
 ROOMS = {
     "judge": ["judge"], "guard": ["planning/optimal", "planning/peaks.py"], "bound": ["planning/bound"],
-    "fit": ["path/fit"], "follower": ["follow"], "deflection": ["deflect"], "reading": ["reading"],
-    "export": ["exporting"], "sampling": ["trajectory.py", "setpoints.py", "motion", "laws"],
+    "fit": ["path/fit"], "follower": ["deflection/following"], "deflection": ["deflection/replanning"],
+    "reading": ["programs/reading"], "export": ["controls/export"], "sampling": ["motion"],
 }  # fmt: skip
 """The rooms that keep promises, and where they are below src/toolpace."""
 MOST_SECONDS = 90.0
