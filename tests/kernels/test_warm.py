@@ -21,7 +21,7 @@ LISTED = signatures.read_signatures()
 
 SOME = """
 import json, sys
-from toolpace.kernels import warm
+from toolpace.kernels import ahead_of_time as warm
 names = json.loads(sys.argv[1])
 listed = warm.read_signatures()
 warm.read_signatures = lambda: {name: listed[name] for name in names}

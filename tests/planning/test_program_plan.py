@@ -169,7 +169,7 @@ def test_a_long_straight_way_is_fitted_again_without_a_million_samples(points, s
     way = toolpath_through(tip, np.hstack([np.sin(swing * u), 0.0 * u, np.cos(swing * u)]), feed=np.inf)
     first = tp.Path.fit(way, TIP, AXIS, machine)
     motion = tp.plan(first, machine, guard=False, bound=False)
-    speed_weights = [SpeedWeights.of_law(law, 0.03, 0.1, 6.0) for law in motion.laws]
+    speed_weights = [law.speed_weights(0.03, 0.1, 6.0) for law in motion.laws]
     samples, look = [], fit.deviations
     monkeypatch.setattr(fit, "deviations", lambda *given: samples.append(len(given[2].s)) or look(*given))
     again = tp.Path.fit(way, TIP, AXIS, machine, speed_weights=speed_weights)
@@ -218,7 +218,7 @@ def windows(x):
 def test_the_pace_is_a_mean_over_time():
     """Of a constant acceleration it is the pace itself, and the acceleration, away from the ends."""
     law = LinearLaw(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0]))
-    speed_weight = SpeedWeights.of_law(law, 0.1, 0.1, 6.0)
+    speed_weight = law.speed_weights(0.1, 0.1, 6.0)
     inner = (speed_weight.s > 0.1) & (speed_weight.s < 1.8)
     assert np.allclose(speed_weight.pace[0, inner], np.sqrt(2.0 * speed_weight.s[inner]))
     assert np.allclose(speed_weight.pace[1, inner], 1.0) and np.allclose(speed_weight.pace[2, inner], 0.0)

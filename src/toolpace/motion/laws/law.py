@@ -10,6 +10,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, gate_methods, number
 from toolpace.common.description import one_line
+from toolpace.path.fit.speed_weights import SpeedWeights
 
 PROBES = 20_000
 """Probes of a whole law, shared among its cells."""
@@ -17,6 +18,10 @@ FEWEST_PROBES, MOST_PROBES = 9, 257
 """Probes of one cell: more where a coarse mesh leaves much room between nodes."""
 CELLS_AT_A_TIME = 10_000
 """Cells of a spline that are probed in one piece, to keep memory low."""
+SLOWEST = 0.02
+"""Least speed in the weights of a fit, as a share of the highest: what is passed more slowly weighs next to nothing."""
+STEPS_OF_MEAN, MOST_STEPS = 4, 1_000_000
+"""Places in the time over which that speed is a mean, and most of them in all."""
 HALVINGS = 80
 """Of a duration until no time between two numbers is left: 53 for its digits, and the rest for times next to zero."""
 
@@ -85,6 +90,21 @@ class TimeLaw(ABC):
             low, high = np.where(before, middle, low), np.where(before, high, middle)
         times: Floats = 0.5 * (low + high)
         return times
+
+    def speed_weights(self, smoothed: float, ramp: float, power: float) -> SpeedWeights:
+        """Weights of a fit by the speed of this law, a mean over the time `smoothed` [s].
+
+        ramp: time in which an acceleration builds up [s]; power: of ds/dt, see `SpeedWeights`.
+        """
+        count = int(np.clip(np.ceil(STEPS_OF_MEAN * self.duration / smoothed), 2, MOST_STEPS)) + 1
+        t = np.linspace(0.0, self.duration, count)
+        before = self.at(np.maximum(t - 0.5 * smoothed, 0.0))
+        after = self.at(np.minimum(t + 0.5 * smoothed, self.duration))
+        pace = (after[:3] - before[:3]) / smoothed
+        least = SLOWEST * pace[0].max()
+        pace[1:, pace[0] < least] = 0.0
+        pace[0] = np.maximum(pace[0], least)
+        return SpeedWeights(self.at(t)[0] - self.s0, pace, ramp, power)
 
     def passing_time(self, s: float) -> float:
         """When s is passed [s], by bisection; the start or the end where s is at or beyond it.

@@ -13,29 +13,12 @@ has: jerk at the two points of Gauss' rule, acceleration in the middle.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, number, numbers
 from toolpace.common.errors import UsageError
 
-
-class SpeedLaw(Protocol):
-    """What is asked of the time law of a run: any `TimeLaw` is one."""
-
-    s0: float
-    duration: float
-
-    def at(self, t: Floats) -> Floats:
-        """s and its three time derivatives (4, n) at times (n,)."""
-
-SLOWEST = 0.02
-"""Least pace, as a share of the highest: what is passed more slowly has next to no weight beside the rest."""
-STEPS = 4
-"""Places of a pace in the time over which it is a mean."""
-MOST_PLACES = 1_000_000
-"""Most of them in all."""
 ACCELERATION = 8.0
 """What acceleration counts beside jerk, both over their limits: a wide tube is left to it, a narrow one to jerk."""
 PLACES = np.array([-1.0, 0.0, 1.0]) / np.sqrt(3.0)
@@ -67,19 +50,6 @@ class SpeedWeights:
             raise UsageError("speed weights: pace[0] is ds/dt, and must lie above zero everywhere")
         number(self.ramp, "speed weights: ramp", least=0.0, above=True, unit="s")
         number(self.power, "speed weights: power")
-
-    @classmethod
-    def of_law(cls, law: SpeedLaw, smoothed: float, ramp: float, power: float) -> SpeedWeights:
-        """That of a motion along the run, as a mean over the time `smoothed` [s]."""
-        count = int(np.clip(np.ceil(STEPS * law.duration / smoothed), 2, MOST_PLACES)) + 1
-        t = np.linspace(0.0, law.duration, count)
-        before = law.at(np.maximum(t - 0.5 * smoothed, 0.0))
-        after = law.at(np.minimum(t + 0.5 * smoothed, law.duration))
-        pace = (after[:3] - before[:3]) / smoothed
-        least = SLOWEST * pace[0].max()
-        pace[1:, pace[0] < least] = 0.0
-        pace[0] = np.maximum(pace[0], least)
-        return cls(law.at(t)[0] - law.s0, pace, ramp, power)
 
     def mean_with(self, other: SpeedWeights) -> SpeedWeights:
         """The mean of both paces: what goes to and fro between two motions settles."""

@@ -219,7 +219,7 @@ class AlternatingOptimisation:
 
     def _speed_weights(self, motion: Trajectory, measure: Measure) -> list[SpeedWeights]:
         smoothed = measure.smoothed * self.ramp
-        return [SpeedWeights.of_law(law, smoothed, self.ramp, measure.power) for law in motion.laws]
+        return [law.speed_weights(smoothed, self.ramp, measure.power) for law in motion.laws]
 
     def _round(self, speed_weights: Sequence[SpeedWeights] | None) -> tuple[Path, Trajectory | None]:
         """A path, and its motion with limits held at the nodes; None where there is none (a whole plan will say why),
