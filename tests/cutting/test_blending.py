@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.cutting.bending.blending import blended
-from toolpace.cutting.bending.thinning import CHUNK, needed
+from toolpace.cutting.bending.inserted_points import CHUNK, needed
+from toolpace.cutting.bending.prediction import blended
 from toolpace.judge.bending.bent import blended as judged
 
 LENGTH = 4e-3

@@ -10,8 +10,7 @@ import pytest
 from testbed.curved_pass import curved_pass
 from toolpace.common.errors import ReachError
 from toolpace.machine.machine import Machine
-from toolpace.setup_search.clamping import AS_GIVEN, Clamping, orientation
-from toolpace.setup_search.rotary_branch import ROOM, with_side
+from toolpace.setup_search.clamping import AS_GIVEN, ROOM, Clamping, orientation, with_side
 
 CENTRE = np.array([0.03, -0.02, 0.05])
 

@@ -30,7 +30,6 @@ from toolpace.machine.machine import Machine, check_machine
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 from toolpace.setup_search.choices import Choices
 from toolpace.setup_search.clamping import AS_GIVEN, Clamping
-from toolpace.setup_search.diverse_selection import diverse_ones
 from toolpace.setup_search.place_map import map_places
 from toolpace.setup_search.search_result import FoundSetUp
 from toolpace.setup_search.trial import BEYOND, FORBIDDEN, Task, Trial, as_tips_and_axes, centre_of, tried
@@ -57,6 +56,10 @@ MAPPED = 9
 """Places of the map along x, and along y."""
 SEARCHED, CONFIRMED = 0.7, 0.85
 """Shares of the work, for progress."""
+TURNED = math.radians(5.0)
+"""From which turn on two directions are unlike [rad]."""
+MOVED = 20e-3
+"""From which distance on two places are unlike [m]; only where there are too few directions."""
 
 
 def search_setup(
@@ -293,3 +296,26 @@ def none_fits(trials: Mapping[Clamping, Trial], task: Task, faults: Sequence[str
         f"machine {task.machine.name}: none of {len(trials)} clampings that were tried fits; {text}; allow other "
         f"tilts, turns and places, or take another machine. As given: {why}"
     )
+
+
+def diverse_ones(best: Trial, trials: Sequence[Trial], most: int) -> list[Trial]:
+    """The best, and the next of trials that fit: of unlike directions or tools first, then of unlike places."""
+    if not best.fits:
+        return []
+    ranked = sorted((trial for trial in trials if trial.fits), key=lambda trial: trial.cost)
+    chosen = [best]
+    for moved in (math.inf, MOVED):
+        for trial in ranked:
+            if len(chosen) == most:
+                break
+            if all(_differ(trial.clamping, other.clamping, moved) for other in chosen):
+                chosen.append(trial)
+    return sorted(chosen, key=lambda trial: trial.cost)
+
+
+def _differ(a: Clamping, b: Clamping, moved: float) -> bool:
+    if a.side != b.side or a.tool_length != b.tool_length:
+        return True
+    # the angle of the turn from one to the other
+    cosine = 0.5 * (float(np.trace(a.rotation.T @ b.rotation)) - 1.0)
+    return math.acos(min(max(cosine, -1.0), 1.0)) >= TURNED or math.dist(a.shift, b.shift) >= moved

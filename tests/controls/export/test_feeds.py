@@ -10,12 +10,10 @@ from testbed.one_program.run import WRITERS, controller, machine, set_up
 from testbed.one_program.writer import CannotWriteError
 from toolpace.common.errors import UsageError
 from toolpace.controls.export.feeds.block_times import Passes
-from toolpace.controls.export.feeds.cldata import Cldata
 from toolpace.controls.export.feeds.comparison import largest_change_of_kept, strays
 from toolpace.controls.export.feeds.job import Job
-from toolpace.controls.export.feeds.klartext import Klartext
+from toolpace.controls.export.feeds.languages import Cldata, Klartext, Sinumerik
 from toolpace.controls.export.feeds.rewriting import figure, rounding
-from toolpace.controls.export.feeds.sinumerik import Sinumerik
 from toolpace.controls.export.feeds.text import ProgramText
 from toolpace.controls.export.feeds.word_address import WordAddress
 from toolpace.machine.machine import Machine

@@ -8,7 +8,7 @@ from scipy.interpolate import BPoly, PPoly
 
 from toolpace.machine.limits import Limits
 from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.sides import ROUNDINGS, Sides
+from toolpace.path.axispath.callable import ROUNDINGS, Sides
 from toolpace.planning.planner import plan
 
 LIMITS = Limits([1.0, 1.0], [4.0, 4.0], [40.0, 40.0])

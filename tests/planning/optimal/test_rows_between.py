@@ -15,7 +15,7 @@ from toolpace.kernels.optimal.tiles import TILE
 from toolpace.motion.laws.spline import SplineLaw
 from toolpace.planning.limit_tolerances import ALLOWED, PROMISED
 from toolpace.planning.optimal.inter_sample_limits import IDLE, WARM_SPREAD
-from toolpace.planning.optimal.inter_sample_rows import RowsBetween
+from toolpace.planning.optimal.meshed_run import RowsBetween
 from toolpace.planning.optimal.problem import with_rows_between
 from toolpace.planning.optimal.solve import slower, solve, start_from
 from toolpace.planning.peaks import LimitCheck, Peaks

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from toolpace.common.errors import UsageError
-from toolpace.common.files import exchange, finished, folder, folder_to_write, temporary, whole_file, whole_folder
+from toolpace.common.files import finished, folder, folder_to_write, temporary, whole_file, whole_folder
 from toolpace.common.files.seal import foreign, read_seal
 
 ROOT = Path(__file__).parents[3]
@@ -212,7 +212,7 @@ def test_what_was_moved_away_before_a_kill_comes_back(here, monkeypatch):
 def test_an_exchange_that_fails_for_another_reason_is_an_error(here):
     (here / "one").mkdir()
     with pytest.raises(OSError) as caught:
-        exchange.exchange(here / "one", here / "missing")
+        folder.exchange(here / "one", here / "missing")
     assert caught.value.errno == errno.ENOENT
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
+import functools
 import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from toolpace.common.cluster.kept_memory import keep_memory
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.version import __version__
 from toolpace.common.workers import interrupted
@@ -18,6 +19,12 @@ T = TypeVar("T")
 R = TypeVar("R")
 LONGEST = 1000
 """Most characters of an error."""
+TRIM_THRESHOLD, MMAP_THRESHOLD = -1, -3
+"""Names of what is set, in <malloc.h> of the GNU C library."""
+KEPT = 64_000_000
+"""Free memory at the end of the heap up to which none is given back [bytes]."""
+OWN_PAGES = 32_000_000
+"""Size from which an array has pages of its own [bytes]; the library takes no more than 32 MiB."""
 
 
 @dataclass(frozen=True)
@@ -79,3 +86,13 @@ def error_in_words(error: Exception) -> str:
         text = f"a fault in toolpace itself, {type(error).__name__}: {error}"
     text = printable(" ".join(text.split()))
     return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} ... {text[-LONGEST // 2 :]}"
+
+
+@functools.cache
+def keep_memory() -> bool:
+    """Keep it from now on; whether the C library of this process can."""
+    try:
+        set_option = ctypes.CDLL(None).mallopt
+    except (AttributeError, OSError, TypeError):
+        return False
+    return bool(set_option(TRIM_THRESHOLD, KEPT)) and bool(set_option(MMAP_THRESHOLD, OWN_PAGES))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
 import stat
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from toolpace.common.errors import UsageError
-from toolpace.common.files.exchange import exchange
 from toolpace.common.files.seal import foreign, read_seal, write_seal
 from toolpace.common.files.signals import uninterrupted
 from toolpace.common.files.temporary import TRIES, Temporary, held, sweep, temporary_name
@@ -19,6 +20,12 @@ from toolpace.common.files.whole import reason
 finished: list[Path] = []
 """Folders that this process has put in their places, for whoever must say after an interrupt what was written."""
 _FILLED = (errno.ENOTEMPTY, errno.EEXIST)
+_HERE = -100
+"""AT_FDCWD: relative paths start at the working directory."""
+_EXCHANGE = 2
+"""RENAME_EXCHANGE."""
+_CANNOT = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP)
+"""What the kernel says where it, or the file system, has no exchange."""
 
 
 def is_folder(path: str | os.PathLike[str]) -> bool:
@@ -212,3 +219,23 @@ def _to_disk(path: Path) -> None:
             raise
     finally:
         os.close(handle)
+
+
+def exchange(one: Path, other: Path) -> bool:
+    """Let two existing paths of one disk change places in one step; False, and nothing done, where that cannot be.
+
+    renameat2 of Linux (3.15, glibc 2.28). At every moment both names are there, each with one of the two.
+    Raises OSError.
+    """
+    if sys.platform != "linux":
+        return False
+    rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
+    if rename is None:
+        return False
+    rename.argtypes = (ctypes.c_int, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_uint)
+    if rename(_HERE, os.fsencode(one), _HERE, os.fsencode(other), _EXCHANGE) == 0:
+        return True
+    code = ctypes.get_errno()
+    if code in _CANNOT:
+        return False
+    raise OSError(code, os.strerror(code), str(other))

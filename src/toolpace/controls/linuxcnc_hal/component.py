@@ -9,10 +9,15 @@ asked to end: a stop on the path within the limits, and what waits is played
 
 from __future__ import annotations
 
+import gc
 import math
+import signal
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -21,10 +26,8 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 from toolpace.controls.export.linuxcnc.approach import approach
-from toolpace.controls.linuxcnc_hal.ending import asked_to_end, without_pauses
 from toolpace.controls.linuxcnc_hal.pins import JOINTS, Asked, asked, make_pins, position
 from toolpace.controls.linuxcnc_hal.record import Record
-from toolpace.controls.linuxcnc_hal.stream import Rows
 from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
 from toolpace.kernels.follow.path import place_on_path
@@ -35,6 +38,8 @@ SLOWEST = 0.1
 PATIENCE = 10.0
 """Longest that a stop, or the end of the queue, is waited for [s]."""
 STANDING = Asked(0.0, None, False)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+CONFIG = "f" * JOINTS
 
 
 @dataclass(frozen=True)
@@ -211,3 +216,87 @@ def start_of(piece: Floats) -> tuple[Floats, Floats]:
         place_on_path(piece, 0.0, j, at)
         first[j] = at[0]
     return rest, first
+
+
+class Ending:
+    """Whether a signal has asked to end; a second one ends at once."""
+
+    asked = False
+
+    def hear(self, number: int, frame: FrameType | None) -> None:
+        """Note a signal: an exception would tear a set-point that was stepped from the row that it becomes."""
+        if self.asked:
+            raise KeyboardInterrupt
+        self.asked = True
+
+
+@contextmanager
+def asked_to_end() -> Iterator[Ending]:
+    """Let signals ask for the end of the block; who ignores one (nohup) goes on doing so."""
+    ending = Ending()
+    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, ending.hear) for number in heard}
+    try:
+        yield ending
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def without_pauses() -> Iterator[None]:
+    """Nothing is collected meanwhile: among all that compiled kernels hold, that takes longer than the rows last, and
+    what a turn makes is freed as it goes out of use."""
+    gc.collect()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+class Rows:
+    """Rows of joints [mm, deg] on their way to the realtime side."""
+
+    def __init__(self, hal: Any, component: Any, key: int, ahead: int) -> None:
+        """Attach to the streamer of a number, to be kept `ahead` rows full. Raises UsageError where there is none."""
+        try:
+            self._stream = hal.stream(component, hal.streamer_base + key, CONFIG)
+        except Exception:  # of several kinds in hal
+            raise UsageError(
+                f"HAL has no streamer number {key} of {JOINTS} floats; before this, load it:"
+                f" loadrt streamer depth=1000 cfg={CONFIG}"
+            ) from None
+        if self._stream.maxdepth <= ahead:
+            raise UsageError(
+                f"streamer number {key} holds {self._stream.maxdepth - 1} rows, the backlog is {ahead}; load it with"
+                f" depth={2 * ahead}, or take a shorter --backlog"
+            )
+        self.ahead = ahead
+        self.given = 0
+        """Rows written so far."""
+        self._dry = 0
+
+    @property
+    def depth(self) -> int:
+        """Rows that wait."""
+        return int(self._stream.depth)
+
+    @property
+    def room(self) -> int:
+        """Rows that are missing."""
+        return max(self.ahead - self.depth, 0)
+
+    def write(self, row: list[float]) -> None:
+        """Append a row."""
+        self._stream.write(tuple(row))
+        self.given += 1
+
+    def count_from_here(self) -> None:
+        """Periods without a row count from now on."""
+        self._dry = int(self._stream.num_underruns)
+
+    @property
+    def late(self) -> int:
+        """Servo periods that found no row."""
+        return int(self._stream.num_underruns) - self._dry

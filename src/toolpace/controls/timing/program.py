@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from toolpace.common.errors import UsageError
-from toolpace.controls.timing.feed_override import refed
 from toolpace.controls.timing.figures import ControlFigures, figures_of
-from toolpace.controls.timing.points import moves_of_points
 from toolpace.controls.timing.program_time import ProgramTime, time_of_moves
-from toolpace.programs.commanded import Commanded
+from toolpace.programs.commanded import BLENDED, Commanded
 from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.feeds import FeedChange
 from toolpace.programs.reading.languages import with_controller
+from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading import Controller
+
+STILL = 1e-12
+"""Way of the tip [m] below which it stands."""
 
 
 def program_time(
@@ -75,3 +80,58 @@ def moves_of(
     reading = dataclasses.replace(options, default_feed=default)
     moves = read_commanded(source, machine, dialect, reading, findings=findings)
     return moves if change is None else refed(moves, change)
+
+
+def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
+    """A move to each point. Raises ReachError where the machine cannot follow the tool axes."""
+    rotary = machine.choose_rotary(toolpath)
+    words = np.hstack([toolpath.tip, rotary])
+    way = np.diff(words, axis=0, prepend=words[:1])
+    way[:, :3] = toolpath.tip - toolpath.way_start
+    length = np.linalg.norm(way[:, :3], axis=1)
+    length[length < STILL] = 0.0
+    direction = way[:, :3] / np.where(length > 0.0, length, np.inf)[:, None]
+    count = len(words)
+    return Commanded(
+        words=words,
+        way=way,
+        rotary_joints=tuple(machine.joints[i] for i in machine.rotary),
+        tip_mode=np.ones(count, dtype=bool),
+        tool_length=toolpath.tool_length,
+        rapid=toolpath.rapid,
+        speed=toolpath.feed,
+        turn=np.full(count, np.inf),
+        time=toolpath.least_time,
+        length=length,
+        begin=direction,
+        end=direction.copy(),
+        radius=np.full(count, np.inf),
+        centre=np.full((count, 3), np.nan),
+        normal=np.zeros((count, 3)),
+        sweep=np.zeros(count),
+        line=toolpath.block,
+        stop=toolpath.stop,
+        joining=np.full(count, BLENDED),
+        tolerance=np.full(count, np.inf),
+        cam_tolerance=np.full(count, np.nan),
+        dwell=toolpath.dwell,
+        operation=toolpath.operation,
+        operations=toolpath.operations,
+        blocks=toolpath.blocks,
+        source=toolpath.source,
+    )
+
+
+def refed(moves: Commanded, change: FeedChange) -> Commanded:
+    """The moves with their feeds changed; rapids keep having none.
+
+    As of tool paths: a value rules where X, Y, Z move, turns in place keep their time or speed.
+    """
+    if change.speed is None:
+        factor = change.factor
+        return replace(moves, speed=moves.speed * factor, turn=moves.turn * factor, time=moves.time / factor)
+    if np.isinf(change.speed):
+        free = np.full(len(moves), np.inf)
+        return replace(moves, speed=free, turn=free.copy(), time=np.zeros(len(moves)))
+    ruled = ~moves.rapid & (moves.length > 0.0)
+    return replace(moves, speed=np.where(ruled, change.speed, moves.speed), time=np.where(ruled, 0.0, moves.time))

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints
-from toolpace.cutting.bending.thinning import needed
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import great_circle
 from toolpace.programs.toolpath import ToolPath, no_normals
@@ -16,6 +15,8 @@ PARTS = 48
 """Points over the length of a blend: straight lines between them miss the blend by 0.2 percent of the bending."""
 NEAR = 0.25
 """Share of their distance within which a point of the program stands for one that would be put in."""
+CHUNK = 64
+"""Of so many places one is kept in any case; a power of two."""
 
 
 @dataclass(frozen=True)
@@ -127,3 +128,26 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         rotary=rotary,
         rotary_joints=() if rotary is None else tuple(machine.geometry.rotary_joints),
     )
+
+
+def needed(way: Floats, value: Floats, fixed: Bools, straight: float) -> Ints:
+    """The places (k,) of n along a way [m] between which a value (n, d) is within `straight` of a straight line.
+
+    All that are `fixed` are among them, both ends too. Between two of these, or in a CHUNK, every place is kept, or
+    every second, fourth, ...: as few as do.
+    """
+    at = np.arange(len(way))
+    corner = fixed | (at % CHUNK == 0) | (at == at[-1])
+    corners = np.flatnonzero(corner)
+    chunk = np.minimum(np.searchsorted(corners, at, side="right") - 1, len(corners) - 2)
+    first, last = corners[chunk], corners[chunk + 1]
+    stride = np.ones(len(corners) - 1, dtype=np.int64)
+    for wider in 2 ** np.arange(1, CHUNK.bit_length()):
+        before = first + (at - first) // wider * wider
+        after = np.minimum(before + wider, last)
+        whole = way[after] - way[before]
+        share = (way - way[before]) / np.where(whole > 0.0, whole, 1.0)
+        off = value - value[before] - share[:, None] * (value[after] - value[before])
+        worst = np.maximum.reduceat(np.sqrt((off**2).sum(axis=1)), corners[:-1])
+        stride[(worst <= straight) & (stride == wider // 2)] = wider
+    return np.flatnonzero(corner | ((at - first) % stride[chunk] == 0))

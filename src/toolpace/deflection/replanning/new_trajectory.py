@@ -18,33 +18,34 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Floats, number
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError, did_you_mean
 from toolpace.deflection.replanning.commanded import CommandedMotion
-from toolpace.deflection.replanning.compensation import Compensation, check_aimed_travel
+from toolpace.deflection.replanning.compensation import CompensatedRun, Compensation, check_aimed_travel
 from toolpace.deflection.replanning.detour import DetourRun
 from toolpace.deflection.replanning.found_tip import MOST, found_tip
 from toolpace.deflection.replanning.laws.direct import direct_law
 from toolpace.deflection.replanning.laws.timing import timing_of
 from toolpace.deflection.replanning.motion_state import MotionState, on_path
 from toolpace.deflection.replanning.pose import SAME_AXIS, offset_in_words, pose_at
+from toolpace.deflection.replanning.projection import project
 from toolpace.deflection.replanning.rejoin.guaranteed import NOT_BEGUN, Standby
 from toolpace.deflection.replanning.rejoin.joint_splines import Problem
 from toolpace.deflection.replanning.rejoin.search import rejoin_of
-from toolpace.deflection.replanning.rejoin_target import rejoin_time
 from toolpace.deflection.replanning.remaining_motion import RemainingMotion
 from toolpace.deflection.replanning.skipped import skipped_by, skipped_in_words
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.trajectory import Skipped, Trajectory
 from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axispath.follow import FollowRun
 from toolpace.path.axispath.run import AxisRun
+from toolpace.path.path import Path
 from toolpace.planning.planner import Planner
 
 if TYPE_CHECKING:
     from toolpace.planning.genetic.planner import Genetic
     from toolpace.planning.optimal.planner import Optimal
-
 
 CAUSES = ("displaced", "bending")
 IN_PLACE = 1e-11
@@ -221,3 +222,33 @@ def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt
             f"replan: accelerations jump in a plan of planner {trajectory.planner}, so no way back from it can keep to"
             " jerk limits; plan with planner optimal"
         )
+
+
+def rejoin_time(
+    commanded: CommandedMotion,
+    tip: Floats,
+    rejoin: str | float,
+    interval: tuple[float, float] | None,
+) -> float | None:
+    """When the commanded law passes the wanted point of rejoining [s]; None where it is free.
+
+    `rejoin` is "fastest" (free), "projection" (of the `tip` (3,) [m] on the run, or on the `interval` of it) or a
+    parameter of the run.
+    """
+    if interval is not None and rejoin != "projection":
+        raise UsageError("replan: an interval is for a projection on it; give rejoin='projection', or leave it out")
+    run = commanded.run
+    on_path = run.base if isinstance(run, CompensatedRun) else run
+    if rejoin == "fastest":
+        return None
+    if isinstance(rejoin, str):
+        if rejoin != "projection":
+            raise UsageError(f"replan: rejoin at '{rejoin}'; give 'fastest', 'projection' or a parameter")
+        if not isinstance(on_path, FollowRun):
+            raise UsageError("replan: a projection needs a path of tip and axis; give the parameter to rejoin at")
+        s = project(Path((on_path.run,)), tip, interval=interval).s
+    else:
+        s = number(rejoin, "replan: rejoin")
+        if not run.s0 <= s <= run.s1:
+            raise UsageError(f"replan: rejoin at s = {s:g}; the run goes from {run.s0:g} to {run.s1:g}")
+    return commanded.law.passing_time(s)

@@ -7,9 +7,15 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.optimal.dual import least_terms
+from toolpace.machine.limits import Limits
+from toolpace.motion.laws.spline import SplineLaw
+from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.bound.problem import PADDING, Knots
+from toolpace.planning.bound.relaxation import STANDS_STILL, coefficients, problem_of, relaxed
+from toolpace.planning.endstate import EndState
+from toolpace.planning.mesh.initial_guess import ramp_time
 
 PLACE_RAMPS = 7.0
 """How far around an open place the multipliers may change, in times in which an acceleration builds up."""
@@ -17,6 +23,8 @@ LEAST_REACH = 40
 """How far the surroundings of a knot reach at least, in knots."""
 IN_GAP = 0.005
 """Least share of the gap for a place to be tried."""
+MOSTLY = 0.9
+"""Share of the gap that lies about the cells which are cut."""
 
 
 class Place(NamedTuple):
@@ -83,3 +91,34 @@ def surroundings(clock: Floats, knots: Ints, reach: float) -> tuple[Ints, Ints]:
     before = np.minimum(np.searchsorted(clock, clock[knots] - reach), knots - LEAST_REACH) - PADDING
     beyond = np.maximum(np.searchsorted(clock, clock[knots] + reach), knots + LEAST_REACH) + PADDING
     return np.maximum(before, 0), np.minimum(beyond, len(clock) - 1)
+
+
+class GapInterval(NamedTuple):
+    """Where the gap of a plan lies."""
+
+    cells: Bools
+    """(cells,) those about which most of it lies."""
+    low: float
+    high: float
+    """From which s to which s these are."""
+    stands: float
+    """Share of the gap that lies at places where the relaxation stands still."""
+
+
+def gap_interval_of(run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, end: EndState) -> GapInterval:
+    """Where the gap of a plan lies."""
+    knots, c = Knots(problem_of(run, limits, law, start, end)), coefficients(law)
+    found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap)
+    _, losses = losses_by_knot(knots, c, settled(knots, found.dual))
+    waits = found.wait > STANDS_STILL * knots.state(c)[:, 0] ** -0.5
+    places = open_places(waits, losses, law.times, min(ramp_time(limits), law.duration))
+    total = max(float(losses.sum()), 1e-300)
+    order = np.argsort(-losses)
+    many = int(np.searchsorted(np.cumsum(losses[order]), MOSTLY * total)) + 1
+    is_open = np.zeros(len(losses) + 1, dtype=np.bool_)
+    is_open[order[:many]] = True
+    cells: Bools = is_open[:-1] | is_open[1:]
+    cells = cells[: len(losses) - 1]
+    where = np.flatnonzero(cells)
+    stands = sum(place.open for place in places) / total
+    return GapInterval(cells, float(law.nodes[where[0]]), float(law.nodes[where[-1] + 1]), stands)

@@ -26,7 +26,7 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.laws.spline import SplineLaw
 from toolpace.path.axispath.run import AxisRun
 from toolpace.planning.bound.allowance import Allowance
-from toolpace.planning.bound.gap_intervals import GapInterval, gap_interval_of
+from toolpace.planning.bound.gap_localisation import GapInterval, gap_interval_of
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import Bound, bound_run, highest_speed
 from toolpace.planning.endstate import EndState

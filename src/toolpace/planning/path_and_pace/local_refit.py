@@ -30,7 +30,6 @@ from toolpace.path.path import Path
 from toolpace.path.run import SplineRun
 from toolpace.planning.path_and_pace.effort_settings import EffortSettings
 from toolpace.planning.path_and_pace.interior_point import fastest
-from toolpace.planning.path_and_pace.positioning_joints import standing_still
 from toolpace.planning.path_and_pace.segment import SLOT, Known, Stretch, slots_of
 from toolpace.programs.toolpath import ToolPath
 
@@ -44,6 +43,8 @@ NARROWER = 0.97
 """Share of the tube that is left where it was left between its places, each time."""
 REPAIRS = 3
 """Times that the tube is held in more places."""
+STILL = 1e-6
+"""Turn of a joint on the way to a point of the program below which it stands still [tolerances]."""
 
 
 def refitted(
@@ -182,3 +183,18 @@ def with_change(known: Known, x: Floats) -> SplineRun:
         for k in range(6)
     ]
     return replace(run, breaks=breaks, coefficients=np.stack(taylor, axis=1), tip_off=np.zeros(0), axis_off=np.zeros(0))
+
+
+def standing_still(line: Polyline, rapid: Bools, breaks: Floats) -> Bools:
+    """(slots, 2) whether a rotary joint stays as it is in a slot: no cut of the run turns it, nor anything in all cells
+    of the slot. `rapid` (k,) says which ways of the run are rapids, `breaks` (cells + 1,) are in tolerances."""
+    turns = np.abs(np.diff(line.turn, axis=0)) > STILL
+    # a run of nothing but rapids may be a program that tells no feeds
+    cuts = ~rapid if not rapid.all() else np.ones_like(rapid)
+    only_positioned = ~np.any(turns & cuts[:, None], axis=0)
+    turned = np.concatenate([np.zeros((1, 2), dtype=np.int64), np.cumsum(turns, axis=0)])
+    slot, last = np.arange(slots_of(breaks)), len(breaks) - 1
+    low, high = breaks[np.clip(slot - SLOT + 1, 0, last)], breaks[np.clip(slot + 1, 0, last)]
+    before = np.clip(np.searchsorted(line.s, low, side="right") - 1, 0, len(turns))
+    after = np.clip(np.searchsorted(line.s, high, side="left"), 0, len(turns))
+    return np.asarray(only_positioned & (turned[after] == turned[before]))

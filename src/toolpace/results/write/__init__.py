@@ -11,11 +11,10 @@ import msgspec
 
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, sealed_files, whole_folder
-from toolpace.results.write.bent_tool import TOOL, bent_tool
 from toolpace.results.write.csv import write_csv
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
-from toolpace.results.write.result import PlanResult, copy_name
+from toolpace.results.write.result import TOOL, PlanResult, bent_tool, copy_name
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "SET_POINTS", "TABLE", "TOOL", "WRITING", "PlanRecord",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -9,15 +10,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from toolpace.common.errors import printable
+from toolpace.common.errors import UsageError, printable
 from toolpace.common.version import __version__
+from toolpace.cutting.bending.compensated_program import BendingCompensation
+from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
+from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.motion.operation_times import operation_times
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.tolerances.tolerances import Tolerances
 from toolpace.results.write import figures
-from toolpace.results.write.bent_tool import bending_record
-from toolpace.results.write.plan_json import PlanRecord
+from toolpace.results.write.plan_json import PLAN, BendingRecord, PlanRecord
 from toolpace.results.write.reading_options import reading_record
 
 if TYPE_CHECKING:
@@ -28,8 +31,9 @@ if TYPE_CHECKING:
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.programs.toolpath import ToolPath
 
-
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
+TOOL = "tool.toml"
+"""Its name beside plan.json."""
 
 
 class Fitted(Protocol):
@@ -152,3 +156,29 @@ class PlanResult:
 def copy_name(program: Path) -> str:
     """Name of the copy of a program: the suffix tells its dialect, and is kept where it could."""
     return f"program{program.suffix if _SUFFIX.fullmatch(program.suffix) else ''}"
+
+
+def bending_record(aimed: BendingCompensation) -> BendingRecord:
+    """What plan.json says of it."""
+    sha256 = hashlib.sha256(aimed.tool.data).hexdigest()
+    return BendingRecord(TOOL, sha256, 1e3 * aimed.largest, 1e6 * aimed.change, aimed.rounds)
+
+
+def bent_tool(folder: Path, record: BendingRecord | None) -> CuttingTool | None:
+    """The tool of a plan, from the file in its folder; None where none bends.
+
+    Raises UsageError where plan.json and the file differ.
+    """
+    file = folder / TOOL
+    there = file.exists()
+    if record is None and not there:
+        return None
+    if record is None or record.tool_file != TOOL or not there:
+        said = "nothing of a tool that bends" if record is None else f"tool_file {record.tool_file!r:.80}"
+        raise UsageError(
+            f"{folder / PLAN}: says {said}, and {TOOL} is {'' if there else 'not '}there; plan again to write it anew"
+        )
+    data = tool_bytes(file)
+    if hashlib.sha256(data).hexdigest() != record.sha256:
+        raise UsageError(f"{file}: is not the tool file that the plan was made with (sha256); plan again")
+    return tool_of_bytes(data, str(file))
