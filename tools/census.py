@@ -1,9 +1,10 @@
-"""How the house stands: modules, circles of imports, folders, long functions, names that stand for several things.
+"""How the house stands: rooms, modules, circles of imports, long functions, names that stand for several things.
 
     python tools/census.py [--strict] [FOLDER]
 
 FOLDER is a package, `src/toolpace` unless given. With `--strict` it ends with 1 where modules import each other in a
-circle, a folder holds more than 14 modules, or a function of the kernels has more than 80 lines or 12 parameters.
+circle, there are more than 16 rooms, a folder holds more than 14 modules, or a function of the kernels has more than
+80 lines or 12 parameters.
 Read from the sources alone: nothing is imported. An import within a function is an import too.
 """
 
@@ -17,10 +18,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+MOST_ROOMS = 16
+"""Folders at the top: fourteen, and the two that all stand on, `common` and `kernels`."""
 MOST_MODULES = 14
 """In a folder; `__init__.py` and `__main__.py`, the ways in, are not counted."""
 MOST_LINES, MOST_PARAMETERS = 80, 12
 """Of a function of the kernels."""
+SMALL = 60
+"""Lines below which a module with one importer may be a part of it."""
+TUNED = ("planning", "path", "kernels")
+"""Rooms whose numeric constants are counted."""
 SHOWN = 8
 """Lines of each list."""
 
@@ -49,6 +56,18 @@ class Census:
     """What was counted."""
 
     modules: int = 0
+    rooms: dict[str, int] = field(default_factory=lambda: defaultdict(int))
+    """Lines of each folder at the top."""
+    beside: list[str] = field(default_factory=list)
+    """Modules at the top."""
+    longest: tuple[int, str] = (0, "")
+    """Lines of the longest module, and which."""
+    empty: int = 0
+    """`__init__.py` of one line or none."""
+    lone: list[str] = field(default_factory=list)
+    """Small modules that one other imports."""
+    constants: int = 0
+    """Numeric constants of modules, in the rooms TUNED."""
     folders: dict[str, int] = field(default_factory=lambda: defaultdict(int))
     functions: list[Measured] = field(default_factory=list)
     homes: dict[str, list[str]] = field(default_factory=lambda: defaultdict(list))
@@ -145,14 +164,33 @@ def top_level_names(tree: ast.Module) -> Iterator[str]:
             yield node.name
 
 
+def is_numeric_constant(node: ast.stmt) -> bool:
+    """Whether a statement of a module names a number, or several."""
+    if not isinstance(node, ast.Assign):
+        return False
+    values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
+    numbers = [value.operand if isinstance(value, ast.UnaryOp) else value for value in values]
+    return any(isinstance(each, ast.Constant) and type(each.value) in (int, float) for each in numbers)
+
+
 def census(package: Path) -> Census:
     """All figures of a package."""
     known = modules_of(package)
     graph: Graph = {}
     counted = Census(modules=len(known))
     for module, file in known.items():
-        tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+        text = file.read_text(encoding="utf-8")
+        tree, lines = ast.parse(text, str(file)), text.count("\n")
         graph[module] = imports_of(tree, module, file.name == "__init__.py", known)
+        place = file.relative_to(package)
+        if len(place.parts) > 1:
+            counted.rooms[place.parts[0]] += lines
+        elif not file.name.startswith("__"):
+            counted.beside.append(place.stem)
+        counted.longest = max(counted.longest, (lines, str(place)))
+        counted.empty += file.name == "__init__.py" and lines <= 1
+        if place.parts[0] in TUNED:
+            counted.constants += sum(is_numeric_constant(node) for node in tree.body)
         if not file.name.startswith("__"):
             counted.folders[str(file.parent.relative_to(package.parent))] += 1
         inside = "kernels" in file.relative_to(package).parts
@@ -161,21 +199,33 @@ def census(package: Path) -> Census:
             counted.homes[name].append(module)
         counted.untyped += sum(isinstance(node, ast.Name) and node.id == "Any" for node in ast.walk(tree))
     counted.circles = circles(graph)
+    for module, file in known.items():
+        importers = [other for other, imported in graph.items() if module in imported and other != package.name]
+        lines = file.read_text(encoding="utf-8").count("\n")
+        if len(importers) == 1 and lines < SMALL and file.name != "__init__.py":
+            counted.lone.append(f"{module.partition('.')[2]} ({lines}), for {importers[0].partition('.')[2]}")
     return counted
 
 
-def listed(title: str, count: object, lines: list[str]) -> None:
+def listed(title: str, count: object, lines: list[str], shown: int = SHOWN) -> None:
     """A figure, and what is behind it."""
     print(f"{title:<44}{count}")
-    for line in lines[:SHOWN]:
+    for line in lines[:shown]:
         print(f"    {line}")
-    if len(lines) > SHOWN:
-        print(f"    and {len(lines) - SHOWN} more")
+    if len(lines) > shown:
+        print(f"    and {len(lines) - shown} more")
 
 
 def show(found: Census) -> None:
     """All figures, in words."""
+    rooms = [f"{lines:6} lines {room}" for room, lines in sorted(found.rooms.items())]
+    listed("rooms at the top", len(found.rooms), rooms, len(rooms))
+    listed("modules beside them", len(found.beside), [", ".join(found.beside)] if found.beside else [])
     listed("modules", found.modules, [])
+    listed("lines", sum(found.rooms.values()), [f"{found.longest[0]:6} lines {found.longest[1]}, the longest"])
+    listed("__init__.py with a first line alone", found.empty, [])
+    listed(f"modules under {SMALL} lines with one importer", len(found.lone), found.lone)
+    listed(f"numeric constants in {', '.join(TUNED)}", found.constants, [])
     listed("circles of imports", len(found.circles), [" <-> ".join(circle) for circle in found.circles])
     folders = sorted(found.folders.items(), key=lambda one: -one[1])
     listed("most modules in a folder", folders[0][1], [f"{count:3} {folder}" for folder, count in folders[:5]])
@@ -200,6 +250,7 @@ def broken(found: Census) -> list[str]:
     """What a strict census does not let pass."""
     return [
         *(f"modules import each other: {' <-> '.join(circle)}" for circle in found.circles),
+        *([f"{len(found.rooms)} rooms, {MOST_ROOMS} at most"] if len(found.rooms) > MOST_ROOMS else []),
         *(f"{folder} holds {found.folders[folder]} modules, {MOST_MODULES} at most" for folder in found.crowded),
         *(
             f"{one.name} in {one.file} has {one.lines} lines and {one.parameters} parameters, "
