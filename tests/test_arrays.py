@@ -195,7 +195,9 @@ CASES: dict[str, Case] = {
     "deflection.force: target": Case(lambda x: tp.deflection.force(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
     "deflection.force: deflection": Case(lambda x: tp.deflection.force([0.0, 0.0, 0.0], x), LINES[:3], "deflection"),
     "deflection.potential: target": Case(lambda x: tp.deflection.potential(x, [0.0, 0.0, 0.0]), LINES[:3], "target"),
-    "deflection.potential: deflection": Case(lambda x: tp.deflection.potential([0.0, 0.0, 0.0], x), LINES[:3], "deflection"),
+    "deflection.potential: deflection": Case(
+        lambda x: tp.deflection.potential([0.0, 0.0, 0.0], x), LINES[:3], "deflection"
+    ),
     "deflection.potential: velocity": Case(
         lambda x: tp.deflection.potential([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], velocity=(x, [0.0, 0.0, 0.0])), LINES[:3],
         "velocity",

@@ -182,7 +182,10 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "Choices: places in mm": (lambda: tp.Choices(x=tp.Choice.between(-100, 100)), "120 mm is 0.12"),
     "Zone: bounds in mm": (lambda: tp.Zone("fixture", {"X": (100.0, 200.0)}), "120 mm is 0.12"),
     "Zone: the higher bound first": (lambda: tp.Zone("fixture", {"X": (0.2, 0.1)}), "the lower one first"),
-    "compensate_bending: the path of a tool file": (lambda: tp.compensate_bending(program(), MACHINE, "tool.toml"), "load_tool"),  # type: ignore[arg-type]
+    "compensate_bending: the path of a tool file": (
+        lambda: tp.compensate_bending(program(), MACHINE, "tool.toml"),  # type: ignore[arg-type]
+        "load_tool",
+    ),
     "write_set_up: nothing found": (lambda: tp.write_set_up("out", None, "part"), "search_setup returns"),  # type: ignore[arg-type]
     "batch: a path for the jobs": (lambda: tp.batch("part.ngc", client=0), "give a list of BatchJob"),  # type: ignore[arg-type]
     "BatchJob: a tool length in mm": (

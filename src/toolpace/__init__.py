@@ -253,7 +253,7 @@ _HOME = {
     "verify": "judge",
     "write_set_up": "results.write.set_up_folder",
 }
-"""Public name to the module that defines it. No public function is named like a module: see docs/design/house.md."""
+"""Public name to the module that defines it. No public function is named like a module (docs/design/decisions.md)."""
 _MODULES = ("deflection", "errors")
 """Public modules that are reached as attributes."""
 _RENAMED = {

@@ -18,7 +18,8 @@ RUNGS = {name: value for name, value in vars(limit_tolerances).items() if name.i
 
 def test_every_rung_is_below_the_one_above_it():
     """What a stage leaves is seen by the next one: each needs room for rounding between the two."""
-    ladder = [limit_tolerances.PROMISED, limit_tolerances.GUARANTEE, limit_tolerances.DETOUR, limit_tolerances.ALLOWED, limit_tolerances.BRED, 1.0]
+    named = limit_tolerances
+    ladder = [named.PROMISED, named.GUARANTEE, named.DETOUR, named.ALLOWED, named.BRED, 1.0]
     assert all(above - below > 5e-6 for above, below in pairwise(ladder))
 
 

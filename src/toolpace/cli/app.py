@@ -1,4 +1,4 @@
-"""The commands and what `--help` says of them."""
+"""The commands and their `--help`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Command-line arguments to checked values, with an error that names option, value and cure."""
+"""Checks of command-line arguments, with explanations."""
 
 from __future__ import annotations
 

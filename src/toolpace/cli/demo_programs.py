@@ -1,4 +1,4 @@
-"""Five-axis programs that toolpace writes itself: an impeller for the demo, a blade of any length for benchmarks.
+"""Five-axis demo programs: an impeller, and a blade of any length.
 
 Both are G-code under tool-centre-point control (G43.4) for a machine with a C table and a tilting A or B axis, in mm.
 """

@@ -1,4 +1,4 @@
-"""Ctrl-C, and other ways of being told to end: all of them clean up first, and say truly what was written."""
+"""Clean ends after Ctrl-C and other signals."""
 
 from __future__ import annotations
 

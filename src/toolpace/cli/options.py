@@ -1,4 +1,4 @@
-"""The options of the commands: how each is called, and what `--help` says of it."""
+"""The options of the commands: names, types, help."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Standard output that may be closed: the work continues, and the failure is reported once, at the end."""
+"""Standard output that may be closed early."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps of a job on the terminal: a bar while one runs, and a line with its time when it is done."""
+"""The progress display of a job's steps."""
 
 from __future__ import annotations
 

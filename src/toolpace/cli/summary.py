@@ -1,4 +1,4 @@
-"""Summary of a plan on the terminal: duration, gap, binding limits, deviations, verdict."""
+"""The summary table of a plan."""
 
 from __future__ import annotations
 

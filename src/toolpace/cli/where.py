@@ -1,4 +1,4 @@
-"""Options for workers and clusters, shared by `batch` and `setup`."""
+"""The options of where work runs, shared by `batch` and `setup`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of arrays that are passed around, and the gate through which those of a caller come in.
+"""Array types, and the check that arrays of a caller go through.
 
 Numbers are in SI units. Kernels read the memory that they are given, whatever is in it: every public function that
 takes an array takes it through the gate, which tells what is wrong in the words of its caller.

@@ -1,4 +1,4 @@
-"""What an object is, in one line: the repr of all public objects."""
+"""One-line descriptions of objects: the `repr` of all public classes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When two objects are equal: one rule for all that holds arrays, where Python's own would raise."""
+"""Equality of objects that hold arrays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every error a user can cause. The message is one line: what, where, the figures, and the cure."""
+"""The errors and warnings that a user can cause: one line with what, where, the figures and the cure."""
 
 from __future__ import annotations
 

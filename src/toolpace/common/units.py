@@ -1,4 +1,4 @@
-"""What people type and read (mm, inch, degree, mm/min) against what the library computes in (m, rad, s)."""
+"""Conversion between the units that people write (mm, inch, degree, mm/min) and SI."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The version, in one place that every room may read."""
+"""The version number."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work on all cores, word of how far it is, and a lock for functions that callers give."""
+"""Parallel work on the cores of this computer, progress, and a lock for functions of callers."""
 
 from __future__ import annotations
 

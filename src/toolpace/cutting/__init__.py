@@ -1,1 +1,1 @@
-"""What the tool meets: cutting forces, and the bending of the tool."""
+"""Cutting forces and the bending of the tool."""

@@ -1,4 +1,4 @@
-"""The force that a cylindrical end mill takes, by the mechanistic model of linear edge forces.
+"""Cutting forces of a cylindrical end mill, by the mechanistic model with linear edge forces.
 
 Altintas, Manufacturing Automation (2nd edition, 2012), chapter 2; the chip that runout leaves to each tooth is that of
 Kline and DeVor (The effect of runout on cutting geometry and forces in end milling, International Journal of Machine

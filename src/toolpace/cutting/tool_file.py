@@ -1,4 +1,4 @@
-"""TOOL.toml to a `CuttingTool`: figures as people type them, with their units, each checked where it is read.
+"""A `CuttingTool` from a TOML file, each figure checked with its unit.
 
     [tool]         diameter, teeth; helix, stick_out, runout, runout_angle, only
     [bending]      youngs_modulus (and diameter), or stiffness, or compliance; blend

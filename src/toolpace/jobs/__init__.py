@@ -1,1 +1,1 @@
-"""What the commands do with a program, without the terminal: workers of a cluster do it too."""
+"""Jobs: from a program to a folder of results, without the terminal."""

@@ -1,4 +1,4 @@
-"""Check that a machine can follow a program: its points, and near the ends of travel the fit.
+"""A check whether a machine can follow a program within its travels.
 
 A smooth path swings about the points of the program: by a hundredth of a millimetre where the tool only moves, and by
 millimetres where it stands near the pole far out, since a table that turns a little there moves all of it. So what

@@ -1,4 +1,4 @@
-"""Findings of a program, as JSON."""
+"""The findings of `inspect` as JSON."""
 
 from __future__ import annotations
 

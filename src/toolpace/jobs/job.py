@@ -1,4 +1,4 @@
-"""From a program to a folder of results, step by step.
+"""A job: from a program to a folder of results, step by step.
 
 carry out a job:
   read the program                       ToolPath

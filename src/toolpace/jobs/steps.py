@@ -1,4 +1,4 @@
-"""The steps of a job: each timed, and told to whoever shows it."""
+"""Timed steps of a job."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Time of a program on a control, and its optimum."""
+"""The time of a program on a control, beside its optimum."""
 
 from __future__ import annotations
 

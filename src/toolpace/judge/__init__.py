@@ -1,5 +1,4 @@
-"""The judge: is this motion within every limit and tolerance? From set-points, the machine and the program
-alone.
+"""The judge: verification of a motion against limits and tolerances, from set-points, machine and program alone.
 
 Nothing here knows how the motion was planned; speeds, accelerations and jerks are finite differences of
 positions, the tool comes from the machine's forward kinematics, and the way along the program is found anew.

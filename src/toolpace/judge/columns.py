@@ -1,4 +1,4 @@
-"""The columns of derivatives: whether each is the derivative of the one before it."""
+"""A check that each derivative column is the derivative of the one before."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The feed and the block of each set-point, by the places of the program at which it can be."""
+"""The feed and block of each set-point, from the program places where it can be."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of plan.json against set-points, machine and program: recomputed, bounded, or named as not checked.
+"""A check of plan.json against set-points, machine and program.
 
 What only the planner can know is held against what else is said; it is listed in AS_SAID, and nothing else is believed.
 """

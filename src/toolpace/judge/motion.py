@@ -1,4 +1,4 @@
-"""Limits of the joints, judged by finite differences of positions, and rest at both ends."""
+"""Joint limits by finite differences of positions, and rest at both ends."""
 
 from __future__ import annotations
 

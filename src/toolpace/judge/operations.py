@@ -1,4 +1,4 @@
-"""The times of operations, by when the motion can pass the points of the program.
+"""The operation times that are possible, from when the motion can pass the program's points.
 
 Between which times a point is passed is known to what the tolerances leave open; where an operation begins and ends
 at such a point, its time is known to that.

@@ -1,4 +1,4 @@
-"""When the motion passes the points of the program: least times, stops and dwells."""
+"""The times at which the motion passes the program's points: least times, stops, dwells."""
 
 from __future__ import annotations
 

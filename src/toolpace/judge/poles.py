@@ -1,4 +1,4 @@
-"""The rounding of joint positions near a pole of the rotary joints, where the tool axis hardly tells one of them."""
+"""The rounding error of joint positions near a pole of the rotary joints."""
 
 from __future__ import annotations
 

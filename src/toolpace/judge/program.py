@@ -1,4 +1,4 @@
-"""The motion against the program: how near they are, in order, and all that follows from where each set-point is."""
+"""The deviation of a motion from its program, in order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of poses in tolerances: the program as one, and the motion as another."""
+"""The program and the motion as rows of poses in units of the tolerances."""
 
 from __future__ import annotations
 

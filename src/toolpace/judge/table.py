@@ -1,4 +1,4 @@
-"""setpoints.csv against the set-points it is a table of."""
+"""A check of setpoints.csv against the set-points."""
 
 from __future__ import annotations
 

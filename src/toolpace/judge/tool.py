@@ -1,4 +1,4 @@
-"""The tool as the machine's forward kinematics see it, and the travel of the joints."""
+"""A check of tool tip, tool axis and travel by forward kinematics."""
 
 from __future__ import annotations
 

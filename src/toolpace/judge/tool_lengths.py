@@ -1,4 +1,4 @@
-"""Lengths of the tools: what set-points and program say of them, by the set-up sheet that the judge reads itself."""
+"""A check of tool lengths against the set-up sheet."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check of the utilisation in plan.json: peaks over limits, and which limit binds for how long."""
+"""A check of the limit utilisation that plan.json claims."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The verdict: one check a row, each with its worst value, its limit, and where."""
+"""The result of a verification: one row a check, with worst value, limit and place."""
 
 from __future__ import annotations
 

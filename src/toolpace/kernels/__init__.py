@@ -1,1 +1,1 @@
-"""Compiled functions of plain arrays: numba and numpy only, nothing of toolpace."""
+"""Compiled functions of plain arrays (numba); they import nothing else of toolpace."""

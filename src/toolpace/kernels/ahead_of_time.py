@@ -1,4 +1,4 @@
-"""Compile what a first run needs, once, in as many processes as there are cores.
+"""Ahead-of-time compilation of the kernels of a first run, in parallel processes.
 
 Which kernels, and for which signatures, is known beforehand (`signatures.json`). A kernel is handed out when all that
 it calls is compiled, so that no process compiles what another is at: callees are loaded from the folder that all

@@ -1,4 +1,4 @@
-"""What compiled functions take and give back, for annotations: none of it is seen by the compiler."""
+"""Array types for the annotations of kernels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""In which order kernels are compiled, by many at once: each after all that it calls."""
+"""The order of compilation: each kernel after those that it calls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Copying one array into another."""
+"""The copy of one array into another."""
 
 from __future__ import annotations
 

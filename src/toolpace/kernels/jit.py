@@ -1,4 +1,4 @@
-"""The one decorator of all compiled functions.
+"""The decorator of all compiled functions.
 
 Each kernel is compiled once, for one signature: arrays in C order, int64, float64. Where a kernel calls another with
 a constant, numba would compile a version for each value; here a constant is an int64 like any other.

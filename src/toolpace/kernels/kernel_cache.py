@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: one file a kernel and signature, in a folder of exactly these sources.
+"""The folder of compiled kernels: one file a kernel and signature, for exactly these sources.
 
 numba's own cache looks at the file of the function only: after an edit in another file that the function inlines,
 stale machine code would run. It falls back to a folder beside the sources where its own cannot be written, and raises

@@ -1,4 +1,4 @@
-"""A lock on a file that one process holds at a time, and that ends with the process, however it ends."""
+"""A lock on a file, held by one process and released when it ends."""
 
 from __future__ import annotations
 

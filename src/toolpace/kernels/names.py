@@ -1,4 +1,4 @@
-"""Names of compiled functions that do not depend on what else a process has compiled before.
+"""Names of compiled functions that do not depend on what a process compiled before.
 
 A kernel's machine code holds that of all it calls, parts of the library among them, such as numpy.empty. numba numbers
 the functions in the order in which a process meets them, and writes flags in the order of a set, which changes from

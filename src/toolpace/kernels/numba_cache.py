@@ -1,4 +1,4 @@
-"""numba's view of what is kept: it asks for a kernel's code before it compiles, and hands it over afterwards."""
+"""The interface through which numba loads and saves compiled kernels."""
 
 from __future__ import annotations
 

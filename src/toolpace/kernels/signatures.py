@@ -1,4 +1,4 @@
-"""The one signature of each kernel that a first run needs, as text: `signatures.json`.
+"""The signatures of the kernels of a first run, as text (`signatures.json`).
 
 It tells what to compile before anything is called, so that many processes can share the work.
 `python tools/first_run.py --record` writes it anew after a kernel's arguments have changed.

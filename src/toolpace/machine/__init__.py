@@ -1,1 +1,1 @@
-"""A five-axis machine: its file, its kinematics, its limits, and what it refuses."""
+"""Five-axis machines: machine file, kinematics, limits, reach."""

@@ -1,4 +1,4 @@
-"""The branch of the inverse kinematics carried on to points put in between those at which it was decided.
+"""Inverse kinematics between points whose solution is already chosen, on the same branch.
 
 Away from its pole and from the edge of reach a solution is a continuous function of the tool axis. So between two
 points on one solution that solution is meant. Between two points on different ones the solutions change at the pole

@@ -1,4 +1,4 @@
-"""Chain diagnosis: why a chain is no five-axis machine, and the most likely mistake."""
+"""Errors in the rotary joints of a chain, with the most likely cause, and the tilt of the tool that shows them."""
 
 from __future__ import annotations
 

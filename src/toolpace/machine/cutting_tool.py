@@ -1,4 +1,4 @@
-"""A tool that cuts and bends: the figures that its bending depends on, in SI, and nothing worked out from them."""
+"""The figures of a cutting tool that its forces and bending depend on, in SI units."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What names and figures of a machine may be: within these bounds no sum overflows, and all can be printed.
+"""Bounds on the names and figures of a machine.
 
 Limits of joints outside those of machine tools are asked about: a figure in another unit than the file's is planned
 with, and verified, as any other. The ranges are wide: the slowest is a simulated desktop machine, the fastest a linear

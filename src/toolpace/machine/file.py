@@ -1,4 +1,4 @@
-"""The text of a machine file (TOML) to checked figures in SI units; machine/text.py writes it.
+"""Checked figures in SI units from a machine file (TOML); machine/text.py writes it.
 
 Every figure is checked where it is read, so that an error can name file, joint and key.
 """

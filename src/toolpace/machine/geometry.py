@@ -1,4 +1,4 @@
-"""What a machine file says of shape and motion, as plain arrays, with all checks of the chain."""
+"""The kinematic geometry of a machine as plain arrays, from its file, with all checks of the chain."""
 
 from __future__ import annotations
 

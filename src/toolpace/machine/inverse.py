@@ -1,4 +1,4 @@
-"""The rotary joint positions along a whole tool path: which solution, which turn, what to do at the pole."""
+"""Rotary joint positions along a tool path: the choice of solution, of turns, and of positions at the pole."""
 
 from __future__ import annotations
 

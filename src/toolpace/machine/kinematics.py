@@ -1,4 +1,4 @@
-"""Positions and derivatives along the chain of a machine: forward, and closed-form inverse, point by point.
+"""Forward and closed-form inverse kinematics of a machine, with derivatives, point by point.
 
 Arrays are in SI units; tips and tool axes are in the workpiece frame. Joint arrays (n, m) have one column a joint, in
 the order of `Geometry.joints`; rotary arrays (n, 2) have one a rotary joint, nearest the workpiece first. Derivatives

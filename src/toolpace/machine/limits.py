@@ -1,4 +1,4 @@
-"""Limits of each joint: velocity, acceleration and jerk."""
+"""Velocity, acceleration and jerk limits of joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A five-axis machine: joint chains from the bed to the workpiece and to the tool, limits and travel."""
+"""Five-axis machines: joint chains to the workpiece and to the tool, limits and travel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Poses to compare with a real machine: tip and tool axis in the frame of the part."""
+"""A table of poses to compare with a real machine."""
 
 from __future__ import annotations
 

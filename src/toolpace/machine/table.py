@@ -1,4 +1,4 @@
-"""A machine in words and figures for people: millimetres and degrees."""
+"""A machine as a table in millimetres and degrees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text of a machine file as a person would write it: short figures, the order of the chain, each line explained."""
+"""The text of a machine file from a machine, as a person would write it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Messages for what a machine cannot reach: a tilt beyond its geometry, a position beyond its travel."""
+"""Error messages for tilts and positions that a machine cannot reach."""
 
 from __future__ import annotations
 

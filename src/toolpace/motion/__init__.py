@@ -1,4 +1,4 @@
-"""What the joints do on a path, and how much of the limits that uses."""
+"""Joint motion over time, and its utilisation of the limits."""
 
 from __future__ import annotations
 

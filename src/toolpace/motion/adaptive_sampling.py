@@ -1,4 +1,4 @@
-"""A look along a law at what it uses of the limits: closer where states at even places tell too little."""
+"""Utilisation of limits along a time law, sampled adaptively where states at even steps tell too little."""
 
 from __future__ import annotations
 

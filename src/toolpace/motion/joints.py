@@ -1,4 +1,4 @@
-"""The motion of the joints, from a path and states on it."""
+"""Joint positions and time derivatives from a path and states (s, ds/dt, ...) on it."""
 
 from __future__ import annotations
 

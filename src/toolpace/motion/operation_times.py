@@ -1,4 +1,4 @@
-"""How long each operation of a program takes: cutting, rapids and dwells, in the order of the program."""
+"""The time of each operation: cutting, rapids, dwells."""
 
 from __future__ import annotations
 

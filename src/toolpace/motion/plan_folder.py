@@ -1,4 +1,4 @@
-"""The folder of a plan, read again: its path by the time, and what plan.json tells of it."""
+"""The path and time law of a plan, from its folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The path that set-points tell of: joints over time, as `toolpace plan` wrote them.
+"""A joint path over time from recorded set-points.
 
 Its parameter is the time of the plan. Between two set-points each joint is the polynomial of degree five with position,
 velocity and acceleration of both.

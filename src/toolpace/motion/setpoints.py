@@ -1,5 +1,4 @@
-"""What a controller is fed: joint positions at equal time steps, with derivatives and the tool in the
-workpiece frame."""
+"""Set-points: joint positions at equal time steps, with derivatives and the tool in the workpiece frame."""
 
 from __future__ import annotations
 

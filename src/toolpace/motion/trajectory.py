@@ -1,4 +1,4 @@
-"""The answer: joint motion over time."""
+"""Trajectories: joint motion over time, from a joint path and its time laws."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much of its limits a motion uses."""
+"""Utilisation of the limits by a motion: value over limit, by joint and kind."""
 
 from __future__ import annotations
 

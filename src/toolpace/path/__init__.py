@@ -1,1 +1,1 @@
-"""Curves of tool tip and tool axis: fitted to a program, or given exactly."""
+"""Smooth curves of tool tip and tool axis: fitted to a program, or given exactly."""

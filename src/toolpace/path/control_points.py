@@ -1,4 +1,4 @@
-"""Bounds of polynomial pieces by their control points: a curve lies in their hull, and the norm is convex."""
+"""Bounds of polynomial pieces from their control points (convex hull property)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether the derivatives that a function tells are those of its positions.
+"""A check of the derivatives that a caller's function gives, by finite differences.
 
 All limits are held on what a function says of its derivatives: where these are not those of its positions, a motion
 breaks limits that it is told to keep. Over a short cell of the parameter

@@ -1,4 +1,4 @@
-"""Runs that are given exactly: by a callable, a circular arc, a pair of B-splines."""
+"""Exactly given runs: a callable, a circular arc, a pair of B-splines."""
 
 from __future__ import annotations
 

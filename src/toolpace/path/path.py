@@ -1,4 +1,4 @@
-"""A smooth curve of tool tip and tool axis in the workpiece frame: fitted to a program, or given exactly."""
+"""Smooth paths of tool tip and tool axis in the workpiece frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One smooth stretch of a path between two stops, and what a path tells of itself at given parameters."""
+"""One smooth run of a path between two stops: positions, derivatives, breaks."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""From joint positions along a path to the motion over time."""
+"""Planners: from a joint path to a motion over time."""

@@ -1,4 +1,4 @@
-"""State at the start or the end of a run: at rest or in motion."""
+"""States of a run at its ends: at rest, or in motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ladder of guarantees: how far over a limit a motion may be seen, from what is promised down to what is aimed at.
+"""The tolerances by which a planned motion may exceed a limit: promised, accepted, aimed at.
 
 Each rung is a little below the one above it, so that what one stage leaves the next one need not touch, and rounding
 between them (another grid of probes, another order of sums) never breaks what was promised.

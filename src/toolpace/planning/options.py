@@ -1,4 +1,4 @@
-"""The options of planners: what is misspelt or of the wrong kind is told in one line."""
+"""Checked options of planners, with one-line errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A path at the probes of a mesh's cells, from as few questions as tell it."""
+"""A path at the probes of mesh cells, from as few evaluations as determine it."""
 
 from __future__ import annotations
 

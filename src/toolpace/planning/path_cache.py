@@ -1,4 +1,4 @@
-"""A run's path at the places of its meshes: one that is cut keeps its nodes, and they are not asked at again."""
+"""A joint run that remembers its evaluations at mesh nodes."""
 
 from __future__ import annotations
 

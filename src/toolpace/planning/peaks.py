@@ -1,4 +1,4 @@
-"""Peaks of a motion over its limits, between the nodes too."""
+"""Peaks of limit utilisation between the nodes of a mesh."""
 
 from __future__ import annotations
 

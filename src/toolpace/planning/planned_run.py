@@ -1,4 +1,4 @@
-"""Result of a planner for one run, and the trajectory of all runs."""
+"""The result of planning one run: law, bound, statistics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one entry of all planners, and what a planner is.
+"""The entry of all planners, and their interface.
 
 plan: a path, a machine, a planner
   joints along the path: the path followed by the machine, where it is one of tip and axis

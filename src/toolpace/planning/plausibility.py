@@ -1,4 +1,4 @@
-"""Checks of path and limits before a plan: joints, shapes, and positions that may be degrees."""
+"""Checks of paths and limits, and questions about values that look like another unit."""
 
 from __future__ import annotations
 

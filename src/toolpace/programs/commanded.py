@@ -1,4 +1,4 @@
-"""What a program commands, move by move: what a control plans its motion from."""
+"""The commanded moves of a program, as a control plans its motion from them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a program says: points, tool axes, feeds, stops. Dense, dumb, faithful."""
+"""Tool paths: the points, tool axes, feeds and stops of a program."""
 
 from __future__ import annotations
 

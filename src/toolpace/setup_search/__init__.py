@@ -1,4 +1,4 @@
-"""Where to clamp the part, and with which tool, so that a program is fastest on a machine.
+"""The search for the clamping and tool with which a program is fastest on a machine.
 
 search for a set-up:
   choices: the fixtures, turns, places and tools at hand                                       Choices

@@ -1,4 +1,4 @@
-"""Choices of a set-up search (fixtures, turns, places, tools), and clampings from them."""
+"""The choices of a search: fixtures, orientations, positions, tools; and the clampings that they give."""
 
 from __future__ import annotations
 

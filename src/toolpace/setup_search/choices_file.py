@@ -1,4 +1,4 @@
-"""A file of choices (TOML) to `Choices`, every figure checked where it is read.
+"""`Choices` from a TOML file.
 
 [units]        length = "mm", angle = "deg"; or m, in, rad
 [choose]       turn, tilt, swing, x, y, z, tool_length: one value, a list of those at hand, or {from = 0, to = 45};

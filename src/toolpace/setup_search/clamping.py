@@ -1,4 +1,4 @@
-"""One clamping of the part, relative to the clamping as given."""
+"""A clamping of the part relative to the present one, and the branch of the inverse kinematics."""
 
 from __future__ import annotations
 

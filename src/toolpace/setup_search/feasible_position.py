@@ -1,4 +1,4 @@
-"""Place of the part nearest to a wanted one at which a program lies within all travels.
+"""The position of the part nearest to a given one at which a program lies within all travels.
 
 For a direction of clamping, a tool and a solution the rotary joints along the program are known, and do not depend
 on where the part is. Every linear joint is then affine in the part's shift d: q = a + J d at each point. So the

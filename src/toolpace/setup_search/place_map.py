@@ -1,4 +1,4 @@
-"""The time over x and y, all else as in the best set-up."""
+"""The duration over x and y about the best set-up."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The search for a set-up: direction first, then all of it about the best, each by differential evolution.
+"""The search for a set-up by differential evolution, and the choice of diverse results.
 
 search:
   the given clamping, and the same with the solution of the inverse kinematics left free
@@ -9,7 +9,7 @@ search:
   a map of the time over x and y, all else as in the best
 
 Storn and Price, Differential evolution, J. Global Optimization 11 (1997); scipy's. Other methods were tried on the same
-trials: docs/design/clamping.md.
+trials: docs/notebook/clamping.md.
 """
 
 from __future__ import annotations

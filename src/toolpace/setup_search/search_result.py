@@ -1,4 +1,4 @@
-"""Result of a set-up search: the best set-ups, the given one, and the gain."""
+"""The result of a search: the best set-ups, the present one, and the gain."""
 
 from __future__ import annotations
 

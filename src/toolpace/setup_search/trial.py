@@ -1,8 +1,8 @@
-"""One trial of the search: a clamping within travel, and an estimate of the duration from a cheap plan.
+"""The evaluation of one clamping: moved to where it fits, and its estimated duration.
 
 The plan is a cheap one: the smooth path has wider tolerances, limits hold at the nodes of its mesh alone, and no bound
 is worked out. Where the pace falls to next to nothing between two nodes, which a whole plan mends, the cell counts as
-passed at the pace of its ends. What all this does to the order of clampings is measured in docs/design/clamping.md.
+passed at the pace of its ends. What all this does to the order of clampings is measured in docs/notebook/clamping.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A set-up planned in full: within the tolerances asked for, with a bound, held against travel and zones."""
+"""A set-up verified by a full plan, with a bound, within travel and zones."""
 
 from __future__ import annotations
 

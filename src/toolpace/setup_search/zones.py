@@ -1,4 +1,4 @@
-"""Forbidden zones: boxes of joint positions where the machine must not be."""
+"""Forbidden zones: boxes of joint positions."""
 
 from __future__ import annotations
 

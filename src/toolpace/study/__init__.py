@@ -1,4 +1,4 @@
-"""The simulation study of the paper, section III, by one call: figures, numbers, errata, choices."""
+"""The simulation study of the paper (section III): figures, numbers, errata."""
 
 from __future__ import annotations
 

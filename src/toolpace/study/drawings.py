@@ -1,4 +1,4 @@
-"""Figures as interactive drawings of plotly."""
+"""Figures as interactive plotly drawings."""
 
 from __future__ import annotations
 

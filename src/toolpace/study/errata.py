@@ -1,5 +1,5 @@
 # ruff: noqa: RUF001 - minus signs and primes, as formulas are set
-"""What the paper prints, what holds, and the check of it, line by line, worked out anew each time."""
+"""Misprinted equations of the paper, each with the correct form and its check."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's way back to the letter: steps (1) to (4) of section II.D, in the workpiece frame.
+"""The rejoin of the paper to the letter: steps (1) to (4) of section II.D.
 
 Step (2): deflection and projection are the ends of an interval, "with the same velocity, acceleration, and jerk", each
 of x_w, y_w, z_w, A and B a quintic, Eq. (7a). Step (3): its period T_dp by the genetic algorithm. Step (4): so for the

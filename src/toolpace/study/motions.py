@@ -1,4 +1,4 @@
-"""Figures 7 and 10: position, velocity, acceleration and jerk of the motors, linear and rotary axes apart."""
+"""Figures 7 and 10: position, velocity, acceleration and jerk of the motors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The study as one HTML page that opens offline."""
+"""The study as one HTML page."""
 
 from __future__ import annotations
 

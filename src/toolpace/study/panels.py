@@ -1,4 +1,4 @@
-"""Figures as plain data: panels of curves, for page and PNG alike."""
+"""Figures as plain data: panels of curves."""
 
 from __future__ import annotations
 

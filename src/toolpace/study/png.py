@@ -1,4 +1,4 @@
-"""The figures as PNG, with matplotlib."""
+"""Figures as PNG by matplotlib."""
 
 from __future__ import annotations
 

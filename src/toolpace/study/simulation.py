@@ -1,4 +1,4 @@
-"""What the study computes: the paper's arc, its plans without and with deflection, the projections."""
+"""The computation of the study: the paper's arc, plans with and without deflection, projections, backward motion."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # ruff: noqa: RUF001 - primes and minus signs, as formulas are set
-"""Figures 1 to 3: what the paper draws of its method, in drawings of our own, made from its text and equations."""
+"""Figures 1 to 3, drawn from the paper's text and equations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is driven before and after the deflection, piece by piece, on one clock."""
+"""The stages of motion before and after the deflection on one clock."""
 
 from __future__ import annotations
 

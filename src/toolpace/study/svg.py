@@ -1,4 +1,4 @@
-"""A drawing in SVG: lines with arrow heads, areas, boxes, words."""
+"""SVG drawings: arrows, areas, boxes, text."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # ruff: noqa: RUF001 - dashes and signs, as tables are set
-"""The tables of the study: times, the way back to the letter and ours, printed and ours, periods."""
+"""The tables of the study."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Jobs of the command `batch` from its arguments."""
+"""The checked arguments of the command `batch`, and its jobs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A batch on the terminal: progress, errors and the table of results."""
+"""The progress and result display of a batch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command `setup`: its options, checked before any work begins."""
+"""The checked arguments of the command `setup`."""
 
 from __future__ import annotations
 

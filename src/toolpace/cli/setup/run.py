@@ -1,4 +1,4 @@
-"""The search of the command `setup`: where to clamp the part, on which machine, with which tool."""
+"""The search of the command `setup`, and its display."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The option --fit of `time`: figures of a control from a log, shown and written as a controller's file."""
+"""The option `--fit` of `time`: figures of a control from a log."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command `time`: time of programs on a control, and the optimum."""
+"""The command `time`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Output of the command `time`: a page of one program, a table of several, or JSON."""
+"""The display of the command `time`: page, table, or JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command `tolerance`: its options, checked before any work begins."""
+"""The checked arguments of the command `tolerance`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`toolpace tolerance`: what a micrometre costs, as a table and a picture."""
+"""The command `tolerance`: duration over tolerance as a table and a picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The same work on many items: on a cluster of dask.distributed, on all cores of this computer, or in this process.
+"""Pools of workers: a dask.distributed cluster, the cores of this computer, or this process.
 
     with open_pool("tcp://10.0.0.5:8786") as pool:
         for outcome in pool.each(work, common, items):

@@ -1,4 +1,4 @@
-"""Work on a cluster of dask.distributed: a few items with it at a time, each outcome let go when it is told."""
+"""A pool on a dask.distributed cluster, with a bounded number of items in flight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the work is done: a cluster that is there, one of this computer that is started and stopped here, or here."""
+"""The choice of a pool: a running cluster, a local cluster, or this process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What does the same work on many items, and the simplest that does: this process."""
+"""The interface of a pool, and the simplest one: this process."""
 
 from __future__ import annotations
 

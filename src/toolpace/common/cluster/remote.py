@@ -1,4 +1,4 @@
-"""What a worker does with an item: nothing that the work raises leaves it but as words."""
+"""The work of a worker on one item: every exception comes back as text; freed memory is kept for the next item."""
 
 from __future__ import annotations
 

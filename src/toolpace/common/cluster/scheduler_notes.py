@@ -1,4 +1,4 @@
-"""Notes that dask's scheduler takes of every task and never throws away; here they are, now and then.
+"""Pruning of the records that dask's scheduler keeps of every task.
 
 What a task is called is looked up in a cache of 100 000 names, and the span that tasks belong to notes of every
 submission which kind of collection it was, for as long as the scheduler runs: together some 500 bytes a task. The

@@ -1,4 +1,4 @@
-"""Files and folders of results that are either whole or not there, and never take the place of somebody else's."""
+"""Files and folders of results, written completely or not at all."""
 
 from __future__ import annotations
 

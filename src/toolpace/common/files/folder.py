@@ -1,4 +1,4 @@
-"""Folders of results: written beside their place, then put there by one step, and only where toolpace may."""
+"""Folders of results: written beside their place, then put there in one step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much room there is for results: in memory, and on the disk."""
+"""Free memory and free disk space for results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""By what a folder is known as one that toolpace wrote, and nobody has changed since.
+"""The checksum file by which a folder is known as written by toolpace and unchanged since.
 
 Its main file (plan.json, study.json, export.json, time.json, inspect.json) ends with a seal: the checksums of all other
 files, and one of itself, taken with zeros in place of that checksum. A folder that holds anything else, or anything

@@ -1,4 +1,4 @@
-"""Work that Ctrl-C and the like may not cut in two: they are heard, and take effect after it."""
+"""Sections of code that signals such as Ctrl-C interrupt only at their end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of tables (TOML) that people write: read no further than one can go, and named in every error."""
+"""TOML files written by people, read with the file's name in every error."""
 
 from __future__ import annotations
 

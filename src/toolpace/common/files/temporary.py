@@ -1,4 +1,4 @@
-"""Names for what is not finished: told from all others, locked while their maker lives, removed when it died.
+"""Temporary names for unfinished files, locked by their process and removed after it died.
 
 A temporary file or folder is called `.toolpace-new-...` and lies beside what it will become, so that moving it is a
 rename on one disk. Its maker holds a lock on it, which the system lets go when the process ends, however it ends. So

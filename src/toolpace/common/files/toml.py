@@ -1,4 +1,4 @@
-"""Tables of figures and words as the text of a TOML file, exact to the last digit."""
+"""TOML text from tables of numbers and strings, exact to the last digit."""
 
 from __future__ import annotations
 

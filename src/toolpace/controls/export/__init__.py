@@ -1,4 +1,4 @@
-"""Files that a control loads: a plan as a table, as streams for LinuxCNC, as rows of a FIFO, or as the program itself.
+"""Exports of a plan: tables, LinuxCNC streams, FIFO rows, or the program with new feeds.
 
 Each export is a folder, whole or not at all, with a seal by which it is known as one that toolpace wrote; every file in
 it says how it is used, and was read back and compared with the plan before the folder took its place.

@@ -1,4 +1,4 @@
-"""Units of a table: mm and degrees or others, or the increments of each joint's encoder."""
+"""The units of a table's columns: mm and degrees, others, or encoder increments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A table as comma-separated values: lines of a header behind #, the names with their units, numbers."""
+"""A table as comma-separated values with a commented header."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Error by rounding to whole encoder increments, held against the tolerance."""
+"""The tolerance that rounding to encoder increments leaves of a plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Target `beckhoff-fifo`: positions for TwinCAT's NC FIFO axes, a table of rows with a common time base.
+"""Target `beckhoff-fifo`: positions for TwinCAT's NC FIFO axes.
 
 The FIFO of a channel has Z rows of N axes. The PLC hands it arrays of LREAL, row by row, with FiFoWrite, and keeps it
 filled; the NC takes a row each FIFO cycle time T_f, goes straight between rows where its own cycle T_saf is shorter,

@@ -1,4 +1,4 @@
-"""What is exported: a planned motion with its machine, its program, and the checksums by which they are known."""
+"""The motion to export, with machine, program and checksums."""
 
 from __future__ import annotations
 

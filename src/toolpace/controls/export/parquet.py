@@ -1,4 +1,4 @@
-"""A table as Parquet, by pyarrow, which is an extra of its own."""
+"""A table as Parquet."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Times that a control counts by: the period of rows, the cycles of its tasks."""
+"""Periods of rows and cycles of a control's tasks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where an export comes from, in a few lines that stand at the head of each of its files."""
+"""The origin of an export, as header lines of its files."""
 
 from __future__ import annotations
 

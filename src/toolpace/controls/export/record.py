@@ -1,4 +1,4 @@
-"""export.json: what an export was made from and how, and the seal of its folder."""
+"""The record of an export, export.json."""
 
 from __future__ import annotations
 

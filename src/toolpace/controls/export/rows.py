@@ -1,4 +1,4 @@
-"""Set-points at another period: each k-th one, or, where that is asked for, between them."""
+"""Set-points at another period, taken or interpolated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Target `table`: set-points as columns, for any control that takes positions at a fixed period."""
+"""Target `table`: set-points as columns at a fixed period."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every target of an export can do: write its files, and read them back against the plan."""
+"""The interface of an export target: write files, read them back against the plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a plan changes its tool: what only plays rows cannot stop there."""
+"""Tool changes in a plan, which exports of rows refuse."""
 
 from __future__ import annotations
 

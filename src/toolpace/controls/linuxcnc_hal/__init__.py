@@ -1,4 +1,4 @@
-"""A follower as a component of LinuxCNC's HAL: not realtime, a few rows ahead of the realtime side that plays them."""
+"""A follower as a user-space component of LinuxCNC's HAL."""
 
 from toolpace.controls.linuxcnc_hal.component import Component, Settings
 from toolpace.controls.linuxcnc_hal.linuxcnc import hal_module

@@ -1,4 +1,4 @@
-"""The component: it steps the follower and keeps the queue of rows full, until it is asked to end.
+"""The component: it steps the follower and keeps the streamer's queue full until it is asked to end.
 
 wait for `enable`
 lead: rest where the joints stand, on to the start of the path, rest there

@@ -1,4 +1,4 @@
-"""LinuxCNC's own Python module `hal`, which is installed where other interpreters do not look."""
+"""The import of LinuxCNC's Python module `hal`."""
 
 from __future__ import annotations
 

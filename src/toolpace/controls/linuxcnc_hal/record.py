@@ -1,4 +1,4 @@
-"""What the follower gave, row by row, as it gives it: a table to compare with a log of the machine."""
+"""A record of the follower's output, row by row."""
 
 from __future__ import annotations
 

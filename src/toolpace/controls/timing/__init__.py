@@ -1,1 +1,1 @@
-"""How long a program takes on a control: models of what controls make of its moves."""
+"""Models of the time that a control takes for a program."""

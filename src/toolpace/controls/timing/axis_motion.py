@@ -1,4 +1,4 @@
-"""Motion of each axis along each move of a program."""
+"""The share of each axis in the moves of a program."""
 
 from __future__ import annotations
 

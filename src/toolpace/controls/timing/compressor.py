@@ -1,4 +1,4 @@
-"""Short blocks as a control's compressor takes them: what stays near one straight line goes along it."""
+"""Short blocks joined within a tolerance, as a control's compressor does."""
 
 from __future__ import annotations
 

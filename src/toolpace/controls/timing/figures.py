@@ -1,4 +1,4 @@
-"""The few figures by which a control is described, as the table `[time]` of its file has them."""
+"""The figures that describe a control, from the table `[time]` of its file."""
 
 from __future__ import annotations
 

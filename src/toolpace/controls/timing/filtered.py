@@ -1,4 +1,4 @@
-"""The model `fir`: pulses of velocity smoothed by two moving averages, as most commercial controls interpolate.
+"""The model `fir`: velocity pulses smoothed by two moving averages.
 
 After Ward, Sencer, Jones and Ozturk, "Accurate prediction of machining feedrate and cycle times considering
 interpolator dynamics", Int. J. Adv. Manuf. Technol. 116 (2021), arXiv 2102.02062: filters in place of ramps, corners

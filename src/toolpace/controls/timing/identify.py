@@ -1,4 +1,4 @@
-"""The figures of a control, from a log of a program that it has run.
+"""The figures of a control, identified from a log of a program.
 
 acceleration of each axis <- what it keeps up for some rows of the log
 repeat                                                            Nelder and Mead's simplex, in logarithms

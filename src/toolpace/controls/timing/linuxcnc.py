@@ -1,4 +1,4 @@
-"""The model `linuxcnc`: LinuxCNC 2.9's interpreter and trajectory planner, cycle by cycle.
+"""The model `linuxcnc`: interpreter and trajectory planner of LinuxCNC 2.9, cycle by cycle.
 
 Source: LinuxCNC's documents ("Trajectory Control" and section TRAJ of the ini file), and what its source does
 (src/emc/task/emccanon.cc, src/emc/tp); held against its own runs in benchmarks/results/linuxcnc_times.md.

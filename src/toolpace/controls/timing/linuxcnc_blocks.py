@@ -1,4 +1,4 @@
-"""The blocks that LinuxCNC's interpreter hands to its planner: speeds and accelerations by the axes, chains made one.
+"""The blocks that LinuxCNC's interpreter gives its planner, with speeds and accelerations by axis.
 
 Axis limits hold for the words: of a block, the least of limit over share of its way. Source: LinuxCNC's documents, and
 its src/emc/task/emccanon.cc.

@@ -1,4 +1,4 @@
-"""A log of where the axes of a machine were, over time."""
+"""A log of axis positions over time."""
 
 from __future__ import annotations
 

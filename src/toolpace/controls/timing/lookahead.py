@@ -1,4 +1,4 @@
-"""The model `lookahead`: a control that keeps the limits of its axes, rounds corners and looks some blocks ahead."""
+"""The model `lookahead`: axis limits, rounded corners, a bounded number of blocks ahead."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a program to its time on a control, in one call."""
+"""The time of a program on a control, from its file."""
 
 from __future__ import annotations
 

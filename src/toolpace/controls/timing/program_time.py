@@ -1,4 +1,4 @@
-"""How long a program takes on a control: in all, and by operation."""
+"""The time of a program on a control: total, and by operation."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a cutting force does to the tool, what force cutting takes, and paths compensated for it."""
+"""The bending of a tool under cutting force, and programs compensated for it."""

@@ -1,4 +1,4 @@
-"""How fast the bent tip goes where the commanded tip keeps the feed, and a path whose blocks keep it for the bent one.
+"""The speed of the bent tip, and a feed that holds for it.
 
 The bent tip is at P(s) + D(s), P the commanded tip and D the bending that is compensated. It goes |P' + D'| / |P'|
 times as fast as the commanded one. Where that is more than 1, the way gets blocks of its own with a feed that is so

@@ -1,4 +1,4 @@
-"""Deflection compensation of a program, so that the bent tip goes where it was programmed.
+"""A program compensated for the predicted bending of its tool.
 
 plan the program as it is
 repeat
@@ -97,7 +97,9 @@ def compensate_bending(
     """
     check_toolpath(toolpath, "compensate_bending")
     if not isinstance(tool, CuttingTool):
-        raise UsageError(f"compensate_bending: tool is {str(tool)[:40]!r}; give a CuttingTool, as load_tool(path) makes it")
+        raise UsageError(
+            f"compensate_bending: tool is {str(tool)[:40]!r}; give a CuttingTool, as load_tool(path) makes it"
+        )
     check_machine(machine, "compensate_bending")
     if Tolerances.of(tip_tolerance, "tip_tolerance").one_sided:
         raise UsageError("a tip that must be on one side of its program and a tool that bends: one at a time")

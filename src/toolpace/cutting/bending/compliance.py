@@ -1,4 +1,4 @@
-"""How far a force bends the tip of a tool: one compliance, three by three, in the tool frame."""
+"""The bending of a tool's tip by a force: a compliance matrix in the tool frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which ways of a program are cut, and in which of the cuts of a tool."""
+"""The moves of a program that cut, and the cut of the tool in each."""
 
 from __future__ import annotations
 

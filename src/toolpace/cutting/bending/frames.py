@@ -1,4 +1,4 @@
-"""The three frames that a force can be given in, and the rotations between them.
+"""The frames of cutting forces (feed, tool, workpiece) and the rotations between them.
 
 workpiece: fixed to the part, as tips and tool axes are; a dynamometer under the part measures in it once it is turned
     with the part.

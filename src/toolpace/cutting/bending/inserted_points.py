@@ -1,4 +1,4 @@
-"""A tool path with points put in where bending can change, so that shifts between points are as good as straight."""
+"""A tool path with points inserted where bending may change."""
 
 from __future__ import annotations
 

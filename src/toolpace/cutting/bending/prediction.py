@@ -1,4 +1,4 @@
-"""How far the tool bends at each place of a program while a motion cuts it.
+"""The predicted bending along a program during a motion, smoothed at the ends of cuts.
 
 of a motion along the path:
   when each place is passed                  the law of each run; the joints there

@@ -1,4 +1,4 @@
-"""A plan followed live: set-point by set-point, at any pace, corrected by what is measured, within every limit."""
+"""The follower: a plan played set-point by set-point, at any pace, corrected by measurements within all limits."""
 
 from toolpace.deflection.following.follower import Follower
 from toolpace.deflection.following.measurement import Measurement

@@ -1,4 +1,4 @@
-"""The figures of a follower, checked."""
+"""The checked settings of a follower."""
 
 from __future__ import annotations
 

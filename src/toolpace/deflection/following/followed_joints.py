@@ -1,4 +1,4 @@
-"""Joints that a follower drives: of a machine, or from limits alone."""
+"""The joints that a follower moves: of a machine, or with limits alone."""
 
 from __future__ import annotations
 

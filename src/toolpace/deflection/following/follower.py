@@ -1,4 +1,4 @@
-"""A plan followed live."""
+"""The follower: a plan played live, with correction and change of pace."""
 
 from __future__ import annotations
 

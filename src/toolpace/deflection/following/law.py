@@ -1,4 +1,4 @@
-"""Law of a follower: path, machine and parameters in one flat array (kernels/follow/layout.py)."""
+"""The law of a follower as one flat array (kernels/follow/layout.py)."""
 
 from __future__ import annotations
 

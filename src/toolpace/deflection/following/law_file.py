@@ -1,4 +1,4 @@
-"""The law of a follower as a file: the flat piece of kernels/follow/layout.py, nothing else."""
+"""The law of a follower as a binary file."""
 
 from __future__ import annotations
 

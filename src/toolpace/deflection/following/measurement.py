@@ -1,4 +1,4 @@
-"""Measurement of the tool at a time: position, deflection, direction or force."""
+"""A measurement of the tool, with its time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of arguments that should be numbers."""
+"""Checked parameters of a follower."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A trajectory sampled for a follower: joints, parameter and feed at equal steps of its own time."""
+"""A trajectory sampled at equal time steps for a follower."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Output of a follower at one step."""
+"""The output of a follower at each step."""
 
 from __future__ import annotations
 

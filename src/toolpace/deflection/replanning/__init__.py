@@ -1,4 +1,4 @@
-"""The tool is found off its path: where the path is, and the motion back onto it."""
+"""Replanning after a deflection: projection on the path, and the motion back onto it."""
 
 from toolpace.deflection.replanning.new_trajectory import replan
 from toolpace.deflection.replanning.pose import deflected_pose

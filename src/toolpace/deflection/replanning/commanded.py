@@ -1,4 +1,4 @@
-"""What the joints were commanded to do when the tool was found off its path."""
+"""The commanded joint motion at the instant of a deflection."""
 
 from __future__ import annotations
 

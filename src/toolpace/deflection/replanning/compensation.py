@@ -1,4 +1,4 @@
-"""The motion that a bent tool must be commanded: the path less the bending, at a pace that keeps to the limits.
+"""Compensation of a constant bending: the path shifted by it, at a speed within the limits.
 
     tip of the bent tool = tip of the kinematics + bending        so the command is the path - bending
 

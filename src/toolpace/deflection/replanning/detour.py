@@ -1,4 +1,4 @@
-"""A detour and the rest of the run that it rejoins, as one run of an axis path."""
+"""A rejoin motion and the rest of its run, as one joint run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The speed of the tip on the way back, and the feed that holds for it."""
+"""The tip speed of a rejoin motion, and the feed that limits it."""
 
 from __future__ import annotations
 

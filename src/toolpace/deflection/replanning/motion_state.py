@@ -1,4 +1,4 @@
-"""State of a motion at an instant: on a path, a detour or a compensated path; and the motion that was first planned.
+"""The state of a motion at an instant: on the path, on a detour, or compensated.
 
 However often a motion was replanned, what it goes back to is the one that was planned first: a detour from a detour
 asks no detour before it.

@@ -1,4 +1,4 @@
-"""A new trajectory from the instant at which the tool is found off its path.
+"""The new trajectory from the instant of a deflection, and the place where it rejoins the path.
 
 replan: a trajectory, a time, a deflection, its cause
   the state in which the joints are, and the motion that they shall come to:

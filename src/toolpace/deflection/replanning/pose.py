@@ -1,4 +1,4 @@
-"""The joints at which the tool was found, from where its tip was measured."""
+"""The joint positions of a measured tool tip."""
 
 from __future__ import annotations
 

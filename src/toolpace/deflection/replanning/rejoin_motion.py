@@ -1,4 +1,4 @@
-"""From a state in motion back onto a run: what every way tells; one of them makes each joint a cubic spline of time.
+"""The interface of a rejoin motion, and the one with joints as cubic splines of time.
 
 Where the paper joins deflection and projection by a quintic with the same velocity and acceleration at both, here the
 joints start as they are moving and arrive with the motion that the commanded time law has at the point of rejoining: no

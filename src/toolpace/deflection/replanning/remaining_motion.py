@@ -1,4 +1,4 @@
-"""A motion from an instant on, as it was: what a replan comes to where nothing is off."""
+"""The remaining motion from an instant on, unchanged."""
 
 from __future__ import annotations
 

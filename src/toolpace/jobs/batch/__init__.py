@@ -1,4 +1,4 @@
-"""Many programs, machines and tolerances: each job a folder of its own, all of them one table and one page.
+"""Batches: many programs, machines and tolerances in one table and page.
 
 a batch, step by step:
   what there is to do                    BatchJob, from Python, the command line or a file of jobs

@@ -1,4 +1,4 @@
-"""The folder of a batch: one batch writes there at a time, and none into a folder that holds anything else."""
+"""The folder of a batch, written by one batch at a time."""
 
 from __future__ import annotations
 

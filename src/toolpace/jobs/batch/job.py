@@ -1,4 +1,4 @@
-"""One job of a batch: a program, a machine, the work and its options."""
+"""One job of a batch: a program, a machine, and what to do with them."""
 
 from __future__ import annotations
 

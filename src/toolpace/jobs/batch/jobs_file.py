@@ -1,4 +1,4 @@
-"""Files of jobs (TOML): what all have in common, and tables of jobs; lists stand for one job an entry.
+"""Jobs from a TOML file.
 
 [all]
 machine = ["xyzac-trunnion", "my-mill.toml"]

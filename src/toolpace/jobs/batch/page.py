@@ -1,4 +1,4 @@
-"""HTML page of a batch: figures, and a table of jobs that can be sorted."""
+"""The page of a batch: a sortable table with one row a job."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A job with all its inputs loaded, and the hash by which it is recognised."""
+"""A job with all its inputs read, and the key that identifies them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Program files from names, folders and patterns."""
+"""Program files from a file, a folder or a pattern."""
 
 from __future__ import annotations
 

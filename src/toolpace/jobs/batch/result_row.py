@@ -1,4 +1,4 @@
-"""Result of one job, as a row of the table."""
+"""The result of one job as a row of a table."""
 
 from __future__ import annotations
 

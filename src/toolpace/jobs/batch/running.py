@@ -1,4 +1,4 @@
-"""Execution of a batch: each job ends once, with a result or with its error."""
+"""The execution of a batch, with the memory that each job is estimated to take."""
 
 from __future__ import annotations
 

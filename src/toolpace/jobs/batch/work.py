@@ -1,4 +1,4 @@
-"""One job carried out by a worker: its folder of results, whole or not at all, and its row."""
+"""The work on one job: its folder of results and its row."""
 
 from __future__ import annotations
 

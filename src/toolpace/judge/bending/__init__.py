@@ -1,1 +1,1 @@
-"""What a tool bends by, worked out anew: from set-points, machine file, program and the tool's figures alone."""
+"""Tool bending recomputed from set-points, machine, program and tool alone."""

@@ -1,4 +1,4 @@
-"""Where the bent tip of each set-point is: the tip, and how far the force of the motion bends the tool there.
+"""The bent tip at each set-point, by rotations of both chains joint by joint.
 
 Which way of the program a set-point is on tells whether it cuts. It is found by matching the motion with the program:
 at first within the tolerance and the most that the tool can bend at the feeds of the program, then again with the tip

@@ -1,4 +1,4 @@
-"""The force of a cut by summing up what each piece of each edge takes, angle by angle.
+"""Cutting forces by summation over pieces of each edge, angle by angle.
 
 The mean is an integral over the angles of immersion, tooth by tooth and height by height; the peak is looked for over a
 turn, with an integral along each edge.

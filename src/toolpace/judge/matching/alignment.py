@@ -1,4 +1,4 @@
-"""A motion and a program side by side: for each pose of one the places of the other that can stand for it, in order.
+"""The alignment of a motion and a program: the possible program places of each pose, in order.
 
 Two rows are within a distance of each other, in order, if two walkers can go along them, none ever back, and stay that
 close (Fréchet's distance). All ways for them to do so are kept at once, none is chosen, so that a program that goes

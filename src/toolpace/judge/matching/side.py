@@ -1,4 +1,4 @@
-"""Whether the tip keeps to the side of the program on which it must be."""
+"""A check that the tip keeps to its side of the program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A sweep along one row of poses: the places of another that can stand for each, in order, as far as it goes."""
+"""One sweep of the alignment along a row of poses."""
 
 from __future__ import annotations
 

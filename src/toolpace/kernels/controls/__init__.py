@@ -1,1 +1,1 @@
-"""What controls make of programs: how fast they go from block to block."""
+"""Kernels of control models: the speed from block to block."""

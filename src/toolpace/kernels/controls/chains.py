@@ -1,4 +1,4 @@
-"""Moves that together stay within a tolerance of one straight line, as the compressor of a control takes them."""
+"""Chains of moves within a tolerance of one straight line, for a compressor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Speeds of a control that filters: pulses of velocity smoothed by moving averages, corners blended by overlap."""
+"""Speeds of a filtering control: velocity pulses smoothed by moving averages, corners blended by overlap."""
 
 from __future__ import annotations
 

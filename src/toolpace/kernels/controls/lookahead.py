@@ -1,4 +1,4 @@
-"""Speeds of a control that looks ahead: corners rounded within a tolerance, constant acceleration between them."""
+"""Speeds of a control with look-ahead: rounded corners, constant acceleration between them."""
 
 from __future__ import annotations
 

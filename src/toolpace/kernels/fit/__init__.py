@@ -1,1 +1,1 @@
-"""Quintic splines inside a tube."""
+"""Kernels of the fit: quintic splines inside a tube."""

@@ -1,4 +1,4 @@
-"""Between the coefficients of a quintic spline and its samples: values there, gradients back, and the Newton band.
+"""Values, gradients and the Newton band between the coefficients of a quintic spline and its samples.
 
 A sample has six neighbouring coefficients of g coordinates; unknown (coefficient i, coordinate c) has number i g + c.
 """

@@ -1,4 +1,4 @@
-"""Symmetric banded systems: factor and solution. Row c holds the entries (c, c), (c, c + 1), ... of the upper band.
+"""Factorisation and solution of symmetric banded systems. Row c holds (c, c), (c, c + 1), ... of the upper band.
 
 Behind the n rows of a system lie as many rows of padding as the band is wide, so that no loop need end early: with a
 length known to the compiler the inner loops become vector instructions without remainders, thrice as fast.

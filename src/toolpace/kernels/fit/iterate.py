@@ -1,4 +1,4 @@
-"""Where the interior-point method of a fit stands, what a step changes, and how far it has come.
+"""The iterate of the interior-point method of a fit: state, step, convergence.
 
 There are m samples of g coordinates and n free coefficients; see smoothest_steps.py for the symbols.
 """

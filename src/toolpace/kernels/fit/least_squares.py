@@ -1,4 +1,4 @@
-"""The smoothing spline: the least roughness and squared deviation together."""
+"""The smoothing spline: least roughness plus squared deviation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A polyline at given parameters: straight between its vertices, or along great circles."""
+"""A polyline at given parameters: straight between vertices, or along great circles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quintic B-splines: basis functions, the roughness of a spline, and its pieces as polynomials.
+"""Quintic B-splines: basis functions, roughness, pieces as polynomials.
 
 A spline over the knots t[0..n+5] (first and last knot six-fold) has n coefficients; in the cell [t[i], t[i+1]) the
 six basis functions i - 5 ... i differ from zero. Evaluation goes through the pieces: Horner's rule in the cell.

@@ -1,4 +1,4 @@
-"""The smoothest spline in a tube: a primal-dual interior-point method on banded matrices.
+"""The smoothest spline in a tube, by a banded primal-dual interior-point method.
 
     minimise    1/2 sum_d w_d (x_d' R x_d + sum_j p_j (B_j x_d - y_jd)^2)
     subject to  (B_j x - y_j)' G_j (B_j x - y_j) <= radius_j^2

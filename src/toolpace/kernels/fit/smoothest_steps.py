@@ -1,4 +1,4 @@
-"""The steps of the smoothest spline in a tube: residuals, measure of convergence, Newton matrix, step, advance.
+"""The steps of the smoothest-spline method: residuals, convergence, Newton matrix, step, advance.
 
 The m samples have the deviation r = B x - y, the force q = G r, the excess h = (q'r - radius^2) / 2 <= 0 of the
 constraint, a slack and a multiplier. Linearised about them, with d for what a step changes,

@@ -1,4 +1,4 @@
-"""What the splines of a fit are made from: the roughness of their cells, and the samples of the tube around them.
+"""The input of a fit: the roughness of the cells, and the samples of the tube.
 
 A sample has six neighbouring coefficients of g coordinates, the first of them number `first`.
 """

@@ -1,1 +1,1 @@
-"""The law of the live follower: path at a pace, and a correction, within the limits at every step."""
+"""Kernels of the follower: path, pace and correction within the limits at every step."""

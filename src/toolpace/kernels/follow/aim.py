@@ -1,4 +1,4 @@
-"""From a measurement to where the correction shall go.
+"""The target of the correction, from a measurement.
 
 What is measured shows the set-point of `delay` before, with the correction that it had: both are remembered. Where tool
 or part bends, what was found beyond that set-point is the bending, whatever the correction was; the aim relaxes

@@ -1,5 +1,4 @@
-"""The step of a follower for control code that calls C: `void step(const double *piece, int64 length, double *state,
-const double *given, double *out)`, with the arrays of layout.py."""
+"""The C interface of a follower's step: `step(piece, length, state, given, out)` on the arrays of layout.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The correction: each joint on the quickest way to its aim, within the share of the limits that is kept for it."""
+"""The correction of each joint: the fastest motion to its target within its share of the limits."""
 
 from __future__ import annotations
 

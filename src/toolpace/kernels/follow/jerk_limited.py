@@ -1,4 +1,4 @@
-"""From any state to rest at a place, in least time within limits of velocity, acceleration and jerk.
+"""Minimum-time motion from any state to rest at a position, with limits of velocity, acceleration and jerk.
 
 A motion ramps to a speed, keeps it and ramps to rest; or, where it is slowing down already and a little way is left, it
 eases off first. Where it ends grows with that speed, or with the time of easing off, which are found between two that

@@ -1,4 +1,4 @@
-"""Where everything lies in the three flat arrays of a follower: its piece, its state, and what goes in and out.
+"""The layout of the flat arrays of a follower: piece, state, input and output.
 
 All are float64 and little-endian, so that control code in any language can hold them. The piece is made once and never
 changes: a head, tables, the path, the cells and the tools. The state is what a step reads and writes; a fresh one is

@@ -1,4 +1,4 @@
-"""The pace: how fast the time of the path goes by, changed only where path and change together keep the limits.
+"""The clock rate of a follower, changed only where path and change together keep the limits.
 
 With the pace p = d tau / dt a joint has, of its path's derivatives by tau,
 

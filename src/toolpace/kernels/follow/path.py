@@ -1,4 +1,4 @@
-"""The path in time, as the uniform cubic B-spline whose control points are its samples.
+"""The path in time as a uniform cubic B-spline with its samples as control points.
 
 Each derivative of such a spline is a mean of the differences of the samples, and these are means of the derivative
 sampled: so it passes no limit that the motion keeps, at any time. It leaves the samples by a sixth of their second

@@ -1,4 +1,4 @@
-"""One set-point of a follower: what was measured goes in, the motion of the joints comes out.
+"""One step of a follower: from a measurement to the next set-point.
 
 step: a piece, its state, a measurement
   the measurement is taken in, or why it is not is said

@@ -1,1 +1,1 @@
-"""What the judge computes in loops; shared with nobody."""
+"""Kernels of the judge, shared with no other room."""

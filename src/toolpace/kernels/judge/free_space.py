@@ -1,4 +1,4 @@
-"""Which places of one row of poses can stand for each pose of another, in order along both.
+"""The free space of two rows of poses: which place of one can stand for each pose of the other, in order.
 
 A pose is six numbers: the tip divided by its tolerance, then the tool axis divided by its own. Two poses are near
 where both halves are within a radius. A place of a row is a number: the pose before it, plus the share of the way to

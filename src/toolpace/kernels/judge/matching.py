@@ -1,5 +1,4 @@
-"""What is read off the places that can stand for each pose: those of both directions, how near they are, and values
-along them."""
+"""The possible places of each pose in both directions, their distances, and values there."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Joint chains: forward, inverse, derivatives, and the choice among solutions."""
+"""Kernels of joint chains: forward and inverse kinematics, derivatives, branches."""

@@ -1,4 +1,4 @@
-"""Which rotary solution and which turn of each joint, along a whole path: linear-time dynamic programming.
+"""The rotary solution and turn of each point of a path, by dynamic programming in linear time.
 
 A state is a solution (two of them) and the whole turns added to each joint whose travel is limited; a joint
 without end has one slot, and its turns follow from the way there. Cost is rotary motion in radians. From a

@@ -1,4 +1,4 @@
-"""Five-axis chains: forward and inverse kinematics on plain arrays.
+"""Forward and inverse kinematics of five-axis chains on plain arrays.
 
 Seen from the workpiece, every machine is one chain of five motions that ends at the tool: the joints of the
 workpiece side backwards, then those of the tool side. Two of them turn, R1 (nearest the workpiece) and R2;

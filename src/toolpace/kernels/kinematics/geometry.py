@@ -1,4 +1,4 @@
-"""The geometry of a five-axis chain as the compiled functions take it."""
+"""The geometry of a five-axis chain for compiled functions."""
 
 from __future__ import annotations
 

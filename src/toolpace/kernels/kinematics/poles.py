@@ -1,4 +1,4 @@
-"""Rotary positions at the pole, where the tool axis leaves the first rotary joint free."""
+"""Rotary positions at the pole, where the tool axis does not determine the first rotary joint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The states of a path's points in the choice of rotary branches, and the records that the choice works on.
+"""The states of path points in the branch choice, and its records.
 
 A state is a solution and the whole turns added to each joint whose travel is limited, counted in slots; a joint without
 end has one slot. Its number is (solution * slots of R1 + slot of R1) * slots of R2 + slot of R2.

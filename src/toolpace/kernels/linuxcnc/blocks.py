@@ -1,4 +1,4 @@
-"""What goes into the planner, and the table of segments that it works on."""
+"""The input blocks of LinuxCNC's planner, and its table of segments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Straight blocks of one feed that lie within a tolerance of one line are made one block, as its canon does.
+"""Straight blocks of one feed joined within a tolerance, as LinuxCNC's canon does.
 
 Source: LinuxCNC's documents, "G64 P Q" ("naive cam detector").
 """

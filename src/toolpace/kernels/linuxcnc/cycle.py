@@ -1,4 +1,4 @@
-"""One servo cycle: the segment at the head goes on, and the next where they overlap or the cycle has time left."""
+"""One servo cycle of LinuxCNC's planner: the segment at the head, and the next where they overlap."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Final speeds, planned from the end of the queue backwards."""
+"""Final speeds of segments, planned backwards from the end of the queue."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a new segment meets the one before: by a kink, a rounding or an overlap, whichever is the fastest."""
+"""The join of two segments: kink, rounding or overlap, whichever is fastest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two segments overlap: the second starts while the first slows down, each at half its acceleration."""
+"""The overlap of two segments, each at half its acceleration."""
 
 from __future__ import annotations
 

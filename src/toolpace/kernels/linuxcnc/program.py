@@ -1,4 +1,4 @@
-"""All blocks of a program, from cycle to cycle."""
+"""All blocks of a program through LinuxCNC's planner."""
 
 from __future__ import annotations
 

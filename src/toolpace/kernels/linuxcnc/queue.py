@@ -1,4 +1,4 @@
-"""A block comes into the queue, with the rounding of the corner before it."""
+"""The entry of a block into the queue, with the rounding of the corner before it."""
 
 from __future__ import annotations
 

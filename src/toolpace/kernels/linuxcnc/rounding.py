@@ -1,4 +1,4 @@
-"""Arcs that round corners between lines and arcs, within a tolerance or a quarter of the blocks."""
+"""Arcs that round corners between lines and arcs within a tolerance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The segments on both sides of a corner, as lines towards it and away from it; what a rounding is."""
+"""The segments on both sides of a corner as lines, and the rounding between them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The circle that touches an arc and a line, or two arcs, and what it leaves of them."""
+"""The circle tangent to an arc and a line, or to two arcs."""
 
 from __future__ import annotations
 

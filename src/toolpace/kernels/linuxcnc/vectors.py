@@ -1,4 +1,4 @@
-"""Vectors of X, Y, Z as three numbers: nothing is allocated, and little is compiled."""
+"""Vectors of X, Y, Z as three numbers, without allocation."""
 
 from __future__ import annotations
 

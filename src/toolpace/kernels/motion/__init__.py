@@ -1,1 +1,1 @@
-"""Laws of motion, and what they use of the limits."""
+"""Kernels of time laws and of limit utilisation."""

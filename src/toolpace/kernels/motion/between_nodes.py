@@ -1,4 +1,4 @@
-"""A path between the nodes of a mesh, from its derivatives at them: q' as the quintic that both ends determine."""
+"""A path between mesh nodes, as the quintics that its derivatives at the nodes determine."""
 
 from __future__ import annotations
 

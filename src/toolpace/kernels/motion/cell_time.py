@@ -1,4 +1,4 @@
-"""Time within the cells of a spline of the squared speed z(s): integral of ds / sqrt(z), exact to rounding.
+"""The time within a cell of a spline of the squared speed: the integral of ds / sqrt(z), exact to rounding.
 
 Gauss' rule with n points errs, on an interval around which 1/sqrt(z) is analytic within an ellipse, by its bound there
 times rho^(-2n), rho being the sum of the ellipse's half axes in half lengths (Trefethen, Approximation Theory and

@@ -1,4 +1,4 @@
-"""Clamped cubic B-splines at their own knots: twice continuously differentiable, three coefficients a knot.
+"""Clamped cubic B-splines at their knots: three coefficients a knot.
 
 coefficients   c_0   c_1   c_2   c_3  ...  c_n+1
 knots            x_0   x_1   x_2  ...  x_n-1           knot k is touched by c_k, c_k+1, c_k+2

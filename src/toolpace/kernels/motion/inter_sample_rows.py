@@ -1,4 +1,4 @@
-"""Where limits get rows between the nodes of a mesh, cell by cell, and by how much they are lowered there."""
+"""The places between mesh nodes that get rows of limits, and how much the limits are lowered there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a path does between two places at which it is known, as far as its increments tell.
+"""Path features between two evaluated places, as far as the path's increments tell.
 
 Between two places position, slope and curvature change by the integrals of the next derivative. What both ends know of
 that integral (Hermite's rule; for the curvature the trapezoid) is off by h^7, h^5, h^3 times higher derivatives on a

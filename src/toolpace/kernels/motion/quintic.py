@@ -1,4 +1,4 @@
-"""Quintic intervals and the chain rule from path to time: Eq. (7a) to (7e) of the paper.
+"""Quintic intervals, and the chain rule from path to time (Wu et al. 2009, Eq. 7a to 7e).
 
 Source: Wu, Li, Liu, Perez, "Local minimum time trajectory planning for five-axis machining with or without
 deflection", ACC 2009, doi 10.1109/ACC.2009.5160578. What is misprinted there is put right here, and said.

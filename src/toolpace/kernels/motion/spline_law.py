@@ -1,4 +1,4 @@
-"""Time along a spline of the squared speed z(s) = (ds/dt)^2: nodes' times, states over time, dense states.
+"""Times and states along a spline of the squared speed z(s) = (ds/dt)^2.
 
 A rest cell of length h has a constant third derivative J of s: s = J t^3 / 6, so it takes 3 h / v with v the speed at
 its inner end.

@@ -1,4 +1,4 @@
-"""Peaks of values over limits in the cells of a spline of z, the path being known at probes."""
+"""Peaks of limit utilisation in the cells of a spline of z, with the path known at probes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values over limits along a motion: feed cap, then velocity, acceleration and jerk of each joint."""
+"""Utilisation of the limits along a motion: feed cap, then velocity, acceleration and jerk of each joint."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The interior-point methods of the optimal planner and of its bound."""
+"""Kernels of the optimal planner and of its bound: interior-point methods."""

@@ -1,4 +1,4 @@
-"""A first guess of the speed along a path: pointwise limits, with jerk-limited ramps between them."""
+"""The first guess of the speed along a path: pointwise limits with jerk-limited ramps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rows of the optimal planner's problem: from a path's derivatives, and what a z makes of them."""
+"""The rows of the optimal planner's problem, from a path's derivatives, and their values for a z."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows in tiles and their multipliers: what a planner's problem and its relaxation have in common.
+"""Rows in tiles and their multipliers, for problem and relaxation.
 
 A row bounds value = r . (z, z', z'') from above and below: by 1 for acceleration, by the limit of its point for jerk,
 each relaxed by an amount of its kind. With its slacks, up = limit + extra - value and down = limit + extra + value, go

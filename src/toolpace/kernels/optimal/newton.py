@@ -1,4 +1,4 @@
-"""Newton systems over the coefficients of a cubic spline: sums over points, and the ends of a run.
+"""Newton systems over the coefficients of a cubic spline.
 
 A point sees three coefficients at a knot, and four inside a cell, through its basis: row d gives the d-th derivative of
 z there. So a Newton matrix has seven diagonals, stored as (4, n) for `banded`. At an end at rest

@@ -1,4 +1,4 @@
-"""How fast the optimal planner's problem could be solved at best: a convex relaxation of it.
+"""A convex relaxation of the optimal planner's problem, for its lower bound.
 
 In the problem of `solver` only the right side of the jerk rows is not convex. Here every knot k has a
 wait y_k >= 0 as well, a time that it may stand still for at the price of that time:

@@ -1,4 +1,4 @@
-"""The knots of the relaxed problem: their own rows, their waits, and what both have in a Newton step.
+"""The knots of the relaxation: their rows, their waiting times, their part in a Newton step.
 
 The rows are those of `relaxation_work`, PUSH their derivatives by the wait. `tau` is the share of the reliefs that
 still stands. The wait is eliminated knot by knot.

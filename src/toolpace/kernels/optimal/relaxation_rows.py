@@ -1,4 +1,4 @@
-"""The passes over the rows of the relaxed problem: all that `relaxation` does row by row.
+"""The passes of the relaxation over its rows.
 
 As in `solver_rows` points are kept in tiles, sums and peaks lane by lane. What belongs to the knots of the points comes
 spread out to them: states (see `relaxation_knots`), steps, and how waits follow. The limit of a jerk row is pace and

@@ -1,4 +1,4 @@
-"""What the relaxation works on: the own rows of its knots, where the iteration is, and the steps it takes.
+"""The state of the relaxation's iteration, and its steps.
 
 A knot has up to four rows of its own, as slacks that shall not be negative, and multipliers for them:
 

@@ -1,4 +1,4 @@
-"""The core of the optimal planner: a primal-dual interior-point method for the speed along a path.
+"""The solver of the optimal planner: a primal-dual interior-point method for the speed along a path.
 
 Unknown is z(s) = (ds/dt)^2, a cubic spline with coefficients c, judged at points on its knots and between them:
 

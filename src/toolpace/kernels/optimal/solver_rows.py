@@ -1,4 +1,4 @@
-"""The passes over the rows of the optimal planner's problem: all that `solver` does row by row.
+"""The passes of the solver over its rows.
 
 Points are kept in tiles (see `tiles`), so that vector instructions work on several of them at once. Here no point
 waits: the fourth of a step (see `multipliers`) is zero. Sums and peaks are kept lane by lane, and gathered at the end.

@@ -1,4 +1,4 @@
-"""Arrays in tiles: of what belongs to points, the values of TILE points side by side in memory.
+"""Arrays in tiles: the values of TILE points side by side in memory.
 
 A loop over the places of a tile, its lanes, does the same for each of them, which vector instructions do for several at
 once. An array (points, ...) becomes (tiles, ..., TILE); the last tile is partly empty.

@@ -1,1 +1,1 @@
-"""Kernels of path and pace changed together."""
+"""Kernels of the simultaneous optimisation of path and speed law."""

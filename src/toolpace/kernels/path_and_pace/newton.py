@@ -1,4 +1,4 @@
-"""Newton matrix and gradient of a stretch, from the rows of its places and the balls of its tube.
+"""Newton matrix and gradient of a segment, from the rows of its stations and the balls of its tube.
 
 The unknowns of the slots follow each other, six a slot, and each cell has six neighbouring slots: row i of the band
 (unknowns, 36) holds the entries (i, i), (i, i + 1) to (i, i + 35).

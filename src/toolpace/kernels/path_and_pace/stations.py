@@ -1,4 +1,4 @@
-"""What is felt at the places of a stretch, and how that moves with the unknowns of their cells.
+"""Values at the stations of a segment, and their derivatives by the unknowns of its cells.
 
 At each place the change of the path and the pace are told by few numbers: value and derivatives 1 to 3 by time of the
 five coordinates of the change, and those up to the second of the pace. Rows are told by these, and by the unknowns of a

@@ -1,1 +1,1 @@
-"""What the other planners compute in loops."""
+"""Kernels of the other planners."""

@@ -1,4 +1,4 @@
-"""Symmetric positive definite matrices with a band and two full columns beside it: Cholesky of the band, in place.
+"""Banded positive definite matrices with two full columns: Cholesky factorisation in place.
 
 [ H  E ] [x]   [b]        H (n, n) banded, stored by rows (n, width + 1): entry d of row i is H[i, i - width + d]
 [ E' D ] [w] = [c]        E (n, 2), D (2, 2)

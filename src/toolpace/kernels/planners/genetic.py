@@ -1,5 +1,5 @@
 # ruff: noqa: NPY002 - the only generator that compiled code has
-"""The simple genetic algorithm that shortens quintic time laws: binary genes, one-point crossover, flipped bits.
+"""The simple genetic algorithm for quintic time laws: binary genes, one-point crossover, bit mutation.
 
 Source: Wu, Li, Liu, Perez, ACC 2009, section II.C: the gene is the time period T of an interval.
 """

@@ -1,4 +1,4 @@
-"""Joint splines within their rows, by a barrier: the least u, or the least or most `late` at u = 1.
+"""Joint splines within their rows, by a barrier method.
 
 least: rows, coefficients strictly within u
   repeat with more and more weight on what is to be least

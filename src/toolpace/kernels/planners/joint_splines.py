@@ -1,4 +1,4 @@
-"""Joints from state to state as cubic splines of time: what they ask of limits, travel and feed.
+"""The rows of limits, travel and feed for joints as cubic splines of time.
 
 coefficients   y_0  y_1  y_2 | y_3  ...  y_N-1 | y_N  y_N+1  y_N+2         N steps, with constant jerk in each
                start           free              end, moves with `late`

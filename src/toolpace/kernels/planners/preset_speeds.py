@@ -1,4 +1,4 @@
-"""Speeds and accelerations at the reference points of the genetic planner, so that every interval has a quintic law.
+"""Speeds and accelerations at the reference points of the genetic planner.
 
 The paper sets them "in advance" and does not say how. Here speeds are lowered until the most comfortable law of every
 interval keeps to the limits, then raised again as long as that stays so; the accelerations follow from the speeds.

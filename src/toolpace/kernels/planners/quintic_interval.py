@@ -1,4 +1,4 @@
-"""Quintic time laws over intervals of a path: what they take of the limits.
+"""The limit utilisation of quintic time laws over path intervals.
 
 Source: Wu, Li, Liu, Perez, ACC 2009, section II.C: over the time period T of an interval the parameter moves as the
 quintic that has the preset speed and acceleration at both reference points.

@@ -1,4 +1,4 @@
-"""Second order: the highest z(s) = (ds/dt)^2 within speed and acceleration limits, by two passes over the cells.
+"""The highest z(s) = (ds/dt)^2 within speed and acceleration limits, by two passes over the cells.
 
 Source: Pham and Pham, "A new approach to time-optimal path parameterization based on reachability analysis", IEEE
 T-RO 2018 (TOPP-RA); the idea of following limits forth and back is Bobrow's (1985). z is linear in each cell, so

@@ -1,1 +1,1 @@
-"""How the path parameter moves over time: one law a planner."""
+"""Time laws: the path parameter over time."""

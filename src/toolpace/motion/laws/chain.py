@@ -1,4 +1,4 @@
-"""Time laws one after the other on the same run."""
+"""A time law from several, one after the other on one run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The time law of a path whose parameter is the time."""
+"""The time law of a path whose parameter is time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the path parameter moves over time: what every law tells."""
+"""The interface of a time law: the path parameter and its derivatives over time."""
 
 from __future__ import annotations
 

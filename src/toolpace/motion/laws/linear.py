@@ -1,4 +1,4 @@
-"""Time laws of constant acceleration along the path in each cell."""
+"""Time laws with constant acceleration along the path in each cell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Time laws that are a quintic of time in each interval between reference points."""
+"""Time laws from quintics of time between reference points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A time law at a slower pace."""
+"""A time law slowed down by a constant factor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The optimal planner's law: (ds/dt)^2 as a cubic spline of s."""
+"""Time laws with (ds/dt)^2 as a cubic spline of s: those of the optimal planner."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Joint positions along a path: all that a planner needs to know."""
+"""Joint paths: joint positions over a path parameter."""

@@ -1,4 +1,4 @@
-"""Joint positions along a path: all that a planner needs to know."""
+"""Joint paths: joint positions over a path parameter, run by run."""
 
 from __future__ import annotations
 

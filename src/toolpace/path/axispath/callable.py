@@ -1,4 +1,4 @@
-"""A run that a function of (s, order) gives."""
+"""A joint run from a function of (s, order), and the sides of its breaks."""
 
 from __future__ import annotations
 

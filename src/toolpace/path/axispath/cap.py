@@ -1,4 +1,4 @@
-"""How fast the parameter of a path may run: a number, or a function that a caller gives."""
+"""A cap on ds/dt along a joint path, from a number or a function."""
 
 from __future__ import annotations
 

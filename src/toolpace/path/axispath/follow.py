@@ -1,4 +1,4 @@
-"""The joints of a machine along one run of a path, on one branch of its inverse kinematics."""
+"""The joint run of a machine along a run of a path, on one branch of its inverse kinematics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paths made of the paper's quintic intervals: through reference points with given first and second derivatives.
+"""Joint paths from quintic intervals through reference points with given derivatives (Wu et al. 2009).
 
 Source: Wu, Li, Liu, Perez, ACC 2009, Eq. (7a) and (7b). Continuous to the second derivative at the points; the third
 jumps there.

@@ -1,4 +1,4 @@
-"""One stretch of joint positions between two stops: what a planner asks of it."""
+"""The interface of a joint run: positions, derivatives and a speed cap between two stops."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Axis paths that are splines: piecewise polynomials that somebody else has made, taken as they are.
+"""Joint paths from piecewise polynomials of a caller.
 
 Between its knots a spline is analytic. At a knot its derivatives may jump, and what that does to the motion decides
 what is taken:

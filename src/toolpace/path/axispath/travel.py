@@ -1,4 +1,4 @@
-"""Whether joints stay within travel all along a path: a smooth one swings about the points that it was fitted to."""
+"""A check of joint paths against the travel of the joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Axis paths through waypoints: the natural spline of degree five, or straight lines from stop to stop.
+"""Joint paths through waypoints: natural splines of degree five, or straight lines between stops.
 
 Of all curves through the waypoints the natural quintic spline has the least integral of its squared third derivative
 over the parameter, which is what jerk is made of. It is four times continuously differentiable, and its third and

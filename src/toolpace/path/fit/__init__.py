@@ -1,1 +1,1 @@
-"""From a polyline with tolerance to a smooth curve: the runs of `Path.fit`."""
+"""The fit of a smooth curve to a polyline within a tolerance."""

@@ -1,4 +1,4 @@
-"""How far a fitted curve is from its polyline, between all samples, in both directions.
+"""The distance between a fitted curve and its polyline, in both directions, between samples too.
 
 Curve and polyline are compared at the same parameter. That pairs every point of one with a point of the other in
 order along both, so the largest difference bounds the distance from the curve to the polyline, that from the polyline

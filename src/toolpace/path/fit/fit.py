@@ -1,4 +1,4 @@
-"""The fit of a whole tool path: the smoothest curve within its tolerances, run by run.
+"""The smoothest curve within the tolerances of a tool path, run by run.
 
 of a run from stop to stop:
   a first spline well inside the tube about the polyline, on as many knots as that takes

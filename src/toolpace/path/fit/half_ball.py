@@ -1,4 +1,4 @@
-"""The half of the tube on one side of the program: an ellipsoid in it stands for it, as large as one can be.
+"""Ellipsoids inside one half of the tolerance tube, for tolerances on one side.
 
 Of the ball of radius 1 about the program's tip the half with n . d >= 0 may be used. In it lies the ellipsoid
 

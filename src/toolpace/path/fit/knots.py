@@ -1,4 +1,4 @@
-"""Where the spline of a run has knots: at vertices, at least SPACING tolerances apart, and graded."""
+"""Knots of the fitted spline, from the vertices of the polyline."""
 
 from __future__ import annotations
 

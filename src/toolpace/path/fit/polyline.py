@@ -1,4 +1,4 @@
-"""A ToolPath as polylines between stops: tip and turn (rotary joints or tool axis) over one chord-length parameter.
+"""Polylines of tip and rotary joints (or tool axis) between stops, from a tool path.
 
 The parameter counts tip and turn in their tolerances, ds = sqrt(|dtip / tip_tolerance|^2 + |dturn / axis_tolerance|^2):
 a pure rotation has length, rounding noise of either kind weighs alike, and a sphere around a point is the tube.

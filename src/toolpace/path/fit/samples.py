@@ -1,4 +1,4 @@
-"""Where the spline of a run is compared with its polyline while it is worked on, and how."""
+"""Sample points at which a spline is compared with its polyline during the fit."""
 
 from __future__ import annotations
 

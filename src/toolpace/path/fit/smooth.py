@@ -1,4 +1,4 @@
-"""Smooth the spline of a run as far as its tube allows, window by window."""
+"""The smoothing of a spline inside its tube, window by window."""
 
 from __future__ import annotations
 

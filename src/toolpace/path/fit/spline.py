@@ -1,4 +1,4 @@
-"""The spline of a run while it is worked on."""
+"""The spline of a run during the fit: breaks and coefficients."""
 
 from __future__ import annotations
 

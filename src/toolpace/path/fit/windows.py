@@ -1,4 +1,4 @@
-"""Work on a spline window by window: which ranges of its coefficients, and side by side on all cores.
+"""Windows of spline coefficients that are solved in parallel.
 
 What happens at one place does not reach far along the path: windows with fixed ends, and then windows over their
 seams, come as close to the answer for the whole as one wants, in linear time. Ranges of one stage are GAP apart: no

@@ -1,1 +1,1 @@
-"""Lower bounds of the duration, and how they are raised."""
+"""Lower bounds of the duration of any motion."""

@@ -1,4 +1,4 @@
-"""Limit on the time or the work of a proof."""
+"""A budget of time for a proof."""
 
 from __future__ import annotations
 

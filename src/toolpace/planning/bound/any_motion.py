@@ -1,4 +1,4 @@
-"""Lower bound of the continuous problem for a whole plan: of every motion, on no mesh."""
+"""The lower bound of the continuous problem for a whole plan, independent of any mesh."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Branch and bound over ranges of speed at the knots, which tightens the relaxation.
+"""Branch and bound over ranges of speed at knots, tightened by the relaxation.
 
 piece: all z in a part of a run;   cut: what is to be proved
 repeat

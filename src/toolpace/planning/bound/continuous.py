@@ -1,4 +1,4 @@
-"""A lower bound of the continuous problem: of every motion that keeps the limits all along the path, on no mesh.
+"""A lower bound of the continuous problem of one run, by a dual function of multipliers over s.
 
 Multipliers of a fine mesh, even in time, are smoothed to functions; any functions give a bound. The derivation is in
 docs/design/bound.md.

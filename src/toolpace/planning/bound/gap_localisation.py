@@ -1,4 +1,4 @@
-"""Gap localisation: the places where the relaxation waits, and how much of the gap lies there."""
+"""The stretches of a run that the gap between plan and bound comes from."""
 
 from __future__ import annotations
 

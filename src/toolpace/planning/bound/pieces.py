@@ -1,4 +1,4 @@
-"""The lower bound of a long run: multipliers from overlapping pieces, worked out side by side, joined for the whole.
+"""The lower bound of a long run from multipliers of overlapping pieces.
 
 Any nonnegative multipliers give a bound (docs/design/bound.md), so those of pieces do. Around the border of two pieces
 the ones fade into the others: both are near those of the whole there, since what happens at one place of a run is of

@@ -1,4 +1,4 @@
-"""The planner's problem by knots, as relaxation and dual function take it, and parts of it."""
+"""The planner's problem by knots, for the relaxation and the dual function."""
 
 from __future__ import annotations
 

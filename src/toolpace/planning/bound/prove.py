@@ -1,4 +1,4 @@
-"""Proof of a plan: the lower bound is raised until the gap is closed or the time is over."""
+"""A tighter bound of a plan by branch and bound, within a time budget."""
 
 from __future__ import annotations
 

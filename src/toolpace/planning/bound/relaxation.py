@@ -1,4 +1,4 @@
-"""Lower bound of the planner's problem on its mesh, by weak duality."""
+"""A lower bound of the problem on its mesh, by a convex relaxation and weak duality."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The planner of the paper (Wu, Li, Liu and Perez, ACC 2009)."""
+"""The genetic planner (Wu, Li, Liu and Perez, ACC 2009)."""

@@ -1,4 +1,4 @@
-"""The planner of the paper: preset speeds at reference points, the time between them by a genetic algorithm.
+"""The genetic planner: preset speeds at reference points, interval times by a genetic algorithm (Wu et al. 2009).
 
 Source: Wu, Li, Liu, Perez, "Local minimum time trajectory planning for five-axis machining with or without
 deflection", ACC 2009, section II.C and Fig. 2. What it leaves open is said at each parameter of `Genetic`.

@@ -1,4 +1,4 @@
-"""Speeds and accelerations at reference points, set in advance so that every interval has a quintic law."""
+"""Preset speeds and accelerations at reference points that give every interval a quintic law."""
 
 from __future__ import annotations
 

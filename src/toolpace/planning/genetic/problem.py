@@ -1,4 +1,4 @@
-"""A run cut into intervals at reference points, and what each limit asks for inside them."""
+"""Intervals of a run between reference points, with the limits inside them."""
 
 from __future__ import annotations
 

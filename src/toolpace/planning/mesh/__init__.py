@@ -1,1 +1,1 @@
-"""Where a planner puts its nodes."""
+"""Meshes of the path parameter."""

@@ -1,4 +1,4 @@
-"""First estimate of the motion: the limits point by point, joined by ramps."""
+"""An initial guess of the speed: pointwise limits joined by ramps."""
 
 from __future__ import annotations
 

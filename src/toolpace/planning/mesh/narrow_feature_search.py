@@ -1,4 +1,4 @@
-"""Search for narrow features between two points of a grid, from the increments of the path.
+"""The search for path features narrower than the grid, from the path's increments.
 
 A bend, a kink or a jump between two places changes position, slope or curvature by more than the derivatives at both
 tell, however short it is (kernels/motion/narrow_features.py). The gap is halved, the half kept from which that is

@@ -1,4 +1,4 @@
-"""Where the planner puts its nodes: evenly in time, finer next to rest and where the path turns."""
+"""Mesh nodes even in time, finer near rest and where the path turns."""
 
 from __future__ import annotations
 

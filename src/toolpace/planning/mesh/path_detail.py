@@ -1,4 +1,4 @@
-"""Places where a path needs a finer grid: cusps, poles and other short features."""
+"""Places of a path that need a finer mesh: cusps, poles, short features."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The optimal planner: fastest within velocity, acceleration, jerk and feed, at any time."""
+"""The optimal planner: minimum time within velocity, acceleration, jerk and feed limits."""

@@ -1,4 +1,4 @@
-"""Continuation in the boundary speed: a solution between ends in motion, from slower ends.
+"""Continuation in the boundary speeds, where a solve between ends in motion fails.
 
 k times the speed:  z, z' and z'' are k^2 times as much, jerk is k^3 times as much;  slow enough, all is within limits
   k <- so slow that a start is well within all limits

@@ -1,4 +1,4 @@
-"""Fallback strategies for a plan far above its lower bound: proof, finer mesh, fewer cells.
+"""Fallback strategies for a plan far above its lower bound.
 
 gap of a run above a few percent:
   where most of it lies at places at which the relaxation stands still, the bound is loose there:

@@ -1,4 +1,4 @@
-"""Inter-sample constraint handling: limits of a solution held between the nodes too."""
+"""Limits between the nodes of a mesh, held by added rows and finer cells."""
 
 from __future__ import annotations
 

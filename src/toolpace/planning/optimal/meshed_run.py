@@ -1,4 +1,4 @@
-"""A run on its mesh: what there is of the whole of it. Problems, which take much memory, are cut from it."""
+"""A run on its mesh, and the rows of limits between its nodes."""
 
 from __future__ import annotations
 

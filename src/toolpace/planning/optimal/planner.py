@@ -1,4 +1,4 @@
-"""The optimal planner: the fastest motion along a path within velocity, acceleration, jerk and feed, at any time.
+"""The optimal planner: minimum-time motion within velocity, acceleration, jerk and feed limits.
 
 of a run between two states:
   nodes of s, close together where a first idea of the motion is quick to change

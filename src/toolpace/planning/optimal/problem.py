@@ -1,4 +1,4 @@
-"""A run and its limits on a mesh: the rows that the core of the optimal planner takes."""
+"""The optimisation problem of a run on a mesh: rows of limits for the solver."""
 
 from __future__ import annotations
 

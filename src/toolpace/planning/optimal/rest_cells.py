@@ -1,4 +1,4 @@
-"""The cells next to rest, in which ds/dt has a constant third derivative: how fast their limits let them end."""
+"""Speed caps of the cells next to rest, where ds/dt has a constant third derivative."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Slow-down that removes what the constraint handling between the nodes leaves above the guarantee."""
+"""Local slow-down that removes the violations which inter-sample rows leave."""
 
 from __future__ import annotations
 

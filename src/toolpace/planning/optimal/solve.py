@@ -1,4 +1,4 @@
-"""Solving a problem with the interior-point core."""
+"""Solutions of a problem by the interior-point kernel, with restarts and reliefs."""
 
 from __future__ import annotations
 

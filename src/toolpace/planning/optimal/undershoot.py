@@ -1,4 +1,4 @@
-"""Undershoot of z inside a cell, far below both nodes: the cell is cut, or z raised."""
+"""Refinement of cells in which the squared speed falls far below its values at both nodes."""
 
 from __future__ import annotations
 

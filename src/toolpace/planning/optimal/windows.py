@@ -1,4 +1,4 @@
-"""Solving a run: in one piece, in windows, or again in stretches only."""
+"""The solution of a long run: in one piece, in overlapping windows, or again in stretches."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Path-and-pace optimisation: the change of a fitted path and of its speed law that saves most time."""
+"""Optimisation of path and speed law together."""

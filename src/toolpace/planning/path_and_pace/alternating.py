@@ -1,4 +1,4 @@
-"""Alternating optimisation of path and speed law: each path is fitted for the speed of those before it.
+"""Alternating optimisation of path and speed law: each fit is weighted by the speed of the motions before it.
 
 within the tolerances at hand
     the path that knows no pace, and the motion along it, with its limits held at the nodes: cheap, and it ranks paths

@@ -1,4 +1,4 @@
-"""Cheap evaluation of paths: motions with limits at the nodes, and between them where needed.
+"""Cheap and full evaluation of candidate paths by their optimal motions.
 
 Held at the nodes only, the pace may fall to next to nothing between two of them (a drill that turns back on its own
 way). Such a motion tells nothing of its path, and one run of that kind is enough to hide all others. Holding limits

@@ -1,4 +1,4 @@
-"""Effort settings of the path-and-pace optimisation."""
+"""Discretisation and stopping of the simultaneous optimisation, by effort."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Final plan of a path-and-pace optimisation, on a fine mesh.
+"""The final plan of an optimised path, on a mesh refined until the gap is small.
 
 Such a path has many joints at their limits at once, and little else than its own pace will do: what its mesh cannot
 hold between the nodes has to be slowed down, and the bound on the path tells by how much.

@@ -1,4 +1,4 @@
-"""The fastest change of a stretch: a primal-dual interior-point method on banded matrices.
+"""The fastest local change of a segment's path and speed: a banded primal-dual interior-point method.
 
     minimise    the time, sum of weight / sqrt(z)
     subject to  |used| <= 1 at the places of the rows,   deviations of tip and turn <= radius at those of the tube

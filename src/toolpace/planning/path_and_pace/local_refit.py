@@ -1,4 +1,4 @@
-"""Path-and-pace optimisation of a planned path, run by run.
+"""The simultaneous change of path and speed law of a planned run, window by window.
 
 of a run, its path and the motion along it:
   knots: those of the path, and more where the motion takes long from one to the next

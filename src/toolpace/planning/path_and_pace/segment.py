@@ -1,4 +1,4 @@
-"""Linearised constraints of a part of a motion, for small changes of path and speed law.
+"""The linearised limits and tolerances of a segment under small changes of its path and speed.
 
 Over the time t of the motion at hand, tip and rotary joints x(t) change by d(t), and the pace by z = (dt / dt_new)^2,
 which was 1. The joints q then have, with primes for derivatives by t,

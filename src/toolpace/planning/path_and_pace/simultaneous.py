@@ -1,4 +1,4 @@
-"""Iterations of the path-and-pace optimisation while they save time, and the plan of the result.
+"""Simultaneous optimisation of path and speed law, repeated while it gains.
 
 from a path and its motion, with limits held at the nodes
     repeat:  the path changed together with its pace, window by window;  its motion;  much faster?  once more

@@ -1,1 +1,1 @@
-"""The second-order planner: velocity, feed and acceleration only."""
+"""The second-order planner: velocity, feed and acceleration limits only."""

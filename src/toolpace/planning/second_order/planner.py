@@ -1,4 +1,4 @@
-"""The second-order planner: the fastest motion within velocity, feed and acceleration limits; jerk is not limited.
+"""The second-order planner: minimum time within velocity, feed and acceleration limits, without jerk.
 
 Source: Pham and Pham 2018 (TOPP-RA); see `kernels/planners/reachability.py`. Acceleration jumps where the motion
 switches from one limit to another, and at rest: real axes cannot follow that exactly. It tells how much of a cycle time

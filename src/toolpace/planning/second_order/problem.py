@@ -1,4 +1,4 @@
-"""A run and its velocity, feed and acceleration limits on a mesh, as the second-order kernel takes them."""
+"""A run with its velocity, feed and acceleration limits on a mesh, for the second-order kernel."""
 
 from __future__ import annotations
 

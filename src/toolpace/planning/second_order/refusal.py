@@ -1,4 +1,4 @@
-"""Why no second-order motion joins two end states: which limit, of which joint, where."""
+"""The reason why no second-order motion joins two end states: limit, joint, place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs in, ToolPath out: programs for controllers, cutter-location data (APT, CLSF) and tables of points."""
+"""Readers: from programs, cutter-location data and tables of points to tool paths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The numbers that blocks have in a program for a control: N words, and what Klartext begins its lines with."""
+"""Block numbers in programs: N words, and the line numbers of Klartext."""
 
 from __future__ import annotations
 

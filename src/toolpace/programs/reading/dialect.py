@@ -1,4 +1,4 @@
-"""Tells by name and content which dialect a program is written in."""
+"""The dialect of a program, from its name and content."""
 
 from __future__ import annotations
 

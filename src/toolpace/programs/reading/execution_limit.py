@@ -1,4 +1,4 @@
-"""How much of a program has been executed, and when that is taken for a loop without end."""
+"""The limit of executed blocks, beyond which a program counts as endless."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Replaces the feeds of a program: by a value, by a factor, or by none."""
+"""Replacement of a program's feeds: by a value, a factor, or none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a reader came upon: words passed over, what it took for granted, and what it refuses, all of one run."""
+"""The findings of a reader: ignored words, assumptions, refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of tables whose lengths are in mm and angles in deg unless a table [units] says otherwise."""
+"""TOML tables in mm and deg, unless a table [units] says otherwise."""
 
 from __future__ import annotations
 

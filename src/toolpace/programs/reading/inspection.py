@@ -1,4 +1,4 @@
-"""What a program is, asks for and needs, without planning it; words that are not read are told, not raised."""
+"""The inspection of a program: what it is and needs, with unread words collected, not raised."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which controller a program is for, and the reader of its language."""
+"""The controller of a program, and the reader of its language."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a program is to be read, beside what stands in it."""
+"""Options of reading beside the program's text."""
 
 from __future__ import annotations
 

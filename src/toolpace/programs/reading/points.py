@@ -1,4 +1,4 @@
-"""The last step of every dialect: from points with their ways to a ToolPath that keeps its promises."""
+"""Tool paths from points, checked: the last step of every reader."""
 
 from __future__ import annotations
 

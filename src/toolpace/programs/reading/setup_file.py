@@ -1,4 +1,4 @@
-"""Set-up sheets (TOML) to `SetUp`, every figure checked where it is read, and back.
+"""Set-up sheets from TOML, and back.
 
 Lengths are in mm and angles in deg unless a table [units] says otherwise.
 """

@@ -1,4 +1,4 @@
-"""A set-up sheet to fill in: what a program uses of one, with the figures that are taken where nothing is filled in."""
+"""A set-up sheet to fill in, from what a program uses."""
 
 from __future__ import annotations
 

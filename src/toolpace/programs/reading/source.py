@@ -1,4 +1,4 @@
-"""The text of a program and its name: what every dialect reads from."""
+"""The text and name of a program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads tables of points: CSV with a header that names columns and units."""
+"""Tables of points: CSV with a header of columns and units."""
 
 from __future__ import annotations
 

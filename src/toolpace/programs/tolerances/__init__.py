@@ -1,1 +1,1 @@
-"""How far a path may stray from its program, place by place."""
+"""Tolerances of a path by place."""

@@ -1,4 +1,4 @@
-"""How far a path may stray from its program, place by place: by operation, tool or blocks, or as the program asks."""
+"""Tolerances of a path by operation, tool or block, or as the program asks."""
 
 from __future__ import annotations
 

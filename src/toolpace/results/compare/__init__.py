@@ -1,4 +1,4 @@
-"""Plans side by side: by operation, by what limits, and over the path."""
+"""Comparison of plans: by operation, by limit, and over the path."""
 
 from __future__ import annotations
 

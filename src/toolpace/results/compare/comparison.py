@@ -1,4 +1,4 @@
-"""Comparison of plans from their folders: durations by operation and by limit."""
+"""The differences between plans, from their folders."""
 
 from __future__ import annotations
 

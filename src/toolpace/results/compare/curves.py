@@ -1,4 +1,4 @@
-"""Curves of a comparison from set-points: speed of the tip and time over path length."""
+"""Tip speed and time over path length, for the curves of a comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a comparison: plans, operations and limits as tables, and the speed of each over the path."""
+"""The page of a comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One page that shows a motion: its time, its limits, and where they bind; opens without a network."""
+"""The report of a plan: one HTML page that opens without a network."""
 
 from __future__ import annotations
 

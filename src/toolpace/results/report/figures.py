@@ -1,4 +1,4 @@
-"""Figures of plan.json that a report shows beside the motion."""
+"""The figures that a report shows beyond the motion itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page that plays what a follower did: error of the tip, pace, and what path and correction use of each limit."""
+"""A page that replays a follower's record: tip error, pace, utilisation."""
 
 from __future__ import annotations
 

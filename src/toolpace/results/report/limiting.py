@@ -1,4 +1,4 @@
-"""The binding limit at each time: the feed, or one limit of one joint."""
+"""The limit that holds the motion back at each time."""
 
 from __future__ import annotations
 

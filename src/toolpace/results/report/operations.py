@@ -1,4 +1,4 @@
-"""The part of the report that tells time by operation and tool, and what was taken for granted of the program."""
+"""The table of operations and tools in the report, and the assumptions of the reader."""
 
 from __future__ import annotations
 

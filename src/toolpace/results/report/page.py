@@ -1,4 +1,4 @@
-"""HTML of the report: tables from the plan, and data for the script that draws the charts."""
+"""The report page: tables, and data for its script."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The map of a search for a set-up as a drawing (SVG): the time over x and y, and where it is beyond travel."""
+"""The map of a set-up search as SVG: duration over x and y."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Content security policy of a page: only its own scripts and styles run, and nothing is loaded.
+"""The content security policy of pages.
 
 A content security policy in the page itself. Scripts and style sheets run where their checksums are those of the ones
 written here; whatever found its way in by the name of a program does not. There is no network.

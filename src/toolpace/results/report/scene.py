@@ -1,4 +1,4 @@
-"""Data of the three-dimensional view: path of the tip, with the tool axis at some points."""
+"""The tip's path in space with the tool axis as line segments, decimated."""
 
 from __future__ import annotations
 

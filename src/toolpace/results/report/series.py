@@ -1,4 +1,4 @@
-"""The curves of the report: every channel over time as small integers, its peaks kept."""
+"""The curves of the report as small integers over time, with peaks kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a search for a set-up: what is gained, the best ten, the map, what limits before and after."""
+"""The page of a set-up search."""
 
 from __future__ import annotations
 

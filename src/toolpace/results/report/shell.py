@@ -1,4 +1,4 @@
-"""HTML around the body of each page: head, styles, data, chart library, script and policy."""
+"""The frame of every page: head, styles, data, chart library, script, policy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names, numbers and colours of limits, as reports and summaries show them."""
+"""Texts, number formats and colours of the report."""
 
 from __future__ import annotations
 

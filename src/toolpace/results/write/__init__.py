@@ -1,4 +1,4 @@
-"""What a plan leaves on disk: one folder, whole or not at all, from which it can be judged again."""
+"""The folder of a plan, written completely or not at all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A tool path as cutter-location data (APT): tips and tool axes in the part's frame, for any machine and clamping."""
+"""A tool path as cutter-location data (APT)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of plan.json, each from what a job came to."""
+"""The figures of plan.json from a job's result."""
 
 from __future__ import annotations
 

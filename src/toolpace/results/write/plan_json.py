@@ -1,4 +1,4 @@
-"""plan.json: the figures of a plan that other programs read."""
+"""plan.json: the figures of a plan for other programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading options of a plan, with the files of its controller and its set-up sheet."""
+"""The controller, set-up sheet and options with which a program was read, beside its plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Result of a job and its inputs, from which the folder of a plan is written."""
+"""A job's result and inputs, from which the folder of a plan is written."""
 
 from __future__ import annotations
 

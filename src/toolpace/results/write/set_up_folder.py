@@ -1,4 +1,4 @@
-"""What a search for a set-up leaves on disk: one folder, whole or not at all."""
+"""The folder of a set-up search."""
 
 from __future__ import annotations
 

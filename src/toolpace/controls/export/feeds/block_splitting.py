@@ -1,4 +1,4 @@
-"""Straight blocks cut into pieces: the same coordinates, with places on the way before them."""
+"""Straight blocks split into pieces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When each block of a program is run: the ways between its points, side by side with the set-points of its plan."""
+"""The time at which each block of a program is run, from the set-points of its plan."""
 
 from __future__ import annotations
 

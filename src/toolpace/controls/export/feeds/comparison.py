@@ -1,4 +1,4 @@
-"""Whether a program with other feeds is the same path, block for block."""
+"""A check that a program with other feeds is the same path, block for block."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A program side by side with its plan, and the feeds that give each block the time that the plan takes for it.
+"""The feeds that give each block the time which the plan takes for it.
 
 What an F means is not worked out here: the program is read with one F everywhere, and its time tells.
 """

@@ -1,4 +1,4 @@
-"""The text of a program with the feeds of its plan: which blocks get an F of their own, and what keeps the others'."""
+"""The text of a program with new feeds."""
 
 from __future__ import annotations
 

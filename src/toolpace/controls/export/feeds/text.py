@@ -1,4 +1,4 @@
-"""A program as lines with their ends, so that what is not changed stays as it is, to the byte."""
+"""The lines of a program with their line ends, so that unchanged text stays identical."""
 
 from __future__ import annotations
 

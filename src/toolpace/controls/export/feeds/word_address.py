@@ -1,4 +1,4 @@
-"""F in G-code: found, replaced or added, with G93 where feeds are inverse times."""
+"""Feed words in G-code, with G93 for inverse-time feeds."""
 
 from __future__ import annotations
 

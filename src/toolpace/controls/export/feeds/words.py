@@ -1,4 +1,4 @@
-"""How an F stands in a line of a program, language by language: found, replaced, or added, and nothing else touched."""
+"""The interface to feed words of one language: find, replace, add."""
 
 from __future__ import annotations
 

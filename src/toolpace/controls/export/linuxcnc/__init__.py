@@ -1,1 +1,1 @@
-"""What LinuxCNC plays: rows for its HAL, programs for its interpreter."""
+"""Exports for LinuxCNC: rows for its HAL, programs for its interpreter."""

@@ -1,4 +1,4 @@
-"""A move from rest to rest that leads to the first set-point, well within the limits of every joint."""
+"""A move from rest to the first set-point, well within all limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""HAL files that stop LinuxCNC where a joint is commanded beyond the plan: guard.hal, and limits.hal for each plan.
+"""HAL files that stop LinuxCNC when a joint command leaves the plan.
 
 A stream wants LinuxCNC's own limits lifted. guard.hal lifts them only while it watches: from an output that the stream
 sets until the stream ends, or the machine is off or not in automatic mode. It differentiates the commanded position of

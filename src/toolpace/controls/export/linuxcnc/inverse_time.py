@@ -1,4 +1,4 @@
-"""Target `linuxcnc-g93`: a program of G1 blocks under G93 that LinuxCNC runs in step with the plan, two cycles a block.
+"""Target `linuxcnc-g93`: G1 blocks under G93, two servo cycles each, in step with the plan.
 
 LinuxCNC plans no jerk and holds no joint to its limit where the tool centre point rules, but under G61.1 (exact stop) a
 block that asks for more speed than it can have takes exactly two cycles of its servo thread, where the limits of the

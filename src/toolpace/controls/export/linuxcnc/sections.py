@@ -1,4 +1,4 @@
-"""The blocks of a stream, tool by tool: where the machine stands before, and the positions that it goes through."""
+"""The blocks of a stream, tool by tool."""
 
 from __future__ import annotations
 

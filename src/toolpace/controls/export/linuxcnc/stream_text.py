@@ -1,4 +1,4 @@
-"""The text of a G93 stream around its blocks: what must hold, the way to the start, and when the guard watches."""
+"""The text of a G93 stream around its blocks: modes, approach, guard."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Target `linuxcnc-hal`: rows for HAL's streamer, one a servo period, and the HAL file that plays them through limit3.
+"""Target `linuxcnc-hal`: rows for HAL's streamer, one a servo period, and the HAL file that plays them.
 
 No interpreter and no planner lie between these rows and the joints: what is written is what they are told. limit3 is
 set just above what the plan uses, so that it never acts, but holds the joints back where rows are missing.

@@ -1,1 +1,1 @@
-"""The laws of a detour and of the way on."""
+"""Time laws of a detour and of the motion after it."""

@@ -1,4 +1,4 @@
-"""The law under which a detour and the rest of its run go as they were found."""
+"""The time law of a detour as it was found."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's step (4): the period of the way on to the next reference point.
+"""The time law to the next reference point by the genetic planner (Wu et al. 2009, step 4).
 
 The detour itself needs no breeding: it is the shortest that is found within the limits.
 """

@@ -1,4 +1,4 @@
-"""The law of a detour and of the way on to the motion that is known, timed anew by a planner of runs.
+"""The time law of a detour by a planner of runs.
 
 It looks no further than the rejoining needs: after as long again as the detour takes, the known law goes on.
 

@@ -1,4 +1,4 @@
-"""How a detour and the rest of its run are timed: by which planner."""
+"""The choice of the planner that times a detour."""
 
 from __future__ import annotations
 

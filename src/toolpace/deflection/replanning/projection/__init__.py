@@ -1,4 +1,4 @@
-"""The projection of a deflection on the path: its nearest point, by bounds or by the paper's potential field."""
+"""The projection of a deflection on the path: the nearest point, by bounds or by the paper's potential field."""
 
 from toolpace.deflection.replanning.projection.point import Projection
 from toolpace.deflection.replanning.projection.potential import force, potential

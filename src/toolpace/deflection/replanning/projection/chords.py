@@ -1,4 +1,4 @@
-"""Chords of a run's tip path, and how far the path strays from each: what the nearest point is found with.
+"""Chords of a tip path with bounds of their deviation, for the nearest-point search.
 
             sag = most |P''| (s1 - s0)^2 / 8
         .-''''''-.          the path stays within the sag of its chord, whatever it does between (Taylor's remainder

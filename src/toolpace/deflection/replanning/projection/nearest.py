@@ -1,4 +1,4 @@
-"""The nearest point of a path, by bounds that leave no piece of it out.
+"""The nearest point of a path by branch and bound.
 
 nearest: stretches of a path, a point
   every chord of every stretch, with the sag that the path stays within

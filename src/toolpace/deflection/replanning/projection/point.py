@@ -1,4 +1,4 @@
-"""What a projection is: the point of a path, and how sure it is that none is nearer."""
+"""A projection: the point of a path, with a bound of how much nearer another could be."""
 
 from __future__ import annotations
 

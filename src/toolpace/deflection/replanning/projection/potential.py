@@ -1,4 +1,4 @@
-"""The paper's way to the projection of a deflection: the potential field of Eq. (8) to (10).
+"""The nearest point by descent in a potential field (Wu et al. 2009, Eq. 8 to 10).
 
 Source: Wu, Li, Liu, Perez, ACC 2009, section II.D. The target slides along the path as its attraction to the
 deflection pulls it, until no force along the path is left.

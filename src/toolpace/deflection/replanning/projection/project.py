@@ -1,4 +1,4 @@
-"""The projection of a measured tip on a path, or on a part of it."""
+"""The projection of a deflection on a path, or on a part of it."""
 
 from __future__ import annotations
 

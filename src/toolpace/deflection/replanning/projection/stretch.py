@@ -1,4 +1,4 @@
-"""The part of a run on which a projection is looked for."""
+"""The parts of a run that a projection searches."""
 
 from __future__ import annotations
 

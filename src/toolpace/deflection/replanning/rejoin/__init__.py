@@ -1,1 +1,1 @@
-"""The way back: joints as splines of time, as short as limits, travel and feed allow."""
+"""Rejoin motions within limits, travel and feed."""

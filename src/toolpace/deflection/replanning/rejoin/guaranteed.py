@@ -1,4 +1,4 @@
-"""The way back that is always there: beside the path at a lower pace, at worst from rest, after a while if need be.
+"""The rejoin motion that always exists: superposed on a slower motion along the path, at worst from rest.
 
 sure: an instant of a motion, the motion that shall be rejoined, the limits
   now; where that is long, also from a stop of all joints, and from the next instants at which the limits leave room:

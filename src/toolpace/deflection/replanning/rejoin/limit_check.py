@@ -1,4 +1,4 @@
-"""What a way back uses of limits, travel and feed, seen at many instants."""
+"""The utilisation of limits, travel and feed by a rejoin motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""To rest on the path, and from there on by a clock that no limit can hinder: the last resort, which always passes.
+"""A stop on the path and a restart with a clock rate that no limit prevents: the last resort.
 
     stop, straight to the path, rest       dc/dt:  k^2 t^2 / 2,  then 1 - e with e' = -k e,  at last 1
 

@@ -1,4 +1,4 @@
-"""The detour that brings the tool back soonest, and of those the one that loses least time of the program.
+"""The search for the rejoin motion of least duration, and of least loss of time.
 
 search: a state in motion, the motion that shall be rejoined, the limits
   the shortest time in which the joints alone can do it, by steps and bisection

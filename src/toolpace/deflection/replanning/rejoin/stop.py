@@ -1,4 +1,4 @@
-"""Stops of all joints from a state in motion: each as fast as its acceleration and jerk allow, or all in proportion.
+"""Stops of all joints from a state in motion.
 
     jerk          acceleration        With v the velocity and a the acceleration at first, J and A the limits:
      --.   .--      --.               the peak is  min(A, sqrt(J v + a^2 / 2)),  on the side that brakes what

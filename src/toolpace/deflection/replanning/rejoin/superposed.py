@@ -1,4 +1,4 @@
-"""The way back beside the path: the motion along the path goes on slower, and what is off dies away meanwhile.
+"""A decaying offset superposed on a slower motion along the path.
 
     q(t) = Q(c(t)) + e(t)          Q: the motion that is rejoined, c: its clock, e: by how much the joints are off
 

@@ -1,4 +1,4 @@
-"""The steps of a detour: short ones first, so that a tip above its feed is braked at once, then even ones.
+"""The time steps of a rejoin motion, short at its start.
 
 Cubic splines on them, in the coefficients c_0 to c_N+2; c_k has its say about the mean of t_k-2, t_k-1 and t_k.
 """

@@ -1,4 +1,4 @@
-"""Circles of cutter-location data in the forms of NX, Creo and CATIA."""
+"""Circles of cutter-location data as NX, Creo and CATIA write them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Curves of cutter-location data: CIRCLE, CATIA's arcs, NURBS and MOVNRB."""
+"""Curves of cutter-location data: CIRCLE, CATIA arcs, NURBS, MOVNRB."""
 
 from __future__ import annotations
 

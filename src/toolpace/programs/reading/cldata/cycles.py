@@ -1,4 +1,4 @@
-"""Drilling cycles of cutter-location data: what CYCLE says, and the steps along the tool axis at each hole."""
+"""Drilling cycles of cutter-location data: CYCLE and the strokes at each hole."""
 
 from __future__ import annotations
 

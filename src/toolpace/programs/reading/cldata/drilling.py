@@ -1,4 +1,4 @@
-"""CYCLE as it stands at a point of the program, and the moves that it makes of a GOTO."""
+"""The active CYCLE, and the moves that it makes of a GOTO."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The feed of cutter-location data: FEDRAT in its forms, and the spindle speed for feeds per revolution."""
+"""Feeds of cutter-location data: FEDRAT, and feeds per revolution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""In what the points are written: the unit of lengths, the coordinate system, and what would shift or turn it."""
+"""The unit and coordinate system of cutter-location data."""
 
 from __future__ import annotations
 

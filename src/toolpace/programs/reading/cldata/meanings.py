@@ -1,4 +1,4 @@
-"""Statements of cutter-location data that are no motion: what each means, and the cure of those that are refused."""
+"""Statements of cutter-location data without motion, and the cures of those that are refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Straight motion of cutter-location data: GOTO, GODLTA, FROM and GOHOME, at a feed, as rapids or as holes."""
+"""Straight motion of cutter-location data: GOTO, GODLTA, FROM, GOHOME."""
 
 from __future__ import annotations
 

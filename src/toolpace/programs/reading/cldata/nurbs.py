@@ -1,4 +1,4 @@
-"""The NURBS record of NX: statements that together are one curve."""
+"""The NURBS record of NX."""
 
 from __future__ import annotations
 

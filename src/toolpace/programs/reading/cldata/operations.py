@@ -1,4 +1,4 @@
-"""Operations of cutter-location data, and the tools that work in them."""
+"""Operations and tools of cutter-location data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads cutter-location data: APT and the CLSF of NX."""
+"""The reader of cutter-location data (APT, CLSF of NX)."""
 
 from __future__ import annotations
 

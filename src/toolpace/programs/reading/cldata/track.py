@@ -1,4 +1,4 @@
-"""The points of a program as they are read, and at the end, with curves laid out, its tool path."""
+"""The points of cutter-location data while they are read, and the tool path from them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Splits cutter-location data (APT, CLSF) into statements."""
+"""Statements of cutter-location data from its text."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Cutter radius compensation: from the contour that a program tells to the way of the tool's centre."""
+"""Cutter radius compensation: from the programmed contour to the path of the tool centre."""

@@ -1,4 +1,4 @@
-"""Elements of a contour in a plane: lines and circular arcs, with points as complex numbers [m]."""
+"""Contour elements in a plane: lines and arcs, points as complex numbers [m]."""
 
 from __future__ import annotations
 

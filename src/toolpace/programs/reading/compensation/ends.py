@@ -1,4 +1,4 @@
-"""Where a compensation begins and ends."""
+"""The start and end of a compensation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compensation that looks one element ahead: each element is laid beside the contour, its end when the next comes."""
+"""Compensation with one element of look-ahead, with the corner rules of a control."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compensation as LinuxCNC's interpreter has it: an arc about each outside corner, the intersection in each inside one.
+"""Compensation by the rules of LinuxCNC's interpreter.
 
 Facts from its manual, "Cutter Compensation", and from the motions of the interpreter itself (`rs274` of version 2.9):
 where the two differ, or the manual says nothing, the interpreter moves the machine. It knows one element back, lets a

@@ -1,4 +1,4 @@
-"""Where the offset ways of two elements meet."""
+"""Intersections of the offset curves of two elements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What differs from control to control in how a contour is followed, approached and left."""
+"""The rules by which controls differ: corners, approach, departure."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""A stage between contour and moves: it lays the motions of the tool's centre, and moves their ends when the element
-behind them is known."""
+"""The stage between contour and moves, which delays each move until the next element is known."""
 
 from __future__ import annotations
 

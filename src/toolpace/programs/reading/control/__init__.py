@@ -1,1 +1,1 @@
-"""The virtual control: what every control language drives, and what comes of it: moves, then points."""
+"""The virtual control that every control language drives: commands in, moves and points out."""

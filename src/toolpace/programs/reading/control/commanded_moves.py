@@ -1,4 +1,4 @@
-"""From the motions of a program to its moves as a control sees them: lengths, directions, arcs."""
+"""Commanded moves with lengths, directions and arcs, from the motions of a program."""
 
 from __future__ import annotations
 

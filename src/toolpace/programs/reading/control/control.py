@@ -1,4 +1,4 @@
-"""The virtual control: it knows where the machine is, and turns what a language says into moves.
+"""The virtual control: the machine's position, and moves from commands.
 
 A control language reads its blocks and calls these methods, in the order in which a controller would act. All figures
 are in SI units; what letters, units and codes mean is the language's matter.

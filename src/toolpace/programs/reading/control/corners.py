@@ -1,4 +1,4 @@
-"""Corners between two straight ways: rounded by a tangent arc, or cut by a line."""
+"""Corners between straight moves: rounded by a tangent arc, or chamfered."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Canned cycles of holes, written out as the motions that they stand for."""
+"""Canned drilling cycles as motions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The feed that a control has in force: its mode, its F, and what they say of a motion."""
+"""The active feed: mode, F, and the feed of a motion."""
 
 from __future__ import annotations
 

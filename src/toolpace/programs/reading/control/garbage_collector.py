@@ -1,4 +1,4 @@
-"""Python's collector of cycles, which rests while a program is read."""
+"""Python's garbage collector, paused while a program is read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Moves of the joints themselves, whatever the words of the program mean: in machine coordinates, and turns."""
+"""Moves of the joints themselves: in machine coordinates, and turns."""
 
 from __future__ import annotations
 

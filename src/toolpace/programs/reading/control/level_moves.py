@@ -1,4 +1,4 @@
-"""Moves from level to level along one line of the program's coordinates."""
+"""Moves between levels along one line of the program's coordinates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The motions that a program commands, in its own coordinates, before any point is laid between them."""
+"""The motions of a program in its own coordinates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The named parts of a program, and the tool of each."""
+"""The named operations of a program, with their tools."""
 
 from __future__ import annotations
 

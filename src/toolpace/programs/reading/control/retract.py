@@ -1,4 +1,4 @@
-"""The way back along the tool, by a length or to the end of travel; and turns about a point of the tool."""
+"""Retracts along the tool, and turns about a point of the tool."""
 
 from __future__ import annotations
 

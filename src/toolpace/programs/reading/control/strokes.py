@@ -1,4 +1,4 @@
-"""Strokes: straight ways that end on one line, of which the motions of a hole are made.
+"""Strokes: straight moves that end on one line, from which drilling motions are made.
 
 A hole takes ten of them, and a program has thousands of holes that are alike: what they share is kept once.
 """

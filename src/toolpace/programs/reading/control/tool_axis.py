@@ -1,4 +1,4 @@
-"""The tool axis that a program asks for, as rotary words; and turns of the tool to a tilted plane."""
+"""The tool axis of a program as rotary words, and turns of the tool to a tilted plane."""
 
 from __future__ import annotations
 

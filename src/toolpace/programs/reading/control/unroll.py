@@ -1,4 +1,4 @@
-"""Lays points along the motions of a program so closely that straight ways between them stay true to it.
+"""Points along the motions of a program, dense enough for straight moves between them.
 
 Two things are curved in the workpiece frame although the program's words move in proportion: the tool axis
 while rotary joints turn, and the tip while they turn with tool-centre-point mode off. Their curvature is not

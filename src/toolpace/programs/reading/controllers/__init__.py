@@ -1,1 +1,1 @@
-"""Controllers as data: what the words of each mean, and by what a program of it is known."""
+"""Controllers as data: the meaning of words, and the signs by which programs are recognised."""

@@ -1,4 +1,4 @@
-"""A controller: a TOML file that says what words mean to it, and by which signs its programs are known."""
+"""A controller, from its TOML file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where controls that a program may be for would read it differently: the block, and what each makes of it."""
+"""The blocks that the possible controllers of a program would read differently."""
 
 from __future__ import annotations
 

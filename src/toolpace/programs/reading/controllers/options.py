@@ -1,4 +1,4 @@
-"""What a controller's file may say under `[options]`: names of each language, and what their values may be.
+"""The options of controller files, by language.
 
 What an option does is told where it is read, and in the built-in files; a test holds both sides together.
 """

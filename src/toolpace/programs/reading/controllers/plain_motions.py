@@ -1,4 +1,4 @@
-"""Plain motions of word-address programs: blocks that every control has alike, and programs with few of them."""
+"""Plain motion blocks that all controls read alike."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tells which control a program was written for, by its words, what its post says of itself, and its name."""
+"""The recognition of a program's controller by words, header and name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text of a program in which signs of controls are looked for: without comments, as each language has them."""
+"""A program's text without comments, for the search of signs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a program has said about its coordinates, and the placement of its words that comes of it."""
+"""The active frame of a program, and the placement of its words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames: rotations, reflections and shifts of points, as 4 by 4 matrices in rows of floats.
+"""Affine frames: rotations, reflections, scales and shifts as 4 by 4 matrices.
 
 A frame maps points written in it to the coordinates it stands in. Small and in plain Python: a program changes its
 frame a few times, and moves thousands of points, one at a time.

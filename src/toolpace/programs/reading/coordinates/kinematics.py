@@ -1,4 +1,4 @@
-"""What reading asks of a machine, and positions seen in both ways a program can mean them: tip or joints."""
+"""The machine as a reader sees it: positions as tip or as joints."""
 
 from __future__ import annotations
 

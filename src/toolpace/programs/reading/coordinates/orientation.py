@@ -1,4 +1,4 @@
-"""The rotary positions that bring the tool to a direction on the part."""
+"""Rotary positions that bring the tool to a direction on the part."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Placements of words in the machine, or on the part; and where the machine's zero and the work offsets are."""
+"""Placements of words in the machine or on the part, with machine zero and work offsets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the set-up sheet of a job says: where offsets, references, machine zero and tools are."""
+"""The set-up sheet: offsets, references, machine zero, tools."""
 
 from __future__ import annotations
 

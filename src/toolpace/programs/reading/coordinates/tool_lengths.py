@@ -1,4 +1,4 @@
-"""Lengths of the tools of cutter-location data and tables, from their operations and the set-up sheet."""
+"""Tool lengths of cutter-location data and tables, from operations and set-up sheet."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Curves of programs, kept exact until points are laid along them."""
+"""Exact curves of programs, before points are laid along them."""

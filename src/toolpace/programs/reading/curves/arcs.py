@@ -1,4 +1,4 @@
-"""Circles and helices of programs, kept exact until their points are laid out."""
+"""Circles and helices of programs."""
 
 from __future__ import annotations
 

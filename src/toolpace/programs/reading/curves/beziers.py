@@ -1,4 +1,4 @@
-"""Splines of programs as Bezier curves, kept exact until their points are laid out."""
+"""Bezier curves of programs."""
 
 from __future__ import annotations
 

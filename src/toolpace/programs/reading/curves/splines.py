@@ -1,4 +1,4 @@
-"""Cubic B-splines of programs, kept exact until their points are laid out."""
+"""Cubic B-splines of programs."""
 
 from __future__ import annotations
 

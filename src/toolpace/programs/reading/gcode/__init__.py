@@ -1,1 +1,1 @@
-"""G-code."""
+"""The reader of word-address programs (G-code)."""

@@ -1,4 +1,4 @@
-"""Executes blocks: their words in the order in which a controller acts on them."""
+"""The execution of a block: its words in the controller's order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads programs of letters and numbers as their controller would: block by block, in the order of execution."""
+"""The reader of word-address programs, block by block."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Variables that the controller itself sets: where the machine is, and what is in force."""
+"""System variables: positions and modal states."""
 
 from __future__ import annotations
 

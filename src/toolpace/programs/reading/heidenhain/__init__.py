@@ -1,1 +1,1 @@
-"""Heidenhain Klartext: statements compiled once, executed on the virtual control."""
+"""The reader of Heidenhain Klartext."""

@@ -1,4 +1,4 @@
-"""PLANE AXIAL and cycle 19 with axis angles: the plane that positions of the rotary axes make."""
+"""PLANE AXIAL and cycle 19 with axis angles."""
 
 from __future__ import annotations
 

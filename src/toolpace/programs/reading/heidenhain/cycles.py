@@ -1,4 +1,4 @@
-"""CYCL DEF: cycles that act where they are defined, and those that are kept for their calls."""
+"""CYCL DEF: cycles that act at once, and those that wait for a call."""
 
 from __future__ import annotations
 

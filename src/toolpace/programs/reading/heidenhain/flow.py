@@ -1,4 +1,4 @@
-"""The order of blocks: labels, calls, repetitions, jumps, other programs."""
+"""Program flow: labels, calls, repetitions, jumps, other programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a program shifts, mirrors, turns, scales and tilts, put together to one frame."""
+"""The frame of a program: shift, mirror, rotation, scale, tilted plane."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""FUNCTION TCPM and its like, TRANS, PRESET: the newer forms of M functions and cycles."""
+"""FUNCTION TCPM, TRANS, PRESET: newer forms of M functions and cycles."""
 
 from __future__ import annotations
 

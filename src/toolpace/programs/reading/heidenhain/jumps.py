@@ -1,4 +1,4 @@
-"""LBL, CALL and FN: where the program goes on, and the functions of Q parameters with numbers."""
+"""LBL, CALL and FN: jumps, and functions of Q parameters."""
 
 from __future__ import annotations
 

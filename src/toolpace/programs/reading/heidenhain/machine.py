@@ -1,4 +1,4 @@
-"""M functions: what the controller's file says of each, done at the beginning or at the end of its block."""
+"""M functions, by the controller's file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads Heidenhain Klartext as the control would: block by block, in the order of execution."""
+"""The reader of Klartext programs, block by block."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a Klartext program has in force beside what the control knows."""
+"""The state of a Klartext program beside the virtual control."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Statements by their first word: each is compiled once to a step, and executed as often as the program comes by."""
+"""Statements by their first word, compiled once to steps."""
 
 from __future__ import annotations
 

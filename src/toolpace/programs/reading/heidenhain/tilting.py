@@ -1,4 +1,4 @@
-"""PLANE and CYCL DEF 19: tilted planes, and how the rotary axes come to them."""
+"""PLANE and cycle 19: tilted planes, and the motion of the rotary axes to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""TOOL CALL: another tool, its axis, its speed and its feed."""
+"""TOOL CALL: tool, axis, speed, feed."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Programs of Sinumerik 840D, 828D and their kin."""
+"""The reader of Sinumerik programs (840D, 828D and relatives)."""

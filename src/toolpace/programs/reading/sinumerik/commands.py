@@ -1,4 +1,4 @@
-"""Commands with arguments: MSG, TRAORI, FGROUP, the cycles, references, variables of the control."""
+"""Commands with arguments: MSG, TRAORI, FGROUP, cycles, references, system variables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Does what a block says, in the order in which the control acts: modes, tools, feed, frames, calls, motion, ends."""
+"""The execution of a block in the control's order: modes, tools, feed, frames, calls, motion, end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames that a program sets: TRANS, ROT, SCALE, MIRROR and their additive kin, settable offsets, tilted planes.
+"""Frames: TRANS, ROT, SCALE, MIRROR and additive forms, settable offsets, tilted planes.
 
 The chain (Function Manual Basic Functions, K2): settable offset, then the frame of a tilted plane, then the
 programmed frame. TRANS, ROT, ROTS, SCALE and MIRROR replace the whole programmed frame; ATRANS and its kin append.

@@ -1,4 +1,4 @@
-"""Words of one group exclude each other in a block (Programming Manual Fundamentals, "G functions"; alarm 12060)."""
+"""Groups of G functions that exclude each other in a block (alarm 12060)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motions from the words of a block: axes, polar places, machine coordinates, tool vectors."""
+"""Motions of a block: axes, polar positions, machine coordinates, tool vectors."""
 
 from __future__ import annotations
 

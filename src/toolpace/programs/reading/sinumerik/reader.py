@@ -1,4 +1,4 @@
-"""Reads programs of Sinumerik controls."""
+"""The reader of Sinumerik programs."""
 
 from __future__ import annotations
 

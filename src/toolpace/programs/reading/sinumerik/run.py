@@ -1,4 +1,4 @@
-"""What one run of a program works on: the virtual control, modes, frames, motion, tools, words, variables."""
+"""The objects of one run of a program: virtual control, modes, frames, tools, variables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The modes of a program, and the words that set one mode each."""
+"""The modes of a program, and the words that set them."""
 
 from __future__ import annotations
 

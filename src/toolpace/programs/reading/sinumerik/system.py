@@ -1,4 +1,4 @@
-"""Variables of the control that programs read: positions, tool data, frames."""
+"""System variables: positions, tool data, frames."""
 
 from __future__ import annotations
 

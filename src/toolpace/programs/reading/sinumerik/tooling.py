@@ -1,4 +1,4 @@
-"""Tools: T, D, the change, the length and the radius of the one in the spindle, and what adds to it."""
+"""Tools: T, D, tool change, length, radius."""
 
 from __future__ import annotations
 

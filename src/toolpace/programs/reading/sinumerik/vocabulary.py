@@ -1,4 +1,4 @@
-"""What a controller's file says of words: meanings, words that move nothing, words that are not read."""
+"""The words of a controller file: meanings, words without motion, unread words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words of a block as they are given: their values at the moment, and how they are meant."""
+"""The values of a block's words at execution, and how they are meant."""
 
 from __future__ import annotations
 

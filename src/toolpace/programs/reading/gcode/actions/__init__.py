@@ -1,1 +1,1 @@
-"""What words make the control do."""
+"""Actions of G and M words."""

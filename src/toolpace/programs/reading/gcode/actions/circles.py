@@ -1,4 +1,4 @@
-"""Arcs of word-address languages: from the words of a block to the circle that they mean."""
+"""Arcs of word-address blocks."""
 
 from __future__ import annotations
 

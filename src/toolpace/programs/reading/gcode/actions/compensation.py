@@ -1,4 +1,4 @@
-"""Compensation of the cutter's radius: G41, G42, G41.1, G42.1 and G40."""
+"""Cutter radius compensation: G40, G41, G42, G41.1, G42.1."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Functions that bring the motion to rest and have letters of their own: the spindle, and waiting for inputs.
+"""Functions that stop the motion: spindle, and waiting for inputs.
 
 After LinuxCNC's manual, "M3, M4, M5 Spindle Control", "M19 Orient Spindle" and "M66 Wait on Input".
 """

@@ -1,4 +1,4 @@
-"""Canned cycles of holes: what their words mean, hole after hole."""
+"""Canned drilling cycles, hole after hole."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calls of macros, and what stands for those of probing that are not at hand."""
+"""Macro calls, and replacements for probing macros."""
 
 from __future__ import annotations
 

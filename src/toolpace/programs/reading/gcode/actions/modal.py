@@ -1,4 +1,4 @@
-"""What a word-address language remembers from block to block."""
+"""The modal state of a word-address program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modes: words that change how those behind them are meant, and move nothing."""
+"""Modal words without motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Executes the axis words of a block: straight ways, arcs, helices."""
+"""Motion blocks: lines, arcs, helices."""
 
 from __future__ import annotations
 

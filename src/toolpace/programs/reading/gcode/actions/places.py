@@ -1,4 +1,4 @@
-"""Moves to places of the machine: reference points, and machine coordinates."""
+"""Moves to reference points and in machine coordinates."""
 
 from __future__ import annotations
 

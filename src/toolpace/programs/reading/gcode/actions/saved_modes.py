@@ -1,4 +1,4 @@
-"""M70 to M73 of LinuxCNC: modes saved at a level of calls, and restored there.
+"""M70 to M73 of LinuxCNC: saved modal states.
 
 After its manual, "M70 Save Modal State", "M72 Restore Modal State" and "M73 Save and Autorestore Modal State".
 """

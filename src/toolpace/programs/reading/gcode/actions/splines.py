@@ -1,4 +1,4 @@
-"""Splines of word-address languages: LinuxCNC's G5, G5.1 and G5.2, Fanuc's G6.2."""
+"""Splines: LinuxCNC's G5, G5.1, G5.2; Fanuc's G6.2."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MillPlus' cycles: G81 to G86 define one, G79 carries it out at a place whose Z is the surface.
+"""Drilling cycles of MillPlus: G81 to G86, called by G79.
 
 After the post-processors for MillPlus (Autodesk's, and what NX writes): no manual of it is public.
 """

@@ -1,4 +1,4 @@
-"""Tools: change, length, and tool-centre-point mode."""
+"""Tool change, tool length, tool-centre-point mode."""
 
 from __future__ import annotations
 

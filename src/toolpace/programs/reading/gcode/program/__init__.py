@@ -1,1 +1,1 @@
-"""What a program says: words, expressions, statements and their flow."""
+"""The text of word-address programs: words, expressions, statements, flow."""

@@ -1,4 +1,4 @@
-"""What LinuxCNC's interpreter stops at in a block that can be understood nevertheless.
+"""Alarms of LinuxCNC's interpreter at blocks that could be understood.
 
 After its source (2.9: interp_read.cc, interp_check.cc, interp_array.cc) and "G Code Modal Groups" of its manual. A
 block whose meaning is not certain is an error of its own, and none of these.

@@ -1,4 +1,4 @@
-"""A line of a program, taken apart once: what it says, with variables still open."""
+"""Parsed lines of a program, with variables open."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calls by words: M97, M98 and M99, and macros with arguments by G65."""
+"""Calls by words: M97, M98, M99, G65."""
 
 from __future__ import annotations
 

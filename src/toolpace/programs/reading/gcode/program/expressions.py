@@ -1,4 +1,4 @@
-"""Expressions of variables: a parser by binding powers (Pratt 1973) that makes functions of the variables.
+"""Expressions of variables, parsed by binding powers (Pratt 1973) into functions.
 
 After the documents of LinuxCNC (Parameters and Expressions) and Fanuc (Custom Macro B): brackets are [ ], angles are
 in degrees, and a variable may be empty, which counts as zero wherever it is reckoned with.

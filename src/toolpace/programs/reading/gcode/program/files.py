@@ -1,4 +1,4 @@
-"""The files of a program: its own, and those in its folder that it calls."""
+"""The files of a program: its own, and those that it calls."""
 
 from __future__ import annotations
 

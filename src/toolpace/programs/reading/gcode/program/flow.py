@@ -1,4 +1,4 @@
-"""Which block comes next: jumps, loops, subprograms in the file and in files beside it."""
+"""Program flow: jumps, loops, subprograms."""
 
 from __future__ import annotations
 

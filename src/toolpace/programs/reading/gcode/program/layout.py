@@ -1,4 +1,4 @@
-"""Where the labels, programs and loops of a file are: found in one pass, when the program first jumps."""
+"""The labels, subprograms and loops of a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What G and M words can mean, in which order a controller acts on them, and which exclude each other."""
+"""The possible meanings of G and M words, their order of execution, and their groups."""
 
 from __future__ import annotations
 

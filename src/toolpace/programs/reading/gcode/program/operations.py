@@ -1,4 +1,4 @@
-"""The operations and functions of expressions, with how strongly each binds."""
+"""Operators and functions of expressions, with their binding powers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Statements of flow: jumps and loops of Fanuc's Custom Macro B, and the O-words of LinuxCNC."""
+"""Flow statements: Custom Macro B of Fanuc, O-words of LinuxCNC."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The variables of a program: numbered and named, of the program and of each call, and those of the controller."""
+"""Numbered and named variables of a program and of its calls."""
 
 from __future__ import annotations
 

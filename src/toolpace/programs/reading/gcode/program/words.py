@@ -1,4 +1,4 @@
-"""Splits a line of a word-address program: comments away, then letters and the texts of their values."""
+"""Words of a line: comments removed, letters and value texts."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Elements of contours: lines, arcs, polar ones, corners."""
+"""Contour elements: lines, arcs, polar forms, corners."""

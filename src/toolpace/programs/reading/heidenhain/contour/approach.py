@@ -1,4 +1,4 @@
-"""APPR and DEP: the ways to a contour and from it, which touch it or stand across it (TNC 640, Klartext, 6.3)."""
+"""APPR and DEP: approach and departure (TNC 640, Klartext, 6.3)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Round blocks: CC, C, CR, CT."""
+"""Arcs: CC, C, CR, CT."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""R0, RL and RR: on which side of the contour the tool's centre goes."""
+"""Cutter radius compensation: R0, RL, RR."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""RND and CHF: corners between two straight lines, rounded or cut."""
+"""RND and CHF: rounded and chamfered corners."""
 
 from __future__ import annotations
 

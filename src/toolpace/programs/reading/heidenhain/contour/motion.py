@@ -1,4 +1,4 @@
-"""Straight blocks: L, LN, and what turns with them. Compiled once, executed often."""
+"""Straight blocks: L."""
 
 from __future__ import annotations
 

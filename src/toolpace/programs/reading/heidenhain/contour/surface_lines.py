@@ -1,4 +1,4 @@
-"""LN: straight blocks with the normal of the surface and the direction of the tool."""
+"""LN: straight blocks with surface normal and tool direction."""
 
 from __future__ import annotations
 

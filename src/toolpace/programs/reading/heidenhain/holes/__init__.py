@@ -1,1 +1,1 @@
-"""Cycles of holes and their patterns."""
+"""Drilling cycles and hole patterns."""

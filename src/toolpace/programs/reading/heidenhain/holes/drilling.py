@@ -1,4 +1,4 @@
-"""Drilling cycles: Q parameters of a CYCL DEF to the strokes of a hole, and where it is called."""
+"""Drilling cycles: strokes from the Q parameters of a CYCL DEF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Patterns of holes: cycles 220 and 221, and PATTERN DEF with CYCL CALL PAT."""
+"""Hole patterns: cycles 220 and 221, PATTERN DEF."""
 
 from __future__ import annotations
 

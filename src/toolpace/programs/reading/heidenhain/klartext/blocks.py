@@ -1,4 +1,4 @@
-"""Lines of a Klartext program to its blocks: without numbers, comments and marks of continuation."""
+"""Blocks of a Klartext program from its lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Formulas of Q parameters, compiled once to functions without arguments (Pratt 1973, top down operator precedence).
+"""Formulas of Q parameters, compiled to functions (Pratt 1973).
 
 Angles are in degrees. `^` in a chain, or behind a sign or a function without brackets, is refused: the manuals do not
 say which goes first.

@@ -1,4 +1,4 @@
-"""Q parameters of a program as they stand at a point of it."""
+"""The Q parameters of a running program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A Klartext program: blocks, labels, and the steps that they were compiled to; one beside it by name."""
+"""A Klartext program: blocks, labels, compiled steps; and programs beside it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words of a block that moves: coordinates, feed, sense, compensation, M functions."""
+"""Words of motion blocks: coordinates, feed, sense, compensation, M functions."""
 
 from __future__ import annotations
 

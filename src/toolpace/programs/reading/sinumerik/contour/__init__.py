@@ -1,1 +1,1 @@
-"""Arcs and splines of Sinumerik from their words."""
+"""Arcs and splines of Sinumerik."""

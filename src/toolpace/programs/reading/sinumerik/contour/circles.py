@@ -1,4 +1,4 @@
-"""The arcs of G2, G3, CIP and CT from their words (Programming Manual Fundamentals, chapter on path commands)."""
+"""Arcs of G2, G3, CIP, CT (Programming Manual Fundamentals, path commands)."""
 
 from __future__ import annotations
 

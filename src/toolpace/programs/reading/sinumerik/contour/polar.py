@@ -1,4 +1,4 @@
-"""Polar places: AP and RP about a pole, which G110, G111 and G112 set (NC Programming, 4.3)."""
+"""Polar positions: AP and RP about the pole of G110, G111, G112."""
 
 from __future__ import annotations
 

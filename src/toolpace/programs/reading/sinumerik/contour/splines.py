@@ -1,4 +1,4 @@
-"""BSPLINE: the positions of its blocks are control points (NC Programming, "Spline interpolation")."""
+"""BSPLINE: block positions as control points."""
 
 from __future__ import annotations
 

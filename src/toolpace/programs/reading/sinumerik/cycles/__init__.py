@@ -1,1 +1,1 @@
-"""Standard cycles: holes, threads, patterns of holes, swivelled planes."""
+"""Standard cycles: holes, threads, hole patterns, swivelled planes."""

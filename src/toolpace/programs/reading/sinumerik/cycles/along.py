@@ -1,4 +1,4 @@
-"""Motions along one hole, from which the cycles are put together."""
+"""Motions along one hole, the parts of drilling cycles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CYCLE800 by positions of the rotary axes: the coordinates that stand square in the machine there."""
+"""CYCLE800 with rotary axis positions."""
 
 from __future__ import annotations
 

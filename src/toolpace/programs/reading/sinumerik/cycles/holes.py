@@ -1,4 +1,4 @@
-"""CYCLE81 to CYCLE89 and CYCLE840, written out as motions (Programming Manual Cycles, chapter 2)."""
+"""CYCLE81 to CYCLE89 and CYCLE840 as motions (Programming Manual Cycles, chapter 2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows, circles and grids of holes: HOLES1, HOLES2, CYCLE801 (Programming Manual Cycles, 2.3)."""
+"""Hole patterns: HOLES1, HOLES2, CYCLE801."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CYCLE800: swivel a plane, which is a frame and, unless _DIR is 0, a turn of the rotary axes."""
+"""CYCLE800: a swivelled plane, and the turn of the rotary axes."""
 
 from __future__ import annotations
 

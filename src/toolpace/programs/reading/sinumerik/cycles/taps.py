@@ -1,4 +1,4 @@
-"""Pitches of threads: given, or by their metric size (ISO 261, coarse)."""
+"""Thread pitches, given or by metric size (ISO 261)."""
 
 from __future__ import annotations
 

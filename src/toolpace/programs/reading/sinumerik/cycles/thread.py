@@ -1,4 +1,4 @@
-"""CYCLE90, milling an inner thread (Programming Manual Cycles, 3.2)."""
+"""CYCLE90: milled inner threads."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Which block is next: routines, jumps, loops, calls, and the variables that decide."""
+"""Program flow: routines, jumps, loops, calls, variables."""

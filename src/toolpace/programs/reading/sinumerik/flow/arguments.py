@@ -1,4 +1,4 @@
-"""Arguments of calls: values, and variables that a subprogram is handed over by reference."""
+"""Arguments of calls, by value or by reference."""
 
 from __future__ import annotations
 

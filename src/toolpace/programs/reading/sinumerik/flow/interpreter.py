@@ -1,4 +1,4 @@
-"""Executes routines block by block: jumps, loops, calls. What a block itself does is the affair of its actions.
+"""The execution of routines, block by block.
 
 Calls and repetitions are frames of one list, never Python's own stack: a program that calls itself without end is told
 by the number of its levels, and one that loops without end by the number of its blocks.

@@ -1,4 +1,4 @@
-"""Jumps, choices, loops and repetitions: what moves the pointer of a routine, and DEF."""
+"""Jumps, choices, loops, repetitions, and DEF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Variables: R parameters, those of the program, those that the control has."""
+"""Variables: R parameters, program variables, system variables."""
 
 from __future__ import annotations
 

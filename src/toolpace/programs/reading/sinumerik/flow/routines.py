@@ -1,4 +1,4 @@
-"""The routines of a file: the main program, and subprograms in it or beside it."""
+"""The routines of a file: main program and subprograms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The levels of a run: the main program, calls within it, parts that are repeated."""
+"""The call levels of a run."""
 
 from __future__ import annotations
 

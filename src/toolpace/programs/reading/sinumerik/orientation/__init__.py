@@ -1,1 +1,1 @@
-"""Tool vectors, frames along the tool, and the order of the rotary axes."""
+"""Tool vectors, frames along the tool, the order of rotary axes."""

@@ -1,4 +1,4 @@
-"""The first and the second rotary axis of a machine, as the control numbers them."""
+"""The first and second rotary axis of a machine, as the control numbers them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames along the tool: TOROT, and the turn of coordinates that brings their Z to a direction."""
+"""Frames along the tool: TOROT and relatives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Planes of CYCLE800 hold for the rotary positions that they are reckoned for: X, Y and Z elsewhere are refused."""
+"""The rotary positions that a CYCLE800 plane requires."""
 
 from __future__ import annotations
 

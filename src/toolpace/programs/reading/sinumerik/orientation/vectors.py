@@ -1,4 +1,4 @@
-"""Tool vectors: A3= B3= C3= and angles A2= B2= C2= (Job Planning, 7.2), and what lies between two of them."""
+"""Tool vectors A3 B3 C3 and angles A2 B2 C2, and the interpolation between them."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""From the text of a block to what it says: tokens, expressions, statements."""
+"""The syntax of blocks: tokens, expressions, statements."""

@@ -1,4 +1,4 @@
-"""Blocks: what a line says, compiled once and executed as often as the program runs through it."""
+"""Parsed blocks, compiled once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Blocks of flow and declaration: IF, FOR, GOTOF, CASE, REPEAT, DEF, PROC, CALL, MCALL (Job Planning, chapter 1)."""
+"""Blocks of flow and declaration: IF, FOR, GOTOF, CASE, REPEAT, DEF, PROC, CALL, MCALL."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames as values: CTRANS(X,10):CROT(Z,30) (Function Manual Basic Functions, K2)."""
+"""Frames as values: CTRANS, CROT, CSCALE, CMIRROR and their chain."""
 
 from __future__ import annotations
 

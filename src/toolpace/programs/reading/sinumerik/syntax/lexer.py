@@ -1,4 +1,4 @@
-"""Splits a block into tokens: words such as X10, names, numbers, texts, signs.
+"""Tokens of a block: words, names, numbers, texts, signs.
 
 Siemens, NC Programming (12/2019), 2.2 and 2.3: blanks between words are optional, capitals do not matter, a comment
 runs from `;` to the end of the line, and round brackets hold arguments, never comments.

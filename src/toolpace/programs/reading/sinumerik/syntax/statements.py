@@ -1,4 +1,4 @@
-"""Reads a line into a block: labels, words, assignments, calls; what begins with a word of flow is read by flows."""
+"""A block from its line: labels, words, assignments, calls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values of expressions, and the functions of them that the language has."""
+"""Values of expressions, and built-in functions."""
 
 from __future__ import annotations
 

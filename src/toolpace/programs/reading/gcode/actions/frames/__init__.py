@@ -1,1 +1,1 @@
-"""Work offsets, and what a program lays over them: shifts, mirrors, scales, turns and tilted planes."""
+"""Work offsets, and the frames that a program lays over them."""

@@ -1,4 +1,4 @@
-"""Shifts, turns, scales and mirrors that a program lays over its coordinates, put together into one frame."""
+"""The frame of a program: shifts, rotations, scales, mirrors, tilted planes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work offsets: which is in force, and how far the program itself has moved each."""
+"""Work offsets: the active one, and the program's changes of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames of tilted planes, from points, vectors and the direction of a tool."""
+"""Frames of tilted planes from points, vectors, or the tool direction."""
 
 from __future__ import annotations
 

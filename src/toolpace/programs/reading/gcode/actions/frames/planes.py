@@ -1,4 +1,4 @@
-"""Tilted planes: by angles, points, vectors or the tool itself; and the turns of the tool to them."""
+"""Tilted planes, and turns of the tool to them."""
 
 from __future__ import annotations
 

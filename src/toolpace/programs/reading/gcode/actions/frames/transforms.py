@@ -1,4 +1,4 @@
-"""Mirrors, scales and turns that a program lays over its coordinates, one within the other.
+"""Programmable mirrors, scales and rotations.
 
 "Processing proceeds from program mirror image to scaling and coordinate system rotation in the order stated. The
 commands should be specified in this order, and, for cancelation, in the reverse order" (Fanuc B-63944EN-2, chapter 6,
