@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from toolpace.programs.reading.control.control import Control, Rules
+from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.state import Rules
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.findings import Findings

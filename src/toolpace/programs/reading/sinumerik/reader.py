@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
-from toolpace.programs.reading.control.control import Control, Rules
+from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import FeedRules
+from toolpace.programs.reading.control.state import Rules
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.findings import Findings
