@@ -55,6 +55,7 @@ def test_the_oracle_notices_a_tool_of_another_length():
     assert held(wrong).column == pytest.approx(1e-3)
 
 
+@pytest.mark.sweep
 def test_the_judge_reads_the_lengths_from_the_sheet():
     case = Maker(2, "xyzbc-trunnion", "m428", [0.15, 0.21], points=20).make()
     machine = tp.Machine.load(case.machine)

@@ -236,7 +236,7 @@ LOPSIDED = replace(
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize(("name", "tool"), zip(PROGRAMS, 4 * (TOOL, LOPSIDED)), ids=list(PROGRAMS))
+@pytest.mark.parametrize(("name", "tool"), list(zip(PROGRAMS, 4 * (TOOL, LOPSIDED))), ids=list(PROGRAMS))
 def test_programs_of_every_kind_are_aimed_off_and_found_right(name, tool):
     toolpath = tp.read_text(f"{HEAD}{PROGRAMS[name]}G0 Z40\nM30\n", MACHINE)
     tool = replace(tool, blend=6e-3)

@@ -78,6 +78,7 @@ def one_block_aside(lines, blocks):
 
 
 @pytest.mark.linuxcnc
+@pytest.mark.sweep
 def test_a_right_stream_passes_and_one_in_exact_path_is_stopped(tmp_path):
     """In exact path its straight blocks, which turn no axis, take one cycle in place of two."""
     lines, blocks = written(tmp_path)

@@ -48,7 +48,7 @@ def used_about(trajectory: Trajectory, place: float, width: float) -> float:
     return float(max(np.abs(share).max() for share in shares))
 
 
-@pytest.mark.parametrize("mesh", [30, 300, None])
+@pytest.mark.parametrize("mesh", [30, 300, pytest.param(None, marks=pytest.mark.sweep)])
 def test_a_bend_of_any_width_is_planned_for(mesh):
     for seed in range(24):
         random = np.random.default_rng([seed, 11])
@@ -73,6 +73,7 @@ def test_a_bend_that_a_motion_passes_too_fast_shows_in_its_usage():
             assert motion.usage().worst == pytest.approx(real, rel=0.05) or motion.usage().worst > real
 
 
+@pytest.mark.sweep
 def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows():
     for seed in range(24):
         random = np.random.default_rng([seed, 17])

@@ -294,6 +294,7 @@ def test_where_nothing_turns_no_narrower_tolerances_of_the_axis_are_tried(blade,
     assert program_plan.turns(tp.read_text("G21 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 C90 F20000\n", machine))
 
 
+@pytest.mark.sweep
 def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine):
     """Where it turns back on its own way the pace held at the nodes falls to next to nothing, and tells nothing."""
     cut = "G21 G94\nG0 X0 Y0 Z0\nG1 X20 F20000\nY4\nX0\nG0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
@@ -304,6 +305,7 @@ def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine):
     assert at_nodes.duration > 100.0 and crawls(at_nodes.laws[0])
 
 
+@pytest.mark.sweep
 def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, monkeypatch):
     """Of a drill that crawls at the nodes; what is taken is what planning its path gives."""
     cut = "G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"

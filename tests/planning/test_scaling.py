@@ -47,6 +47,7 @@ def results(seed: int, planner: Planner, q: float = 1.0, s: float = 1.0, t: floa
     ],
     ids=str,
 )  # fmt: skip
+@pytest.mark.sweep
 def test_scaled_units_change_nothing(planner):
     for seed in range(2):
         random = np.random.default_rng([seed, 5])

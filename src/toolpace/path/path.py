@@ -77,7 +77,6 @@ class Path:
         from toolpace.path.fit.fit import fit_runs
         from toolpace.programs.toolpath import check_toolpath
 
-        check_toolpath(toolpath, "fit")
         if hastes is not None:
             warnings.warn(
                 "Path.fit: hastes= is called speed_weights= now; the old name goes with the next release",
@@ -86,6 +85,7 @@ class Path:
             speed_weights = hastes
         if machine is not None:
             check_machine(machine, "fit", "a Machine, or None")
+        check_toolpath(toolpath, "fit")
         begin = time.perf_counter()
         runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress, speed_weights)
         return cls(runs, tip, axis, time.perf_counter() - begin, wait)

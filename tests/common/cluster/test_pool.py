@@ -98,6 +98,7 @@ def test_a_client_of_ones_own_stays_open(two):
     assert client.status == "running"
 
 
+@pytest.mark.sweep
 def test_no_scheduler_there():
     pytest.importorskip("distributed")
     message = r"--cluster tcp://127.0.0.1:9: no scheduler answers .* `dask scheduler`"

@@ -20,6 +20,7 @@ from toolpace.kernels.follow import layout
 QUICK = ("arc on paper-ab", "fan")
 
 
+@pytest.mark.sweep
 def test_no_measurement_and_no_override_breaks_a_limit():
     for name, group, number, _, verdict in campaign(24, 5, QUICK, each=6, longest=4.0):
         assert verdict.fine, f"{name}, figures {group}, run {number}: {verdict}"

@@ -70,6 +70,7 @@ def test_no_fit_goes_below_its_program(seed):
     assert np.linalg.norm(off, axis=1).max() * TIP <= path.tip_deviation * (1.0 + 1e-6) + 0.01 * TIP
 
 
+@pytest.mark.sweep
 def test_hardly_any_fit_is_refused_for_its_side():
     refused = 0
     for seed in range(40):

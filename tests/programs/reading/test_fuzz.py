@@ -195,7 +195,7 @@ def mutated(seed: str, chance: random.Random) -> bytes:
     return data.encode()
 
 
-@pytest.mark.parametrize("dialect", SEEDS)
+@pytest.mark.parametrize("dialect", [pytest.param(d, marks=pytest.mark.sweep) if d == "gcode" else d for d in SEEDS])
 def test_mutated_programs(dialect):
     chance = random.Random(20260101)
     for number in range(4000):
@@ -203,6 +203,7 @@ def test_mutated_programs(dialect):
 
 
 @pytest.mark.parametrize("controller", CONTROLLED)
+@pytest.mark.sweep
 def test_mutated_programs_of_a_controller(controller):
     """Loops, calls, cycles and planes with something wrong in them end in a path or in one clear error."""
     chance = random.Random(20260102)

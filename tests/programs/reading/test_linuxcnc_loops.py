@@ -60,6 +60,7 @@ def test_where_its_interpreter_takes_one_loop_for_another(body, what):
 @pytest.mark.linuxcnc
 @pytest.mark.skipif(available() is None, reason="LinuxCNC's interpreter rs274 is not installed")
 class TestRandom:
+    @pytest.mark.sweep
     def test_forty(self):
         assert not [found for found in (surprise(nested_job(seed)) for seed in range(40)) if found]
 

@@ -48,6 +48,7 @@ def test_switching_modes_moves_no_machine(name):
     assert len(p) == 2 and np.linalg.norm(p.tip[1] - p.tip[0]) == pytest.approx(1e-3)
 
 
+@pytest.mark.sweep
 def test_a_thousand_turns_in_one_block_are_read():
     text = "G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X10 C360000 F100000\n"
     toolpath = read_text(text, Machine.load("xyzac-trunnion"), "gcode")

@@ -64,6 +64,7 @@ def test_data_is_no_script_and_a_page_without_a_head_is_none():
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_a_browser_draws_the_page_and_lets_nobody_in(page, tmp_path):
     """Both charts are drawn; a script, a handler and a link that were put in do nothing, and plotly misses nothing."""
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)

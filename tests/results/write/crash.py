@@ -1,4 +1,4 @@
-"""Kills processes that write plans over an old one: `python -m tests.write.crash FOLDER KILLS STRIDE`.
+"""Kills processes that write plans over an old one: `python -m tests.results.write.crash FOLDER KILLS STRIDE`.
 
 A process of its own, which forks: each child has all modules at hand and lives for some milliseconds only. Two plans
 take turns; after every death the folder must be the one or the other, byte by byte. Prints a JSON object of counts.

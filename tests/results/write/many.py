@@ -1,4 +1,4 @@
-"""Writes results from many processes at once: `python -m tests.write.many FOLDER PROCESSES ROUNDS PLACES`.
+"""Writes results from many processes at once: `python -m tests.results.write.many FOLDER PROCESSES ROUNDS PLACES`.
 
 Each process writes so many folders of results over older ones, into as many places as there are, each with parents of
 its own that vanish when a run fails, which every fourth does. Prints what went wrong otherwise, a line each.

@@ -274,7 +274,7 @@ def test_a_signal_while_the_folder_is_put_in_place_waits_for_it(here, monkeypatc
 def test_killed_at_any_moment_the_old_or_the_new_is_there_whole(tmp_path, kills, stride):
     """Just before every (fifth) file operation, and at random instants; and the next run sweeps up."""
     done = subprocess.run(
-        [sys.executable, "-m", "tests.write.crash", str(tmp_path / "out"), str(kills), str(stride)],
+        [sys.executable, "-m", "tests.results.write.crash", str(tmp_path / "out"), str(kills), str(stride)],
         capture_output=True, text=True, timeout=600, cwd=ROOT, env=os.environ | {"PYTHONPATH": f"{ROOT}/src:{ROOT}"},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-2000:]

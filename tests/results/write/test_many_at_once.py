@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no locks")
 @pytest.mark.parametrize("places", [1, 3])
 def test_many_processes_write_side_by_side(tmp_path, places):
     done = subprocess.run(
-        [sys.executable, "-m", "tests.write.many", str(tmp_path), "8", "30", str(places)],
+        [sys.executable, "-m", "tests.results.write.many", str(tmp_path), "8", "30", str(places)],
         capture_output=True, text=True, timeout=300, cwd=ROOT, env=os.environ | {"PYTHONPATH": f"{ROOT}/src:{ROOT}"},
     )  # fmt: skip
     assert done.returncode == 0, (done.stdout + done.stderr)[-2000:]

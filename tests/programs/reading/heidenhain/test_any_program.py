@@ -139,6 +139,7 @@ def check(text, machine=MACHINE, **options):
     return True
 
 
+@pytest.mark.sweep
 def test_random_programs_read_or_say_why():
     read = sum(check(Chance(seed).program(), skip_unknown=True, compensation="program") for seed in range(1600))
     assert read > 600
