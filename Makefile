@@ -27,7 +27,7 @@ demo: $(VENV)/.base  ## plan the bundled part on a bundled machine and name the 
 	$(BIN)/toolpace demo --out $(OUT)
 
 test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for; with CI=true the long sweeps too
-	$(BIN)/python -m pytest -n 2 $(PYTEST)
+	$(BIN)/python -m pytest -n 2 --dist worksteal $(PYTEST)
 
 check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
 	$(BIN)/ruff check .

@@ -23,6 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     from toolpace.cli.ending import ended_by, heard, in_words
     from toolpace.cli.output import guarded
+    from toolpace.common.errors import UnitWarning
 
     given = sys.argv[1:] if arguments is None else arguments
     # A hyphen alone would be taken for an option without a name.
@@ -31,6 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not sys.warnoptions:
             # What overflows in a damaged file is found wanting in one line; warnings would stand beside it.
             warnings.simplefilter("ignore", RuntimeWarning)
+            warnings.simplefilter("default", UnitWarning)
         warnings.showwarning = _in_one_line
         try:
             code = _run(tokens)

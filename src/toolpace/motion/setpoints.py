@@ -118,10 +118,10 @@ class SetPoints(ByValue):
         source = Path(path)
         cure = "plan again, into a new folder"
         try:
-            archive = np.load(source, allow_pickle=False)
-            if not isinstance(archive, np.lib.npyio.NpzFile):
-                raise UsageError(f"{source}: holds one array, not set-points; give the setpoints.npz of a plan")
-            with archive:
+            with source.open("rb") as file:
+                archive = np.load(file, allow_pickle=False)
+                if not isinstance(archive, np.lib.npyio.NpzFile):
+                    raise UsageError(f"{source}: holds one array, not set-points; give the setpoints.npz of a plan")
                 names = [f.name for f in fields(cls)]
                 if more := sorted(set(archive.files) - set(names)):
                     raise UsageError(f"{source}: holds {', '.join(more)} besides set-points; {cure}")

@@ -25,7 +25,8 @@ LONGEST = 1 << 26
 
 def write_seal(folder: Path, name: str) -> None:
     """End the JSON object in `folder / name` with a seal over all files of the folder."""
-    files = {entry.name: checksum(Path(entry.path)) for entry in sorted(os.scandir(folder), key=_name)}
+    with os.scandir(folder) as entries:
+        files = {entry.name: checksum(Path(entry.path)) for entry in sorted(entries, key=_name)}
     files.pop(name)
     seal = {"files": files, "sha256": _OPEN}
     body = (folder / name).read_text(encoding="utf-8").rstrip().removesuffix("}").rstrip()
@@ -67,7 +68,8 @@ def foreign(folder: Path) -> str:
 
 def _beside(folder: Path, seal: tuple[str, dict[str, str]] | None) -> str:
     """What in a folder its seal does not speak of, in words."""
-    entries = sorted(os.scandir(folder), key=_name)
+    with os.scandir(folder) as found:
+        entries = sorted(found, key=_name)
     if not entries:
         return ""
     if seal is None:

@@ -101,7 +101,8 @@ def sweep(target: Path) -> None:
     if sys.platform == "win32":
         return
     try:
-        found = [Path(entry.path) for entry in os.scandir(target.parent) if _OURS.fullmatch(entry.name)]
+        with os.scandir(target.parent) as entries:
+            found = [Path(entry.path) for entry in entries if _OURS.fullmatch(entry.name)]
     except OSError:
         return
     for path in found:
@@ -133,7 +134,8 @@ def _only_ours(path: Path) -> bool:
         return True
     if read_seal(path) is not None:
         return foreign(path) == ""
-    return all(entry.is_file(follow_symlinks=False) for entry in os.scandir(path))
+    with os.scandir(path) as entries:
+        return all(entry.is_file(follow_symlinks=False) for entry in entries)
 
 
 def _mark(target: Path) -> str:
