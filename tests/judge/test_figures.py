@@ -68,6 +68,28 @@ def test_a_bound_lies_above_nothing_and_not_above_the_duration(bound, good):
         assert found[f"plan.json {key}"] == good
 
 
+@pytest.mark.parametrize(("more", "good"), [(0.5e-9, True), (3e-9, False)])
+def test_figures_are_the_same_to_a_billionth(more, good):
+    """What is found, times that much more or less; times and shares that much beyond where they may be."""
+    for sign in (1.0, -1.0):
+        for right in (0.125, 1e-6, -40.0):
+            assert figures(x=right * (1.0 + sign * more)).same("x", right).ok == good
+        late = replace(POINTS, t=POINTS.t + sign * more * 1e-3)
+        said = {"duration_s": float(late.t[-1]), "dt_s": 1e-3 * (1.0 + sign * more), "set_points": len(POINTS)}
+        found = replace(figures(**said), points=late).of_time()
+        wrong = {check.what for check in found if not check.ok}
+        assert wrong == (set() if good else {"begin of time", "plan.json dt_s"})
+    bounds = {"lower_bound_s": None, "lower_bound_of": None, "gap": None}
+    bounds = figures(**bounds, continuous_bound_s=DURATION * (1.0 + more)).of_bounds()
+    assert all(check.ok for check in bounds) == good
+    for key in ("tip_at_tolerance", "axis_at_tolerance"):
+        shares = {"tip_at_tolerance": None, "axis_at_tolerance": None, key: 1.0 + more}
+        (check,) = figures(effort="normal", rounds=[], **shares).of_rounds()
+        assert check.ok == good
+    assert fine(place(0.2, DURATION * (1.0 + more))) == good
+    assert fine(place(0.2, 0.2), place(0.2 - more, 0.3)) == good
+
+
 @pytest.mark.parametrize(("factor", "good"), [(1.0, True), (0.9, False), (1.15, False)])
 def test_a_peak_may_lie_between_set_points_by_what_half_a_step_can_add(factor, good):
     """The true peaks, where every twentieth set-point does not show them all; less, and more than can hide."""

@@ -101,3 +101,20 @@ def test_a_stop_has_its_row_and_one_that_is_missed_its_place():
     assert missed.what == "stillness at stops" and missed.block == PROGRAM.block[50]
     here = POINTS.tip[np.searchsorted(POINTS.t, missed.time)]
     assert np.linalg.norm(here - PROGRAM.tip[50]) < 1e-4
+
+
+@pytest.mark.parametrize(("share", "wrong"), [(3e-3, True), (0.5e-3, False)])
+@pytest.mark.parametrize("joint", ["X", "C"])
+def test_a_joint_may_creep_in_a_dwell_by_a_thousandth_of_its_first_step_from_rest(joint, share, wrong):
+    """Where it waits it goes on, and all that is behind lies as much further: a nanometre or two."""
+    program, walk = along_x([0.0, 4e-3, 8e-3], [0.0, 0.1, 0.0])
+    points, machine = set_points(walk)
+    j, waits = MACHINE.joints.index(joint), (np.diff(points.q, axis=0) == 0.0).all(axis=1)
+    each = np.ones(len(MACHINE.joints))
+    machine = motions.with_limits(machine, velocity=each, acceleration=10.0 * each, jerk=20.0 * each)
+    q = points.q.copy()
+    q[1:, j] += share * 20.0 * DT**3 / 6.0 * np.cumsum(waits)
+    tip, axis = MACHINE.forward(q)
+    checks = verify(replace(points, q=q, tip=tip, axis=axis), machine, program, TIP, AXIS).checks
+    found = [check.ok for check in checks if check.what in ("dwell", "stillness at stops")]
+    assert waits.sum() >= 98 and found and all(found) == (not wrong)

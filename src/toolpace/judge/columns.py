@@ -14,7 +14,10 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
 
 COLUMN_ROUNDING = 1e-9
-"""Relative error of the set-points' own derivatives, which are worked out, not differenced."""
+"""Relative error of the set-points' own derivatives, which are worked out, not differenced.
+
+As a share of the mean jerk no test holds it: JUMPS grants a window far more of that.
+"""
 WINDOW = 256
 """Steps over which the column of jerks is compared with the accelerations."""
 JUMPS = 2.0

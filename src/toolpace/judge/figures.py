@@ -25,7 +25,7 @@ from toolpace.programs.tolerances.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 SAME = 1e-9
-"""Relative difference of figures that are worked out in the same way twice."""
+"""Relative difference of figures that are worked out in the same way twice; of the begins of two places [s]."""
 EARLY = 20
 """Set-points by which the begin of a place where time could be gained may lie in the block before or behind."""
 SAME_BENDING = 2e-6
