@@ -116,7 +116,7 @@ def program(dialect: str, controller: Controller | None) -> Read:
         def inspected() -> None:
             source = Source.from_bytes(data, "fuzz/program")
             found = inspect_source(source, options, [machine] if machine else [], named, asked.feed)
-            if (error is None) != (not found.refused):
+            if (error is None) != (not found.refused and not found.needs):
                 raise Wrong("inspect tells another thing than reading", f"{error!r}: {found.refused!r}"[:600])
             setup_of_text(setup_sheet(source.name, found.used, machine, options.setup))
             for text in (*map(str, found.refused), *found.assumed, *found.not_on.values(), found.reason):

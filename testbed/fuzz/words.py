@@ -20,7 +20,7 @@ def words_of(controller: str | None, folders: tuple[str, ...]) -> list[bytes]:
     if controller is not None:
         by = Controller.load(controller)
         found |= {*by.meanings, *by.ignored, *by.refused}
-        folders = (*folders, READERS[by.language][0].split(".")[2])
+        folders = (*folders, READERS[by.language][0].split(".")[3])
     for folder in folders:
         place = READING / folder
         for file in sorted(place.rglob("*.py")) if place.is_dir() else [place]:

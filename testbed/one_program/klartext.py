@@ -295,7 +295,11 @@ class Klartext(Writer):
         }[node.kind]  # fmt: skip
         told = [f"  Q{key}={value} ;FIGURE" for key, value in (common | more).items()]
         self.block(f"CYCL DEF {number} HOLES ~\n" + " ~\n".join(told))
-        if node.ring and self.chance(0.6):
+        # a pattern goes from hole to hole at the height of its call, where that lies above the second clearance
+        if node.to_top and len(places) > 1:
+            for place in places:
+                self.at(place)
+        elif node.ring and self.chance(0.6):
             self.ring(node, seen)
         elif node.row and len(places) > 1 and self.chance(0.6):
             self.row_of_holes(node, seen, places)

@@ -34,6 +34,10 @@ WRITERS: dict[str, type[Writer]] = {
 }
 
 
+DOUBTFUL = "fit as a position and as a distance"
+"""What MillPlus refuses: centres of arcs that can be meant in both ways."""
+
+
 class Outcome(NamedTuple):
     """Of one program in one dialect."""
 
@@ -96,5 +100,7 @@ def tried(dialect: str, seed: int) -> Outcome:
     try:
         fault = difference(read(writer, text), writer.world)
     except ToolpaceError as error:
+        if DOUBTFUL in str(error):
+            return Outcome("", "", Counter(), Counter([DOUBTFUL]))
         fault = f"refused: {error}"
     return Outcome(text, fault, writer.said, writer.expanded)

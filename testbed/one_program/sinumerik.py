@@ -252,7 +252,9 @@ class Sinumerik(WordAddress):
         self.feed = self.length(node.speed)
         self.block(f"G0 F{text(self.feed)}")
         self.block(f"MCALL {cycle}")
-        if node.row and len(places) > 1:
+        # HOLES1 begins at the end that is nearer
+        away = [float(np.hypot(*(place - self.here())[:2])) for place in (places[0], places[-1])]
+        if node.row and len(places) > 1 and away[0] < away[1]:
             self.said["row of holes"] += 1
             step = seen[:3, :3] @ np.array([*node.row, 0.0])
             angle, pitch = np.rad2deg(np.arctan2(step[1], step[0])), float(np.hypot(*step[:2]))

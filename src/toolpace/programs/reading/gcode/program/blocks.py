@@ -61,6 +61,8 @@ class Block:
     """Letters whose number has no point and is not zero."""
     actions: list[Action] = field(default_factory=list)
     """In the order in which they act; the first `before_feed` of them before F."""
+    calls_macro: bool = False
+    """Whether what stands behind is handed to a macro, M too ("G65 P L <argument>", M is #13)."""
     before_feed: int = 0
     ignored: list[str] = field(default_factory=list)
     refused: list[tuple[str, str]] = field(default_factory=list)
@@ -181,7 +183,7 @@ class Compiler:
             return
         whole = []
         for letter, text in found:
-            if letter == "G" or (letter == "M" and not _calls_macro(block)):
+            if letter == "G" or (letter == "M" and not block.calls_macro):
                 self.code(block, letter, bounded(float(text)))
             elif letter in block.fixed:
                 self._twice(block, letter)
@@ -198,7 +200,7 @@ class Compiler:
             block.ignored.append("second T")
             return
         # a macro takes I, J and K several times
-        if not _calls_macro(block):
+        if not block.calls_macro:
             raise WordError(f"word {letter} stands twice in one block: remove one")
 
     def code(self, block: Block, letter: str, value: float) -> None:
@@ -212,6 +214,7 @@ class Compiler:
             raise WordError("M has no whole number")
         if isinstance(found, Action):
             block.actions.append(found)
+            block.calls_macro |= found.meaning in ("macro call", "modal macro call")
         elif found is None:
             block.ignored.append(word)
         else:
@@ -245,7 +248,7 @@ class Compiler:
                 parser.at = at + 1 if indexed is None else indexed.end()
                 if indexed is None and parser.lacks_value():
                     raise WordError(fault(text[at:]))
-                parser.address = "" if (macro := _calls_macro(block)) else key
+                parser.address = "" if (macro := block.calls_macro) else key
                 node = parser.value() if indexed is None else parser.expression()
                 parser.address, written = "", text[at + 1 : parser.at]
                 if macro and self.bits and "ROUND" in written:
@@ -278,7 +281,7 @@ class Compiler:
             raise WordError(f"'{parser.text[parser.at :].strip()[:20]}' stands behind a value: write sums in [ ]")
 
     def _word(self, block: Block, key: str, node: Node, *, reckoned: bool = False) -> None:
-        if key == "G" or (key == "M" and not _calls_macro(block)):
+        if key == "G" or (key == "M" and not block.calls_macro):
             if isinstance(node, float):
                 self.code(block, key, node)
             else:
@@ -291,9 +294,3 @@ class Compiler:
         else:
             block.computed.append((key, node))
         block.arguments.append((key, node))
-
-
-def _calls_macro(block: Block) -> bool:
-    """Whether what stands behind in the block is handed to a macro, M too ("G65 P L <argument>", M is #13)."""
-    return any(action.meaning in ("macro call", "modal macro call") for action in block.actions)
-
