@@ -40,7 +40,8 @@ nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|npt|os|pathlib|collections|typing|datetime)\b.*"),
     ("py:.*", r"Floats|Ints|Bools|ArrayLike|npt\.ArrayLike|PathLike|Callable|Sequence|Mapping|BSpline|PPoly|Client"),
-    ("py:.*", r"toolpace\.(common\.workers\.(R|CallersProgress)|programs\.reading\.controllers\.controller\.Option|kernels\..*)"),
+    ("py:.*", r"toolpace\.(common\.workers\.(R|CallersProgress)|kernels\..*)"),
+    ("py:.*", r"toolpace\.programs\.reading\.controllers\.controller\.Option"),
 ]
 default_role = "code"
 smartquotes = False  # primes are derivatives
