@@ -293,9 +293,27 @@ def controllers_command(name: options.OneController = None, /, *, toml: options.
         toolpace controllers
         toolpace controllers fanuc --toml > my-control.toml
     """
-    from toolpace.cli import controllers
+    from rich.box import SIMPLE
+    from rich.table import Table
+    from rich.text import Text
 
-    return controllers.run_controllers(name, toml)
+    from toolpace.common.errors import UsageError, printable
+    from toolpace.programs.reading.controllers.controller import Controller
+
+    if toml:
+        if name is None:
+            raise UsageError("--toml needs the name of one controller: toolpace controllers fanuc --toml")
+        print(Controller.text_of(name), end="")
+        return 0
+    table = Table(box=SIMPLE, pad_edge=False)
+    for heading in ("controller", "language", "note"):
+        table.add_column(heading, overflow="fold")
+    for each in Controller.names() if name is None else (name,):
+        controller = Controller.load(each)
+        cells = (controller.name, controller.language, controller.note)
+        table.add_row(*(Text(printable(cell)) for cell in cells))
+    new_console().print(table)
+    return 0
 
 
 @app.command(name="machines", help_epilogue="")

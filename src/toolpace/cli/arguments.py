@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import os
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -248,16 +247,3 @@ def explain(error: CycloptsError, tokens: Sequence[str]) -> str:
         if value and NEGATIVE.match(value[0]):
             text = f"{name} {value[0]} is negative; give a value above zero, like {value[0].lstrip('-')}"
     return f"{text}; {cure}"
-
-
-def short_names(programs: Sequence[str]) -> list[str]:
-    """The names without the folder in which all of them lie; as they are where some are relative and some not."""
-    if len({Path(program).is_absolute() for program in programs}) != 1:
-        return list(programs)
-    folder = os.path.commonpath([Path(program).parent for program in programs])
-    return [os.path.relpath(program, folder) if folder else program for program in programs]
-
-
-def named_error(program: str, error: str) -> str:
-    """What is wrong with a program, with its name before it where the error does not begin with it."""
-    return error if error.startswith(program) else f"{program}: {error}"

@@ -11,7 +11,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.arguments import short_names
+from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
 from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, printable

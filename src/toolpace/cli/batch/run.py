@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.arguments import named_error, short_names
+from toolpace.cli.names import named_error, short_names
 from toolpace.cli.steps import new_console
 from toolpace.cli.summary import limit_in_words
 from toolpace.common.description import counted

@@ -9,7 +9,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.arguments import named_error, short_names
+from toolpace.cli.names import named_error, short_names
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 from toolpace.jobs.timed import KINDS, time_record
