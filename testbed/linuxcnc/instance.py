@@ -19,7 +19,6 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TypedDict
 
 SPEED = 8
 """Times real time; at twenty the interpreter no longer keeps the queue full."""
@@ -55,18 +54,18 @@ def execute(command: list[str], place: Path, seconds: float, speed: int = SPEED)
 
     Raises LinuxCNCError after `seconds` of real time.
     """
-    rights = _without_rights(place)
     if speed > 1 and shutil.which("faketime") and _no_bit_of_root():
         # by its command, which gives all processes one clock and clears it up: without, each leaves a segment of shared
         # memory named for its number, which keeps a later process of that number from starting
         command = ["faketime", "-f", f"+0 x{speed}", *command]
+    command = [*_own_shared_memory(), *_without_rights(place), *command]
     with _alone():
         _clear_clocks()
         output = place / "output.txt"
         with output.open("wb") as printed:
             process = subprocess.Popen(
                 command, cwd=place, env=_environment(place), stdin=subprocess.DEVNULL, stdout=printed,
-                stderr=subprocess.STDOUT, start_new_session=True, **rights,
+                stderr=subprocess.STDOUT, start_new_session=True,
             )  # fmt: skip
             try:
                 process.wait(seconds)
@@ -99,27 +98,30 @@ def _no_bit_of_root() -> bool:
     return not mode & stat.S_ISUID
 
 
-class Rights(TypedDict, total=False):
-    """Of `subprocess.Popen`: whose a process is."""
+def _own_shared_memory() -> list[str]:
+    """What starts a command with System V shared memory of its own, where the kernel grants it; empty elsewhere.
 
-    user: int
-    group: int
-    extra_groups: list[str | int]
+    LinuxCNC finds its segments by fixed keys: one that another user's LinuxCNC has left behind keeps ours from starting.
+    """
+    root = os.geteuid() == 0
+    command = ["unshare", "--ipc"] if root else ["unshare", "--user", "--map-current-user", "--ipc"]
+    granted = shutil.which("unshare") and not subprocess.run([*command, "true"], capture_output=True).returncode
+    return command if granted else []
 
 
-def _without_rights(place: Path) -> Rights:
-    """How to start a process as nobody where we are root, and its folder given to him."""
+def _without_rights(place: Path) -> list[str]:
+    """What starts a command as nobody where we are root, and its folder given to him; empty for any other user."""
     if os.geteuid() != 0:
-        return {}
+        return []
     who = pwd.getpwnam(NOBODY)
     for path in (place, *place.iterdir()):
         os.chown(path, who.pw_uid, who.pw_gid)
-    return {"user": who.pw_uid, "group": who.pw_gid, "extra_groups": []}
+    return ["setpriv", f"--reuid={who.pw_uid}", f"--regid={who.pw_gid}", "--clear-groups"]
 
 
 @contextlib.contextmanager
 def _alone() -> Iterator[None]:
-    """LinuxCNC's shared memory and its realtime core are one for the whole machine."""
+    """LinuxCNC's realtime core is one for the whole machine, as is its shared memory where the kernel separates none."""
     try:
         # another user's file in a folder of all users may be opened, but not with leave to create it
         handle = os.open(LOCK, os.O_RDONLY | (0 if LOCK.exists() else os.O_CREAT), 0o666)
