@@ -30,7 +30,7 @@ from toolpace.controls.linuxcnc_hal.pins import JOINTS, Asked, asked, make_pins,
 from toolpace.controls.linuxcnc_hal.record import Record
 from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
-from toolpace.kernels.follow.path import place_on_path
+from toolpace.kernels.follow.pace import place_on_path
 from toolpace.machine.limits import Limits
 
 SLOWEST = 0.1

@@ -35,7 +35,7 @@ class Chains:
 
         stop: (n,) rest at the end. tolerance: (n,) [m]. way: (axes,) what a unit of an axis leaves of the path [m].
         """
-        from toolpace.kernels.controls.chains import chains_of
+        from toolpace.kernels.controls import chains_of
 
         step = 0.5 * (ways.first + ways.last) * ways.length[:, None]
         turns = moves.length <= 0.0

@@ -29,18 +29,18 @@ if TYPE_CHECKING:
 
 def filtered_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
     """Time of each move (n,) [s], dwells left out. Rapids ramp by their axes' limits, as of the model `lookahead`."""
-    from toolpace.kernels.controls import filtered
+    from toolpace.kernels import controls
 
     limits = limits_of(machine, figures)
     ways = axis_ways(moves, machine, joints=figures.limits == "joints")
     cruise = cruise_speeds(moves, ways, limits.velocity, limits.acceleration, figures.block_time)
     ramp, smoothing = filter_lengths(moves, machine, limits, figures)
     stop = rests(moves)
-    speeds = filtered.blended_speeds(
+    speeds = controls.blended_speeds(
         cruise, ways.length, ways.first, ways.last, stop, room_of(moves, figures), limits.acceleration, limits.jerk,
         off_the_path(machine, figures), ramp, smoothing,
     )  # fmt: skip
-    times = filtered.pulse_times(cruise, ways.length, speeds, ramp + smoothing)
+    times = controls.pulse_times(cruise, ways.length, speeds, ramp + smoothing)
     return np.where(moves.rapid, lookahead_times(moves, machine, figures), times)
 
 

@@ -49,14 +49,14 @@ def _driven(
     limits but at stops: each takes longer by what jerk adds to its ramps. line: (n,) length of the straight way that a
     move is part of.
     """
-    from toolpace.kernels.controls import lookahead
+    from toolpace.kernels import controls
 
-    begin, end = lookahead.corner_speeds(
+    begin, end = controls.corner_speeds(
         cruise, line, ways.first, ways.last, stop, room, limits.acceleration, limits.jerk, off
     )
     along = np.minimum(ways.along(limits.acceleration), 1e12)
-    lookahead.ramps(cruise, ways.length, along, begin, end, depth)
-    times = lookahead.times_of(cruise, ways.length, along, begin, end)
+    controls.ramps(cruise, ways.length, along, begin, end, depth)
+    times = controls.times_of(cruise, ways.length, along, begin, end)
     top = np.minimum(cruise, np.sqrt(0.5 * (begin**2 + end**2) + along * ways.length))
     at_rest = np.flatnonzero(stop)
     starts, ends = at_rest[:-1] + 1, at_rest[1:]

@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
-from toolpace.kernels.follow.jerk_limited import stop
+from toolpace.kernels.follow.correction import stop
 from toolpace.kernels.follow.layout import (
     ABSURD,
     AIM,
@@ -66,7 +66,7 @@ from toolpace.kernels.follow.layout import (
     TIP,
     WITH_TOOL,
 )
-from toolpace.kernels.follow.path import longer_at, place_on_path
+from toolpace.kernels.follow.pace import longer_at, place_on_path
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.chain import dot, forward, linear_columns, reciprocal, turn
 from toolpace.kernels.kinematics.geometry import A0, C2, U1, U2, Chain
