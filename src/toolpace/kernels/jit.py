@@ -84,8 +84,8 @@ def called_by(name: str) -> set[str]:
     # A kernel of another module may be named as an attribute of the module.
     modules = [each for each in named if isinstance(each, ModuleType)]
     named += [getattr(module, attribute, None) for module in modules for attribute in code.co_names]
-    known = {id(kernel): each for each, kernel in KERNELS.items()}
-    return {known[id(each)] for each in named if id(each) in known} - {name}
+    names = {id(kernel): each for each, kernel in KERNELS.items()}
+    return {names[id(each)] for each in named if id(each) in names} - {name}
 
 
 def _take_constants_as_values(compiled: Any) -> None:

@@ -102,25 +102,25 @@ def breed(genes: Ints, fitness: Floats, breeding: Breeding) -> Ints:
 
 @jit()
 def shorten(
-    interval: Interval, ends: Floats, breeding: Breeding, known: float, allowed: float, low: float, high: float,
+    interval: Interval, ends: Floats, breeding: Breeding, seed: float, allowed: float, low: float, high: float,
     seed: int,
 ) -> tuple[float, float, int]:  # fmt: skip
     """The shortest period of one interval that the genetic algorithm finds with usage at most `allowed`.
 
-    `known` is a period that joins the first population; others are drawn from [low, high]. Returns the period, its
+    `seed` is a period that joins the first population; others are drawn from [low, high]. Returns the period, its
     usage, and what that is of; where no individual keeps to the limits, the one nearest to them.
     """
     population, generations, bits = breeding.population, breeding.generations, breeding.bits
     genes = first_population(population, 1, bits, seed)
-    fitness, period = np.empty(population), known
+    fitness, period = np.empty(population), seed
     best, value, which = np.inf, np.inf, 0
     for generation in range(generations + 1):
         for k in range(population):
-            # the known period takes part in the first population exactly, not rounded to a gene
-            of_known = generation == 0 and k == 0
-            if of_known:
-                genes[0, 0] = encode(known, bits, low, high)
-            trial = known if of_known else decode(genes[k, 0], bits, low, high)
+            # the seed takes part in the first population exactly, not rounded to a gene
+            of_seed = generation == 0 and k == 0
+            if of_seed:
+                genes[0, 0] = encode(seed, bits, low, high)
+            trial = seed if of_seed else decode(genes[k, 0], bits, low, high)
             used, kind, _ = usage(interval, ends, trial, np.inf, -1)
             fitness[k] = trial if used <= allowed else 1e3 * high * (1.0 + used)
             if fitness[k] < best:

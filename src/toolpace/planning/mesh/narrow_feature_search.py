@@ -1,7 +1,7 @@
 """The search for path features narrower than the grid, from the path's increments.
 
 A bend, a kink or a jump between two places changes position, slope or curvature by more than the derivatives at both
-tell, however short it is (kernels/motion/narrow_features.py). The gap is halved, the half kept from which that is
+tell, however short it is (kernels/motion/between_nodes.py). The gap is halved, the half kept from which that is
 still missing, until it is as short as what happens in it.
 """
 
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.kernels.motion import narrow_features
+from toolpace.kernels.motion import between_nodes
 from toolpace.machine.limits import Limits
 from toolpace.motion import least_changes
 from toolpace.path.axispath.run import AxisRun
@@ -47,7 +47,7 @@ class Gaps(NamedTuple):
     def missing(self, limits: Limits) -> Floats:
         """(n, 3, joints) changes of position, slope and curvature that both ends do not tell."""
         length, speed = self.high - self.low, np.sqrt(self.slow)
-        return narrow_features.missing(self.of_low, self.of_high, self.low, length, speed, least_changes(limits))
+        return between_nodes.increment_errors(self.of_low, self.of_high, self.low, length, speed, least_changes(limits))
 
 
 def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: float) -> tuple[Gaps, Floats]:
@@ -56,7 +56,7 @@ def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: f
     `shortest`: length of a gap that numbers do not resolve [of s].
     """
     missed = gaps.missing(limits)
-    which = np.flatnonzero(narrow_features.odd_ones(missed, gaps.high - gaps.low))[:MOST_CHASED]
+    which = np.flatnonzero(between_nodes.outliers(missed, gaps.high - gaps.low))[:MOST_CHASED]
     now, missed = gaps.take(which), missed[which]
     found: list[Gaps] = []
     way: list[tuple[Ints, Floats]] = []
@@ -69,7 +69,7 @@ def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: f
         left = Gaps(now.low, middle, now.of_low, np.ascontiguousarray(of_middle), now.slow)
         right = Gaps(middle, now.high, left.of_high, now.of_high, now.slow)
         missed_left, missed_right = left.missing(limits), right.missing(limits)
-        stays, is_right = narrow_features.worse_half(missed, missed_left, missed_right)
+        stays, is_right = between_nodes.worse_half(missed, missed_left, missed_right)
         way.append((chain, middle))
         pick = is_right[:, None, None]
         half = Gaps(
@@ -82,7 +82,7 @@ def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: f
         length = half.high - half.low
         speed = np.sqrt(half.slow)
         seen = stays & (
-            narrow_features.asked(missed, length, speed, limits.velocity, limits.acceleration, limits.jerk) > SEEN
+            between_nodes.error_utilisation(missed, length, speed, limits.velocity, limits.acceleration, limits.jerk) > SEEN
         ) & (number >= FEWEST_HALVINGS)  # fmt: skip
         if seen.any():
             caught[chain[seen]] = True
