@@ -142,4 +142,5 @@ def unexplained(
         of_low, of_high = np.concatenate([of_low, of_middle], axis=1), np.concatenate([of_middle, of_high], axis=1)
         swift = np.maximum(np.tile(swift, 2), np.tile(fast, 2))
         missed, length = np.concatenate([left, right]), high - low
-        go = (stays | (between_nodes.error_utilisation(missed, length, swift, *bounds) > UNTOLD_SHARE)) & (length > shortest)
+        asked = between_nodes.error_utilisation(missed, length, swift, *bounds)
+        go = (stays | (asked > UNTOLD_SHARE)) & (length > shortest)

@@ -26,9 +26,9 @@ SIDEWAYS = 0.75**0.5
 """Share of it that is left across."""
 
 (
-    BLOCK, KIND, ENDING, RAPID, TURNS, LENGTH, NOMINAL, DONE, REQUESTED, TOP, ACCELERATION, TANGENT_SHARE, TOLERANCE, SPEED,
-    FINAL, KINK, KINK_AFTER, KINK_BEFORE, OVERLAPS, FIXED, PEAK, PERIOD, SPLIT, LEAVING, GONE, STARTED, RAMPED, SLOWING,
-    OVERLAPPING, RADIUS, SWEEP,
+    BLOCK, KIND, ENDING, RAPID, TURNS, LENGTH, NOMINAL, DONE, REQUESTED, TOP, ACCELERATION, TANGENT_SHARE, TOLERANCE,
+    SPEED, FINAL, KINK, KINK_AFTER, KINK_BEFORE, OVERLAPS, FIXED, PEAK, PERIOD, SPLIT, LEAVING, GONE, STARTED, RAMPED,
+    SLOWING, OVERLAPPING, RADIUS, SWEEP,
 ) = range(31)  # fmt: skip
 """Columns of the table of segments: block it is of, kind, ending, whether it is a rapid, whether rotary axes move;
 length, length before roundings, way done; requested speed, most speed, acceleration, its share along an arc;

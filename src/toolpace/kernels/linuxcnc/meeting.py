@@ -12,7 +12,6 @@ from toolpace.kernels.jit import jit
 from toolpace.kernels.linuxcnc.blocks import (
     ACCELERATION,
     ARC,
-    REQUESTED,
     BEGIN,
     BLOCK,
     CENTRE,
@@ -32,6 +31,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     ORIGIN,
     OVERLAPPED,
     OVERLAPS,
+    REQUESTED,
     REST,
     SWEEP,
     TANGENT,

@@ -1,4 +1,4 @@
-"""The queue of LinuxCNC's planner: the entry of a block with the corner before it, and final speeds planned backwards."""
+"""The queue of LinuxCNC's planner: a block enters with the corner before it, and final speeds are planned backwards."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from toolpace.kernels.jit import jit
 from toolpace.kernels.linuxcnc.blocks import (
     ACCELERATION,
     ARC,
-    REQUESTED,
     BLOCK,
     COLUMNS,
     DONE,
@@ -23,12 +22,12 @@ from toolpace.kernels.linuxcnc.blocks import (
     LENGTH,
     NOMINAL,
     OF_ACCELERATION,
-    OF_REQUESTED,
     OF_ENDING,
     OF_KIND,
     OF_LENGTH,
     OF_RADIUS,
     OF_RAPID,
+    OF_REQUESTED,
     OF_SWEEP,
     OF_TOLERANCE,
     OF_TOP,
@@ -40,6 +39,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     PERIOD,
     RADIUS,
     RAPID,
+    REQUESTED,
     REST,
     RISE,
     ROUNDING,

@@ -251,20 +251,20 @@ def _values_near(
     first = min(max(p - 2, 0), q.shape[2] - FIVE)
     if kind == SPEED:
         for i in range(LOOKS):
-            found[i] = abs(_interpolated(q, 0, axis, first, weight, p, i) * state[V, i]) * share
+            found[i] = abs(_blend(q, 0, axis, first, weight, p, i) * state[V, i]) * share
     elif kind == ACCELERATION:
         for i in range(LOOKS):
-            v, q1, q2 = state[V, i], _interpolated(q, 0, axis, first, weight, p, i), _interpolated(q, 1, axis, first, weight, p, i)
+            v, q1, q2 = state[V, i], _blend(q, 0, axis, first, weight, p, i), _blend(q, 1, axis, first, weight, p, i)
             found[i] = abs(q2 * v * v + q1 * state[A, i]) * share
     else:
         for i in range(LOOKS):
-            v, q1, q2 = state[V, i], _interpolated(q, 0, axis, first, weight, p, i), _interpolated(q, 1, axis, first, weight, p, i)
-            third = _interpolated(q, 2, axis, first, weight, p, i) * v * v * v + 3.0 * q2 * v * state[A, i]
+            v, q1, q2 = state[V, i], _blend(q, 0, axis, first, weight, p, i), _blend(q, 1, axis, first, weight, p, i)
+            third = _blend(q, 2, axis, first, weight, p, i) * v * v * v + 3.0 * q2 * v * state[A, i]
             found[i] = abs(third + q1 * state[J, i]) * share
 
 
 @jit(inline=True)
-def _interpolated(q: Floats, order: int, axis: int, first: int, weight: Floats, p: int, i: int) -> float:
+def _blend(q: Floats, order: int, axis: int, first: int, weight: Floats, p: int, i: int) -> float:
     """A derivative of one axis at a place about probe p, from those at five probes from `first` on."""
     value: float = (
         q[order, axis, first] * weight[p, 0, i] + q[order, axis, first + 1] * weight[p, 1, i]

@@ -197,7 +197,7 @@ def follow(waits: Waits, change: Floats) -> None:
 def predict(
     knots: KnotRows, own: OwnRows, states: KnotStates, waits: Waits, affine: Floats, system: System
 ) -> tuple[float, float, float, float]:
-    """The part of the knots' own rows in what `relaxation_rows.predict` finds, to the vectors of which it adds.
+    """The part of the knots' own rows in what `relaxation.predict` finds, to the vectors of which it adds.
 
     Returns the largest relative fall and growth of a slack, and the sums of slack times multiplier times such a
     change, and its square.

@@ -28,6 +28,7 @@ from toolpace.kernels.optimal.multipliers import (
     RELAXED,
     SLOPE,
     SQUARE,
+    TILE,
     Z1,
     Z2,
     RowSteps,
@@ -35,9 +36,9 @@ from toolpace.kernels.optimal.multipliers import (
     Z,
     set_bounds,
     share_left,
+    tiled,
 )
 from toolpace.kernels.optimal.newton import System, add_curvature, add_curvature_inside, add_slope
-from toolpace.kernels.optimal.tiles import TILE, tiled
 
 MOST_FALL = 0.6
 """Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import InfeasibleError
-from toolpace.kernels.planners import preset_speeds
+from toolpace.kernels.planners import genetic
 from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.planning.endstate import EndState
 from toolpace.planning.genetic.problem import Intervals
@@ -44,11 +44,11 @@ def preset(parts: Intervals, start: EndState, end: EndState, reserve: float) -> 
     fixed = np.zeros(len(points), dtype=np.int64)
     fixed[[0, -1]] = 1
     intervals = Interval(parts.x, parts.share, parts.pace)
-    periods, bad, value, which = preset_speeds.preset(intervals, speed, acceleration, fixed, reserve, REPAIRS)
+    periods, bad, value, which = genetic.preset(intervals, speed, acceleration, fixed, reserve, REPAIRS)
     if bad >= 0:
         raise InfeasibleError(
             f"genetic: no preset speeds for {parts.interval_name(bad)}: its best law takes {value:.4g} of"
             f" {parts.limit_name(which)}; give more intervals, or start slower"
         )
-    preset_speeds.raise_speeds(intervals, speed, acceleration, fixed, reserve, periods)
+    genetic.raise_speeds(intervals, speed, acceleration, fixed, reserve, periods)
     return Preset(speed, acceleration, periods)

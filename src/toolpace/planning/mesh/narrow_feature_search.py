@@ -81,9 +81,9 @@ def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: f
         missed = np.where(pick, missed_right, missed_left)
         length = half.high - half.low
         speed = np.sqrt(half.slow)
-        seen = stays & (
-            between_nodes.error_utilisation(missed, length, speed, limits.velocity, limits.acceleration, limits.jerk) > SEEN
-        ) & (number >= FEWEST_HALVINGS)  # fmt: skip
+        of_joints = (limits.velocity, limits.acceleration, limits.jerk)
+        utilised = between_nodes.error_utilisation(missed, length, speed, *of_joints)
+        seen = stays & (utilised > SEEN) & (number >= FEWEST_HALVINGS)
         if seen.any():
             caught[chain[seen]] = True
             found.append(half.take(seen))
