@@ -90,7 +90,7 @@ def put(b: Blocks, j: int, q: Floats, head: int, tail: int, control: Control) ->
         clear(q, at)
         q[at, BLOCK], q[at, RAPID], q[at, KIND], q[at, ENDING] = block, rapid, ROUNDING, TANGENT
         q[at, LENGTH] = rounding.radius * rounding.angle + (rest if taken else 0.0)
-        q[at, NOMINAL], q[at, TOP], q[at, REQUESTED] = q[at, LENGTH], rounding.speed, rounding.asked
+        q[at, NOMINAL], q[at, TOP], q[at, REQUESTED] = q[at, LENGTH], rounding.speed, rounding.requested
         q[at, ACCELERATION], q[at, TANGENT_SHARE] = rounding.acceleration, TANGENTIAL
         q[at, KINK], q[at, PERIOD] = -1.0, control.cycle
         fix(q, at, control)

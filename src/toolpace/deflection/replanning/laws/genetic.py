@@ -14,9 +14,7 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.laws.chain import ChainLaw, LawPiece
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.laws.quintic import QuinticLaw
-from toolpace.planning.genetic.planner import Genetic, interval_peaks, with_bred_periods
-from toolpace.planning.genetic.preset_speeds import Preset
-from toolpace.planning.genetic.problem import Intervals, reference_points
+from toolpace.planning.genetic import Genetic, Intervals, Preset, interval_peaks, reference_points, with_bred_periods
 from toolpace.planning.limit_tolerances import KEPT_INTERVAL
 
 BEYOND = 1e-12

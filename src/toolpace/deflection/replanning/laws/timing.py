@@ -55,9 +55,9 @@ def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
     # their compiled code is loaded here, where it is used
     from toolpace.deflection.replanning.laws.genetic import genetic_law
     from toolpace.deflection.replanning.laws.planned import planned_law
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
-    from toolpace.planning.second_order.planner import SecondOrder
+    from toolpace.planning.second_order import SecondOrder
 
     chosen = planner_of(planner, options, "replan")
     if isinstance(chosen, SecondOrder):
