@@ -34,10 +34,13 @@ MOST_NODES = 257
 HINTS_AN_INTERVAL = 3
 """Stretches between hints that an interval spans at most, where the number of intervals is not given."""
 REPAIRS = 2000
+"""Most rounds in which preset speeds are lowered: 30 are enough on the 27 paths of the benchmark, 10 on eight of them."""
 RESOLUTION = 600
 """Points of the ramps from which the speeds are taken."""
 CHECKS = 12
+"""Most looks between the nodes, each with less allowed at them: two at most on the 27 paths of the benchmark."""
 ATTEMPTS = 5
+"""Most reserves that are tried: one on each of these paths."""
 LOWER = 0.9
 """Share of the reserve that is left for the next attempt."""
 EVOLVE_SLACK = 2e-4

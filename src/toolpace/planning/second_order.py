@@ -34,6 +34,7 @@ CELLS_A_HINT = 4
 REFINE_ABOVE = 1.0003
 """Usage from which a cell is halved rather than its limits lowered."""
 REFINE_ROUNDS, MOST_ROUNDS = 6, 20
+"""Solves after which cells are halved no more, and most solves: one on each of the 27 paths of the benchmark."""
 OVERSHOOT = 1.2
 """How far a limit is lowered, as a multiple of how far it was passed."""
 BOTH_ENDS = np.array([0.0, 1.0])
@@ -45,8 +46,7 @@ MOST_OVER_STEADY = 1e12
 COLLAPSED = 1e-3
 """Share of z at the start of a cell below which it must not fall at its end, inside a run."""
 MOST_CALMED = 20
-POINTS_AT_ONCE = 100_000
-"""Points of a path that are evaluated at a time, to keep memory low."""
+"""Most solves in which cells with zero inertia are found: one on each of these paths."""
 SHORTEST = 1e-9
 """Time in which nothing crosses a run [s]: what is faster has no limit."""
 CURES = {
@@ -102,8 +102,8 @@ class Cells:
         self.at[:, 1:-1] = n + 1 + len(broken) + np.arange(inner.size).reshape(inner.shape)
         self.q1, self.q2 = np.empty((2, len(self.s), len(limits)))
         self.cap = np.empty(len(self.s))
-        for first in range(0, len(self.s), POINTS_AT_ONCE):
-            part = slice(first, first + POINTS_AT_ONCE)
+        for first in range(0, len(self.s), CHUNK):
+            part = slice(first, first + CHUNK)
             q = run.evaluate(self.s[part])
             self.q1[part], self.q2[part] = q[1] / limits.acceleration, q[2] / limits.acceleration
             with np.errstate(divide="ignore"):

@@ -12,6 +12,7 @@ from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 
 DEGREE = 5
+"""Of the splines: the sixth coefficient of a cell is the last that matters in it."""
 
 
 @jit()

@@ -21,6 +21,7 @@ ODD = 6.0
 STAYS = 0.25
 """Share of the error of a gap that is left in one of its halves where something happens in it; 1/8 on a smooth path."""
 POWERS = (7, 5, 3)
+"""Powers of the length that the errors of position, slope and curvature grow with."""
 
 
 @jit()

@@ -26,6 +26,7 @@ STEEP, UNEVEN = 30.0, 1e-4
 """How far z at the nodes of a cell may differ, and its time by eight points be off beyond that, before it is cut."""
 REST_INSIDE = np.linspace(0.0, 1.0, 65)
 REACH, SHARE = 4.0, 0.9
+"""See above: with eight points they keep the error of a panel below 1e-13."""
 FLOOR = 1e-13
 """Least z inside a cell, as a share of that at its slower node: what a coarse mesh lets fall to nothing goes on."""
 LEAST = 1e-12

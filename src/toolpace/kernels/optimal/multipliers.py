@@ -19,8 +19,11 @@ from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
 
 TILE = 64
+"""Points of a tile: eight times what the widest vector instructions take."""
 BACK_OFF = 0.99
 """Share of the way to where a first slack or multiplier would vanish that a step goes, for problem and relaxation."""
+MOST_FALL = 0.6
+"""Most of z at a point that a step may take away: where z falls far, the tangents of 1 / sqrt(z) mislead."""
 Z, Z1, Z2, LIMIT, FALL, EXTRA, EXTRA_JERK = range(7)
 """State of a point or knot: z, z', z'', the limit of its jerk rows, the negative slope of 1 / sqrt(z), and by how much
 its rows of acceleration and of jerk are relaxed."""

@@ -56,7 +56,6 @@ from toolpace.kernels.optimal.newton import System, add_curvature, add_slope, ai
 from toolpace.kernels.optimal.relaxation_knots import TOTAL, V0, V1, V2, at_knots
 from toolpace.kernels.optimal.relaxation_work import Points, Waits, Work, count_of, work_of
 
-CONVERGED, STALLED, BROKEN = 0, 1, 2
 NEAR = 1e-3
 """Gap relative to the time at the start from which the bound is worked out at every step, and the best one kept."""
 NEAR_ENOUGH = 0.03
@@ -71,13 +70,13 @@ LEAN, MEAN1, MEAN2 = 0, 2, 4
 def relax(
     knots: KnotRows, low: Floats, cap: Floats, c: Floats, relief: Floats, tolerance: float, enough: float,
     most_steps: int,
-) -> tuple[float, Floats, Floats, float, int, int]:  # fmt: skip
+) -> tuple[float, Floats, Floats, int]:  # fmt: skip
     """Multipliers near the optimum of the relaxation, and their bound.
 
     Parameters: low (n,) 0 where unknown, and cap (n,) of z; c (n + 2,) start with z > 0 at the knots, overwritten by
     the result; relief (n, 4) of cap, acceleration, floor and chord (the last is found here); tolerance of what is lost
     between what is minimised and the bound, relative to the time at the start; a bound of `enough` ends it early.
-    Returns the bound, its multipliers (points, 2 m, 2), the waits (n,), the least value, status and steps.
+    Returns the bound, its multipliers (points, 2 m, 2), the waits (n,), and the number of steps.
     """
     work = work_of(knots, low, cap, relief)
     points, count = knots.rows.shape[0], knots.rows.shape[1]
@@ -86,7 +85,7 @@ def relax(
     bound, _, _ = dual_value(knots, low, cap, best)
     scale, tau = _start(work, c, products)
     near = NEAR if enough == np.inf else NEAR_ENOUGH
-    least, status, steps = np.inf, STALLED, most_steps
+    number = 0
     for number in range(most_steps + 1):
         gap, least = _newton_system(work, c)
         if gap < near * scale or number == most_steps:
@@ -96,25 +95,19 @@ def relax(
                 bound = value
                 copy(dual.reshape(-1), best.reshape(-1))
             if bound >= enough or (least - bound < tolerance * scale and tau < 1e-9):
-                status, steps = CONVERGED, number
                 break
             if gap < ROUNDING * tolerance * scale:
-                status, steps = BROKEN, number
                 break
-        if number == most_steps:
-            break
-        if not factor_tied(work.system, knots.ends):
-            status, steps = BROKEN, number
+        if number == most_steps or not factor_tied(work.system, knots.ends):
             break
         centre = product_aimed_at(gap, products, _predictor(work, gap))
         go, go_dual = _corrector(work, tau, centre)
         if not (go > 0.0 and go_dual > 0.0):
-            status, steps = BROKEN, number
             break
         _go(work, c, go, go_dual)
         tau *= 1.0 - go
         _evaluate(work, tau)
-    return bound, best, work.states.wait, least, status, steps
+    return bound, best, work.states.wait, number
 
 
 @jit(inline=True)

@@ -33,8 +33,6 @@ TOTAL, V0, V1, V2 = range(4)
 """What the jerk rows of a point add to the second derivatives by the wait: twice, and once with (z, z', z'')."""
 LEAST_LEFT = 0.005
 """Share of the slack of a chord that a step leaves: it falls below what its tangent says."""
-MOST_FALL = 0.6
-"""Share of z that a step may take at a knot: beyond it the tangent of 1 / sqrt(z) says nothing."""
 
 
 @jit()

@@ -40,8 +40,6 @@ from toolpace.kernels.optimal.multipliers import (
 )
 from toolpace.kernels.optimal.newton import System, add_curvature, add_curvature_inside, add_slope
 
-MOST_FALL = 0.6
-"""Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""
 KEEP_CURVATURE = 0.05
 CAP, ACCELERATION, JERK = 0, 1, 2
 """What the columns of a relief are for."""

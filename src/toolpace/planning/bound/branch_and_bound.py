@@ -39,6 +39,7 @@ NECESSARY = 0.999
 QUESTIONS = 3
 """Questions that a knot is asked in a round, at most."""
 PROBE_TOLERANCE = 1e-4
+"""Of the relaxation that answers a question: only its side of the cut counts."""
 LEAST_PROGRESS = 0.2
 """Share of what is open that a round must close; else the range of a knot is split."""
 PATIENCE, LEAST_GAIN = 2, 5e-3

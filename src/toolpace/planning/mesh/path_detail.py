@@ -31,11 +31,6 @@ JUMP = 1e-5
 builds up: a^3 / j^2, a^2 / j, a. Nothing can follow it, and smaller ones are what numbers make of a path."""
 MOST_POINTS = 20_000
 """Points after which no closer look is taken: a path that is detail everywhere is not looked at for ever."""
-SEEN = 0.02
-"""Share of a limit, at the speed that is allowed beside it, at which something is seen for what it is."""
-MOST_HALVINGS = 60
-FEWEST_HALVINGS = 4
-"""Halvings before something counts as hidden: where a grid is a little coarse, fewer do."""
 MOST_CHASED = 2_000
 """Gaps after which no more are chased: a path that is noise everywhere is not chased for ever."""
 
@@ -177,9 +172,9 @@ def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: f
     found: list[Gaps] = []
     way: list[tuple[Ints, Floats]] = []
     chain, caught = np.arange(len(which)), np.zeros(len(which), dtype=np.bool_)
-    for number in range(1, MOST_HALVINGS + 1):
-        if len(now.low) == 0:
-            break
+    number = 0
+    while len(now.low):
+        number += 1
         middle = (now.low + now.high) / 2.0
         of_middle = run.evaluate(middle)
         left = Gaps(now.low, middle, now.of_low, np.ascontiguousarray(of_middle), now.slow)
@@ -199,7 +194,7 @@ def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: f
         speed = np.sqrt(half.slow)
         of_joints = (limits.velocity, limits.acceleration, limits.jerk)
         utilised = between_nodes.error_utilisation(missed, length, speed, *of_joints)
-        seen = stays & (utilised > SEEN) & (number >= FEWEST_HALVINGS)
+        seen = stays & (utilised > UNSEEN) & (number > SETTLED)
         if seen.any():
             caught[chain[seen]] = True
             found.append(half.take(seen))
