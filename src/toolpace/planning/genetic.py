@@ -34,7 +34,7 @@ MOST_NODES = 257
 HINTS_AN_INTERVAL = 3
 """Stretches between hints that an interval spans at most, where the number of intervals is not given."""
 REPAIRS = 2000
-"""Most rounds in which preset speeds are lowered: 30 are enough on the 27 paths of the benchmark, 10 on eight of them."""
+"""Most rounds that lower preset speeds: on the 27 paths of the benchmark 30 are enough, 10 on eight of them."""
 RESOLUTION = 600
 """Points of the ramps from which the speeds are taken."""
 CHECKS = 12

@@ -11,9 +11,6 @@ import numpy as np
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 
-DEGREE = 5
-"""Of the splines: the sixth coefficient of a cell is the last that matters in it."""
-
 
 @jit()
 def basis(t: Floats, i: int, x: float, order: int, out: Floats) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.dual import KnotRows
-from toolpace.kernels.optimal.multipliers import EXTRA, EXTRA_JERK, FALL, LIMIT, Z
+from toolpace.kernels.optimal.multipliers import EXTRA, EXTRA_JERK, FALL, LIMIT, MOST_FALL, Z
 from toolpace.kernels.optimal.newton import System, add_curvature, add_slope
 from toolpace.kernels.optimal.relaxation_work import (
     CAP,

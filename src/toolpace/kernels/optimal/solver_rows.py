@@ -25,6 +25,7 @@ from toolpace.kernels.optimal.multipliers import (
     GROWS,
     LIMIT,
     LINEAR,
+    MOST_FALL,
     RELAXED,
     SLOPE,
     SQUARE,
