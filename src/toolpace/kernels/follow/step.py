@@ -81,6 +81,7 @@ SETTLES = 0.2
 LEAST = 0.02
 """Share of the feed up to which nothing is taken off the pace."""
 MOST_OVERRIDE = 1.2
+"""Highest override that counts; what is above it is cut, and said."""
 TYPES: Any = numba.types
 POINTER = TYPES.CPointer(TYPES.float64)
 

@@ -47,6 +47,7 @@ SMALL_ARC = 1e-6
 MOST_OF_TOLERANCE = 0.25
 """Share of a block's length that a rounding may leave the corner by where no tolerance is given."""
 SMALL_ANGLE = 1e-6
+"""Between ways that count as one, or as turned back [rad]."""
 TANGENT_ERROR = 0.25
 """Share of the normal acceleration that a rounding's error of tangent may take within a cycle."""
 

@@ -42,6 +42,8 @@ from toolpace.kernels.optimal.multipliers import (
 from toolpace.kernels.optimal.newton import System, add_curvature, add_curvature_inside, add_slope
 
 KEEP_CURVATURE = 0.05
+"""Least share of the curvature of the duration that stays where the jerk rows bend the other way: it keeps the Newton
+matrix positive definite."""
 CAP, ACCELERATION, JERK = 0, 1, 2
 """What the columns of a relief are for."""
 
