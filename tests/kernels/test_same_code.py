@@ -14,7 +14,7 @@ import pytest
 from toolpace.kernels import jit
 from toolpace.kernels.kernel_cache import DIGEST
 
-KERNELS = ("optimal.multipliers.set_bounds", "optimal.tiles.tiled", "optimal.multipliers.start")
+KERNELS = ("optimal.multipliers.set_bounds", "optimal.multipliers.tiled", "optimal.multipliers.start")
 """The last one calls the first."""
 COMPILE = """
 import sys
