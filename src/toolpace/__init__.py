@@ -65,14 +65,11 @@ if TYPE_CHECKING:
     from toolpace.programs.toolpath import Operation, ToolPath
     from toolpace.results.report import report
     from toolpace.results.write.set_up_folder import write_set_up
-    from toolpace.setup_search.choices import Choice, Choices
+    from toolpace.setup_search.choices import Choice, Choices, Zone
     from toolpace.setup_search.choices_file import load_choices
     from toolpace.setup_search.clamping import Clamping
-    from toolpace.setup_search.place_map import PlaceMap
+    from toolpace.setup_search.found_set_up import FoundSetUp, PlaceMap, PlannedSetUp
     from toolpace.setup_search.search import search_setup
-    from toolpace.setup_search.search_result import FoundSetUp
-    from toolpace.setup_search.verified_set_up import PlannedSetUp
-    from toolpace.setup_search.zones import Zone
 
 __all__ = [
     "AxisPath",
@@ -188,7 +185,7 @@ _HOME = {
     "Engagement": "machine.cutting_tool",
     "Exported": "controls.export",
     "Follower": "deflection.following",
-    "FoundSetUp": "setup_search.search_result",
+    "FoundSetUp": "setup_search.found_set_up",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
@@ -205,9 +202,9 @@ _HOME = {
     "Path": "path.path",
     "PathJet": "path.run",
     "PathRun": "path.run",
-    "PlaceMap": "setup_search.place_map",
+    "PlaceMap": "setup_search.found_set_up",
     "PlannedRun": "planning.planned_run",
-    "PlannedSetUp": "setup_search.verified_set_up",
+    "PlannedSetUp": "setup_search.found_set_up",
     "Planner": "planning.planner",
     "Probe": "motion.laws.law",
     "ProgramPlan": "planning.program_plan",
@@ -234,7 +231,7 @@ _HOME = {
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "common.workers",
-    "Zone": "setup_search.zones",
+    "Zone": "setup_search.choices",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
     "compensate_bending": "cutting.bending.compensated_program",

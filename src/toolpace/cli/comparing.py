@@ -41,8 +41,7 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
     from toolpace.cli import arguments
     from toolpace.cli.summary import limit_in_words
     from toolpace.common.files import write_text
-    from toolpace.results.compare import compared
-    from toolpace.results.compare.page import comparison_page
+    from toolpace.results.compare import compared, comparison_page
 
     target = arguments.file_for_result("--page", page)
     console = new_console()
@@ -62,7 +61,7 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
 
 
 def _show_plans(console: Console, found: Compared) -> None:
-    from toolpace.results.compare.page import said_verdict
+    from toolpace.results.compare import said_verdict
     from toolpace.results.report.words import at_most
 
     table = Table(box=SIMPLE, pad_edge=False)

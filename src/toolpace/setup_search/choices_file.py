@@ -15,8 +15,7 @@ from typing import Any
 
 from toolpace.common.files.tables import TableFile
 from toolpace.programs.reading.in_units import ANGLES, LENGTHS, TablesInUnits
-from toolpace.setup_search.choices import Choice, Choices
-from toolpace.setup_search.zones import Zone, is_angle
+from toolpace.setup_search.choices import Choice, Choices, Zone, is_angle
 
 FILE = TableFile("file of choices", longest=100_000)
 MOST = 100

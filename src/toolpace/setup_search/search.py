@@ -30,10 +30,8 @@ from toolpace.machine.machine import Machine, check_machine
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 from toolpace.setup_search.choices import Choices
 from toolpace.setup_search.clamping import AS_GIVEN, Clamping
-from toolpace.setup_search.place_map import map_places
-from toolpace.setup_search.search_result import FoundSetUp
+from toolpace.setup_search.found_set_up import FoundSetUp, PlannedSetUp, confirmed, given_as_written, map_places
 from toolpace.setup_search.trial import BEYOND, FORBIDDEN, Task, Trial, as_tips_and_axes, centre_of, tried
-from toolpace.setup_search.verified_set_up import PlannedSetUp, confirmed, given_as_written
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from toolpace.results.report.policy import with_policy
-from toolpace.study.drawings import as_html
-from toolpace.study.errata import CHOICES, all_errata
-from toolpace.study.panels import Figure
+from toolpace.results.report.shell import with_policy
+from toolpace.study.drawings import Figure, as_html
 from toolpace.study.simulation import Study
 from toolpace.study.sketches import Sketch
-from toolpace.study.tables import Table, comparison, periods_table, times_table, ways_table
+from toolpace.study.tables import CHOICES, Table, all_errata, comparison, periods_table, times_table, ways_table
 
 STYLE = """
 :root { --ink: #17202e; --soft: #5b6778; --line: #e4e8ee; --ground: #f4f6f9; }

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.common.files import whole_file
-from toolpace.study.panels import LIMIT, Figure, Panel
+from toolpace.study.drawings import LIMIT, Figure, Panel
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from toolpace.programs.reading import ReadOptions
     from toolpace.programs.toolpath import ToolPath
     from toolpace.setup_search.choices import Choices
-    from toolpace.setup_search.search_result import FoundSetUp
-    from toolpace.setup_search.verified_set_up import PlannedSetUp
+    from toolpace.setup_search.found_set_up import FoundSetUp, PlannedSetUp
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from toolpace.common.description import counted
 from toolpace.common.units import format_time
 from toolpace.jobs.batch.result_row import BAD, ERROR, GOOD, WAITING, BatchRow
 from toolpace.jobs.batch.work import INSPECTED, TIMED
-from toolpace.results.report.shell import whole_page
+from toolpace.results.report import shell
 from toolpace.results.report.words import at_most, limit_words, percent
 
 RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspect": INSPECTED}
@@ -43,7 +43,7 @@ def batch_page(rows: Sequence[BatchRow]) -> str:
         "head": head,
         "rows": "\n".join(f"<tr>{''.join(_html(cells[k]) for k in shown)}</tr>" for cells in table),
     }
-    return whole_page("toolpace.jobs.batch", "page", "Batch", fields)
+    return shell.whole_page("toolpace.jobs.batch", "page", "Batch", fields)
 
 
 def _badge(rows: Sequence[BatchRow]) -> str:
@@ -77,11 +77,7 @@ def _cards(rows: Sequence[BatchRow]) -> str:
     took = sum(row.seconds for row in rows)
     if took:
         cards.append(("Computed in", format_time(took), "sum of all workers", ""))
-    return "\n".join(
-        f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
-        f'<div class="note">{escape(note)}</div></div>'
-        for label, value, note, kind in cards
-    )
+    return shell.cards(cards)
 
 
 def _cells(row: BatchRow) -> list[Cell]:

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from toolpace.cli import demo_programs, main
-from toolpace.results.compare import compared
-from toolpace.results.compare.curves import MotionAlong, later, thinned
+from toolpace.results.compare import MotionAlong, compared, later, thinned
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""The curves of the report as small integers over time, with peaks kept."""
+"""Data of the report's charts: curves over time with their peaks kept, the limit that binds, the tip's way in space."""
 
 from __future__ import annotations
 
@@ -8,20 +8,26 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion.setpoints import SetPoints
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.toolpath import ToolPath
 
-MOST = 40_000
-"""Points of each channel in the file; a browser thins them again to what its screen can show."""
+POINTS = 40_000
+"""Points of each channel in the file, and line numbers: twenty for each pixel of a wide screen."""
 _FULL = 32_000
 """The largest value of a curve as a 16-bit integer, of 32 767: the step between two is below what a screen shows."""
 _MISSING = -32_768
 """Stands where there is no value."""
-BLOCKS = 40_000
-"""Line numbers over time that a page holds: twenty for each pixel of a wide screen."""
+BINDING = 0.99
+"""Share of a limit from which it is shown as binding."""
+NOTHING = -1
+"""Stands where nothing binds, in place of the number of a limit."""
+STATIONS = 24_000
+"""Points of the tip's way: a browser turns so many in space without a jerk, and chords of them look like the curve."""
+WHISKERS = 500
+"""Tool axes drawn: more would hide the way of the tip."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +119,7 @@ def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg
     return channels
 
 
-def extremes(values: Floats, most: int = MOST) -> Floats:
+def extremes(values: Floats, most: int = POINTS) -> Floats:
     """At most `most` values: of each stretch the least and the largest, in the order in which they come."""
     n = len(values)
     if n <= most:
@@ -148,7 +154,81 @@ def packed(channel: Channel) -> dict[str, object]:
     }
 
 
-def blocks_over_time(setpoints: SetPoints, most: int = BLOCKS) -> dict[str, object]:
+def blocks_over_time(setpoints: SetPoints, most: int = POINTS) -> dict[str, object]:
     """Line numbers over time, for the texts that a pointer calls up."""
     at = np.linspace(0, len(setpoints) - 1, min(len(setpoints), most)).astype(np.int64)
     return {"data": encoded(setpoints.block[at].astype("<i4"))}
+
+
+def limit_names(joints: tuple[str, ...]) -> list[str]:
+    """What can bind, as `Trajectory.limited_by` names it: "feed", "velocity X", ..."""
+    return ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in joints)]
+
+
+def binding(trajectory: Trajectory, t: Floats) -> Ints:
+    """(n,) at each time t [s] the number (in `limit_names`) of the limit that is used most, NOTHING where none
+    binds."""
+    motion = trajectory.at(t)
+    limits = trajectory.limits
+    shares = [np.abs(v) / getattr(limits, kind) for v, kind in zip((motion.qd, motion.qdd, motion.qddd), KINDS)]
+    ratios = np.column_stack((_feed_share(trajectory, t), *shares))
+    most = ratios.argmax(axis=1)
+    found: Ints = np.where(ratios[np.arange(len(t)), most] >= BINDING, most, NOTHING)
+    return found
+
+
+def _feed_share(trajectory: Trajectory, t: Floats) -> Floats:
+    """(n,) path speed over its cap, which stands for the feed and for the least time of a block."""
+    share = np.zeros(len(t))
+    run = trajectory.run_at(t)
+    for k in np.unique(run):
+        law, of_run = trajectory.laws[k], run == k
+        local = t[of_run] - trajectory.starts[k]
+        s, speed, *_ = law.at(np.clip(local, 0.0, law.duration))
+        axis_run = trajectory.axis_path.runs[k]
+        share[of_run] = np.where(
+            local <= law.duration, speed / axis_run.speed_cap(np.clip(s, axis_run.s0, axis_run.s1)), 0.0
+        )
+    return share
+
+
+def stations(setpoints: SetPoints, most: int = STATIONS) -> Ints:
+    """Set-points to draw: as many in equal steps of time as in equal steps of length, so that neither slow
+    corners nor fast moves turn into polygons."""
+    n = len(setpoints)
+    if n <= most:
+        return np.arange(n)
+    length = np.concatenate(([0.0], np.cumsum(setpoints.tip_steps)))
+    measure = np.arange(n) / (n - 1) + length / max(float(length[-1]), 1e-30)
+    at = np.searchsorted(measure, np.linspace(0.0, measure[-1], most))
+    found: Ints = np.unique(np.clip(at, 0, n - 1))
+    return found
+
+
+def scene_data(setpoints: SetPoints, at: Ints, limiting: Ints, cap: Floats | None) -> dict[str, object]:
+    """Data of the picture: tip [mm], speed [mm/min], what binds, block, and the whiskers, at the set-points
+    `at`."""
+    tip = setpoints.tip[at] * 1e3
+    speed = tip_speed(setpoints)[at] * 60e3
+    # Rapids would take the whole range of colours; it belongs to the cut.
+    cutting = np.isfinite(cap[at]) if cap is not None else np.ones(len(at), dtype=bool)
+    top = float(speed[cutting].max()) if cutting.any() else float(speed.max())
+    size = float(np.sqrt(((tip.max(axis=0) - tip.min(axis=0)) ** 2).sum()))
+    moved = np.concatenate(([0.0], np.cumsum(np.sqrt(((tip[1:] - tip[:-1]) ** 2).sum(axis=1)))))
+    turned = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(setpoints.axis[at], axis=0) ** 2).sum(axis=1)))))
+    measure = moved / max(moved[-1], 1e-12) + 0.5 * turned / max(turned[-1], 1e-12)
+    some = np.unique(np.clip(np.searchsorted(measure, np.linspace(0.0, measure[-1], WHISKERS)), 0, len(at) - 1))
+    whiskers = np.full((len(some), 3, 3), np.nan)
+    whiskers[:, 0] = tip[some]
+    whiskers[:, 1] = tip[some] + setpoints.axis[at[some]] * max(0.07 * size, 1.0)
+    return {
+        "x": encoded(tip[:, 0].astype("<f4")),
+        "y": encoded(tip[:, 1].astype("<f4")),
+        "z": encoded(tip[:, 2].astype("<f4")),
+        "speed": encoded(speed.astype("<f4")),
+        "top": max(top, 1e-9),
+        "limiting": encoded(limiting.astype("<i2")),
+        "block": encoded(setpoints.block[at].astype("<i4")),
+        "t": encoded(setpoints.t[at].astype("<f4")),
+        "whiskers": [encoded(whiskers[:, :, k].ravel().astype("<f4")) for k in range(3)],
+    }
