@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from toolpace.common.errors import ToolpaceError, UnitWarning
     from toolpace.common.workers import Progress, Workers
     from toolpace.controls.export import Exported, ReadBack, export
-    from toolpace.controls.timing.program import program_time
-    from toolpace.controls.timing.program_time import PartTime, ProgramTime
+    from toolpace.controls.timing.program_time import PartTime, ProgramTime, program_time
     from toolpace.cutting.bending.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.bending.compliance import Bending
     from toolpace.cutting.forces import CuttingForces
@@ -240,7 +239,7 @@ _HOME = {
     "load_tool": "cutting.tool_file",
     "plan": "planning.planner",
     "plan_program": "planning.program_plan",
-    "program_time": "controls.timing.program",
+    "program_time": "controls.timing.program_time",
     "prove": "planning.bound.prove",
     "read": "programs.reading",
     "read_text": "programs.reading",

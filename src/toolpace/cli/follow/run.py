@@ -26,7 +26,8 @@ STREAMERS = 8
 def run_follow(law: str, backlog: str, record: str | None, name: str, streamer: int) -> int:
     """Play a law until a signal asks to end."""
     from toolpace.cli import arguments
-    from toolpace.controls.linuxcnc_hal import Component, Settings, hal_module
+    from toolpace.controls.hal import hal_module
+    from toolpace.controls.hal_component import Component, Settings
     from toolpace.deflection.following import Follower
 
     ahead = arguments.time_given("--backlog", backlog)

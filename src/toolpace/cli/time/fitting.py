@@ -24,9 +24,8 @@ def run_fit(programs: list[str], log: str, asked: Asked, write: str | None) -> i
     """Find the figures from a log of one program, and print them. Raises ToolpaceError."""
     from toolpace.cli import arguments
     from toolpace.common.files import write_text
-    from toolpace.controls.timing.identify import identify
-    from toolpace.controls.timing.log import load_log
-    from toolpace.controls.timing.program import figures_for, moves_of
+    from toolpace.controls.timing.identify import identify, load_log
+    from toolpace.controls.timing.program_time import figures_for, moves_of
     from toolpace.programs.reading import Source
     from toolpace.programs.reading.languages import with_controller
 

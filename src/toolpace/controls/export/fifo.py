@@ -21,18 +21,14 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.units import format_angle, format_length, format_time
 from toolpace.controls.export.column_units import Scale, scale_of
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.periods import refuse_no_cycle
-from toolpace.controls.export.provenance import provenance, start_in_words
-from toolpace.controls.export.rows import Rows, rows_every
+from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
+from toolpace.controls.export.rows import WHOLE, Rows, refuse_no_cycle, rows_every
 from toolpace.controls.export.target import ReadBack, Written
 from toolpace.controls.export.tool_changes import refuse_tool_changes
 
 ROWS, HOW_TO = "rows.lreal", "how_to_use.txt"
 REST = 0.1
 """Time at rest behind the motion [s]: a stationary interval is how positioning ends (Sequence, End Phase)."""
-WHOLE = 1e-9
-"""How far the ratio of two cycle times may be from a whole number."""
 CYCLES = 2
 """PLC cycles that a full FIFO must last at least."""
 

@@ -23,12 +23,9 @@ from toolpace.common.description import counted
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.common.units import format_angle, format_length, format_time
 from toolpace.controls.export.linuxcnc.guard import ABOVE, GUARD, LIMITS, MOST_JOINTS, Guard, stamp_of, stops_at
-from toolpace.controls.export.linuxcnc.sections import Section, sections_of
-from toolpace.controls.export.linuxcnc.stream_text import StreamText, longer_by
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.periods import refuse_no_cycle
-from toolpace.controls.export.provenance import provenance
-from toolpace.controls.export.rows import Rows, rows_every
+from toolpace.controls.export.linuxcnc.stream_text import Section, StreamText, longer_by, sections_of
+from toolpace.controls.export.motion import PlannedMotion, provenance
+from toolpace.controls.export.rows import CHUNK, Rows, refuse_no_cycle, rows_every
 from toolpace.controls.export.target import ReadBack, Written
 
 FILE = "stream.ngc"
@@ -44,8 +41,6 @@ AT_REST = (1e-2, 10.0)
 """Velocity and acceleration at which to stop for a joint that no plan moves [mm/s, mm/s^2 or deg]."""
 LIMIT_DIGITS = 1e-8
 """Relative rounding of the guard's limits, which have nine digits."""
-CHUNK = 20_000
-"""Rows that are turned into text at once."""
 OUTPUTS = (0, 63)
 """Digital outputs that LinuxCNC may have."""
 _WORD = re.compile(r"([XYZABCUVW])([-+]?[0-9.]+)")

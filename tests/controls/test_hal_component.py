@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ from tests.support.hal import FakeHal
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.controls.linuxcnc_hal import Component, Settings, component, hal_module, linuxcnc
+from toolpace.controls import hal_component
+from toolpace.controls.hal import hal_module
+from toolpace.controls.hal_component import Component, Settings
 from toolpace.deflection.following import Follower, Status
 from toolpace.kernels.follow import layout
 
@@ -51,7 +54,7 @@ def law(machine, tmp_path_factory):
 
 def played(law, hal, monkeypatch, connect=lambda pins: None, **settings):
     """Run the component until it is asked to end, with its pins connected."""
-    monkeypatch.setattr(component, "time", hal.clock)
+    monkeypatch.setattr(hal_component, "time", hal.clock)
     made = Component(Follower.load(law), hal, Settings(backlog=BACKLOG, **settings))
     connect(hal.component_made)
     hal.component_made["enable"] = 1
@@ -171,15 +174,15 @@ def test_what_cannot_be_played_is_told_in_one_line(law, hal, backlog, words):
 
 
 def test_a_missing_linuxcnc_is_named_with_the_cure(law, monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(linuxcnc, "PLACES", ())
-    monkeypatch.setitem(linuxcnc.sys.modules, "hal", None)
-    monkeypatch.delitem(linuxcnc.sys.modules, "hal")
+    monkeypatch.setattr("toolpace.controls.hal.PLACES", ())
+    monkeypatch.setitem(sys.modules, "hal", None)
+    monkeypatch.delitem(sys.modules, "hal")
     with pytest.raises(UsageError, match=r"apt-get install linuxcnc-uspace.* PYTHONPATH"):
         hal_module(())
     (tmp_path / "hal.py").write_text("import _hal_of_another_python\n")
     with pytest.raises(UsageError, match=r"does not load in Python .* /usr/bin/python3"):
         hal_module((tmp_path,))
-    assert str(tmp_path) not in linuxcnc.sys.path
+    assert str(tmp_path) not in sys.path
     assert main(["follow", str(tmp_path / "none.law")]) == 2
     assert "cannot read" in capsys.readouterr().err
     assert main(["follow", str(law), "--streamer", "9"]) == 2

@@ -1,4 +1,4 @@
-"""The component: it steps the follower and keeps the streamer's queue full until it is asked to end.
+"""A component of LinuxCNC's HAL that steps a follower and keeps the streamer's queue full until it is asked to end.
 
 wait for `enable`
 lead: rest where the joints stand, on to the start of the path, rest there
@@ -17,17 +17,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
+from types import FrameType, TracebackType
 from typing import Any
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
+from toolpace.common.files import reason
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
-from toolpace.controls.export.linuxcnc.approach import approach
-from toolpace.controls.linuxcnc_hal.pins import JOINTS, Asked, asked, make_pins, position
-from toolpace.controls.linuxcnc_hal.record import Record
+from toolpace.controls.hal import JOINTS, Asked, Rows, approach, asked, make_pins, position
 from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
 from toolpace.kernels.follow.path import place_on_path
@@ -39,7 +38,13 @@ PATIENCE = 10.0
 """Longest that a stop, or the end of the queue, is waited for [s]."""
 STANDING = Asked(0.0, None, False)
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-CONFIG = "f" * JOINTS
+COLUMNS = (
+    "row", "t", *(f"joint_{j}" for j in range(JOINTS)), *(f"correction_{j}" for j in range(JOINTS)),
+    "path_time", "pace", "deflection_x", "deflection_y", "deflection_z", "status",
+)  # fmt: skip
+"""row: number of the row in the queue; s, mm, deg; a deflection where one was counted on, else nan."""
+BUFFER = 1 << 20
+"""Bytes that are written at once, so that a disk is waited for seldom."""
 
 
 @dataclass(frozen=True)
@@ -255,48 +260,32 @@ def without_pauses() -> Iterator[None]:
         gc.enable()
 
 
-class Rows:
-    """Rows of joints [mm, deg] on their way to the realtime side."""
+class Record:
+    """A file of set-points, or nothing where no file is asked for."""
 
-    def __init__(self, hal: Any, component: Any, key: int, ahead: int) -> None:
-        """Attach to the streamer of a number, to be kept `ahead` rows full. Raises UsageError where there is none."""
-        try:
-            self._stream = hal.stream(component, hal.streamer_base + key, CONFIG)
-        except Exception:  # of several kinds in hal
-            raise UsageError(
-                f"HAL has no streamer number {key} of {JOINTS} floats; before this, load it:"
-                f" loadrt streamer depth=1000 cfg={CONFIG}"
-            ) from None
-        if self._stream.maxdepth <= ahead:
-            raise UsageError(
-                f"streamer number {key} holds {self._stream.maxdepth - 1} rows, the backlog is {ahead}; load it with"
-                f" depth={2 * ahead}, or take a shorter --backlog"
-            )
-        self.ahead = ahead
-        self.given = 0
-        """Rows written so far."""
-        self._dry = 0
+    def __init__(self, file: Path | None) -> None:
+        """Raises UsageError where the file cannot be written."""
+        self._stream = None
+        if file is not None:
+            try:
+                self._stream = file.open("w", encoding="utf-8", buffering=BUFFER)
+            except OSError as error:
+                raise UsageError(f"--record {file}: cannot write: {reason(error)}") from None
+            self._stream.write(",".join(COLUMNS) + "\n")
 
-    @property
-    def depth(self) -> int:
-        """Rows that wait."""
-        return int(self._stream.depth)
+    def __enter__(self) -> Record:
+        return self
 
-    @property
-    def room(self) -> int:
-        """Rows that are missing."""
-        return max(self.ahead - self.depth, 0)
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        if self._stream is not None:
+            self._stream.close()
 
-    def write(self, row: list[float]) -> None:
-        """Append a row."""
-        self._stream.write(tuple(row))
-        self.given += 1
-
-    def count_from_here(self) -> None:
-        """Periods without a row count from now on."""
-        self._dry = int(self._stream.num_underruns)
-
-    @property
-    def late(self) -> int:
-        """Servo periods that found no row."""
-        return int(self._stream.num_underruns) - self._dry
+    def write(self, row: int, joints: list[float], point: SetPoint, correction: Floats, asked: Asked | None) -> None:
+        """One set-point: the row as it was given [mm, deg], and what it was made from."""
+        if self._stream is None:
+            return
+        off = np.full(3, np.nan)
+        if asked is not None and asked.deflection is not None:
+            off = asked.deflection / MILLIMETRE
+        figures = [point.t, *joints, *correction.tolist(), point.path_time, point.pace, *off.tolist()]
+        self._stream.write(f"{row},{','.join(map(repr, figures))},{int(point.status)}\n")
