@@ -16,8 +16,7 @@ from toolpace.cli.steps import new_console
 from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import format_time
-from toolpace.jobs.following import follow_as_planned
-from toolpace.jobs.inspected import inspection_record
+from toolpace.jobs.inspection import follow_as_planned, inspection_record
 from toolpace.programs.reading.inspection import Inspection, inspect_source, unreadable
 from toolpace.programs.reading.source import Source
 

@@ -68,7 +68,7 @@ def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None =
     Raises ToolpaceError: of a program that the machine cannot follow too, whether it is planned or not.
     """
     from toolpace.controls.timing.program_time import figures_for, moves_of, of_operations, time_of_moves
-    from toolpace.jobs.following import follow_as_planned
+    from toolpace.jobs.inspection import follow_as_planned
     from toolpace.programs.reading import Findings, Source
     from toolpace.programs.reading.languages import with_controller
     from toolpace.programs.reading.setup_sheet import with_cure_of_zero

@@ -73,7 +73,7 @@ class AskedBatch:
         ]  # fmt: skip
 
     def _programs(self) -> list[str]:
-        from toolpace.jobs.batch.programs import programs_in
+        from toolpace.jobs.batch.jobs_file import programs_in
 
         found = []
         for program in self.programs:

@@ -35,8 +35,8 @@ RUNNING, SHOWN = 8, 40
 def run_jobs(jobs: Sequence[BatchJob], out: str, where: str | int | None, memory: str | None) -> int:
     """Carry out jobs, show how far it is, and what came of them; 0 where all is well, else 1 or 2."""
     from toolpace.common.cluster import open_pool
+    from toolpace.jobs.batch import run_batch
     from toolpace.jobs.batch.folder import batch_folder
-    from toolpace.jobs.batch.running import run_batch
 
     console = new_console()
     with batch_folder(out) as place, open_pool(where, memory) as pool:

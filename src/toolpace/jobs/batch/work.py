@@ -13,8 +13,8 @@ import msgspec
 
 from toolpace.common.errors import ToolpaceError, UsageError, printable
 from toolpace.common.files import changed, whole_folder
+from toolpace.jobs.batch.job import ERROR, BatchRow, waiting
 from toolpace.jobs.batch.prepared_job import Prepared
-from toolpace.jobs.batch.result_row import ERROR, BatchRow, waiting
 from toolpace.jobs.steps import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.write import PLAN, PlanRecord, read_plan
@@ -193,8 +193,7 @@ def _timed(folder: Path, prepared: Prepared) -> BatchRow:
 
 
 def _inspect(folder: Path, prepared: Prepared) -> BatchRow:
-    from toolpace.jobs.following import follow_as_planned
-    from toolpace.jobs.inspected import inspection_record
+    from toolpace.jobs.inspection import follow_as_planned, inspection_record
     from toolpace.programs.reading.inspection import inspect_source
 
     job = prepared.job

@@ -1,4 +1,4 @@
-"""A check whether a machine can follow a program within its travels.
+"""What `inspect` finds beyond reading: whether a machine can follow a program within its travels; all of it as JSON.
 
 A smooth path swings about the points of the program: by a hundredth of a millimetre where the tool only moves, and by
 millimetres where it stands near the pole far out, since a table that turns a little there moves all of it. So what
@@ -7,17 +7,21 @@ comes close to the end of travel is fitted, some thousand points of it, and what
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.programs.reading.inspection import Inspection
 
 if TYPE_CHECKING:
     from toolpace.common.arrays import Bools
     from toolpace.programs.reading.inspection import Candidate
     from toolpace.programs.toolpath import ToolPath
+
 
 NEAR = 0.02
 """Share of its travel from the end of which a joint is close to it."""
@@ -66,3 +70,33 @@ def _stretches(close: Bools) -> list[tuple[int, int]]:
     return [
         (max(int(points[head]) - AROUND, 0), min(int(points[end - 1]) + AROUND, last)) for head, end in zip(heads, ends)
     ]
+
+
+def inspection_record(found: Inspection) -> dict[str, object]:
+    """An entry of JSON: lengths in mm, angles in deg."""
+    return {
+        "program": printable(found.program),
+        "dialect": found.dialect,
+        "reason": printable(found.reason),
+        "blocks": found.blocks,
+        "five_axis_blocks": found.five_axis_blocks,
+        "refused": [
+            {"word": printable(each.word), "line": each.line, "count": each.count, "cure": printable(each.cure)}
+            for each in found.refused
+        ],
+        "needs": [printable(sentence) for sentence in found.needs],
+        "ignored": {printable(word): count for word, count in found.ignored.items()},
+        "assumed": [printable(sentence) for sentence in found.assumed],
+        "machines": list(found.machines),
+        "not_on": {name: printable(why) for name, why in found.not_on.items()},
+        "read_on": found.read_on,
+        "arcs": found.arcs,
+        "rapids": found.rapids,
+        "stops": found.stops,
+        "dwells": found.dwells,
+        "dwell_s": found.dwell_s,
+        "tools": [printable(tool) for tool in found.tools],
+        "tip_mm": None if found.tip is None else [[value * 1e3 for value in each] for each in found.tip],
+        "tilt_deg": None if found.tilt is None else [math.degrees(value) for value in found.tilt],
+        "rotary_deg": {name: [math.degrees(value) for value in each] for name, each in found.rotary.items()},
+    }
