@@ -21,8 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Errors are one line on standard error. Where toolpace itself is at fault, TOOLPACE_DEBUG=1 shows where.
     """
-    from toolpace.cli.ending import ended_by, heard, in_words
-    from toolpace.cli.output import guarded
+    from toolpace.cli.process import ended_by, guarded, heard, in_words
     from toolpace.common.errors import UnitWarning
 
     given = sys.argv[1:] if arguments is None else arguments
@@ -70,7 +69,7 @@ def _run(tokens: list[str]) -> int:
     from cyclopts import CycloptsError
 
     from toolpace.cli.app import app
-    from toolpace.cli.ending import ended_by
+    from toolpace.cli.process import ended_by
     from toolpace.common.errors import ToolpaceError
 
     try:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.cli.console import cells, new_table
 from toolpace.common.description import counted
 from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
@@ -240,12 +240,9 @@ def wider_than_default(record: PlanRecord) -> str:
 
 def show_verification(console: Console, record: PlanRecord, verification: Verification) -> None:
     """Every check, one a row, what was not checked, and the verdict."""
-    table = Table(box=SIMPLE, pad_edge=False)
-    for name in ("check", "worst", "allowed", "where", ""):
-        table.add_column(name, justify="right" if name in ("worst", "allowed") else "left", overflow="fold")
-    for check, worst, limit, where, verdict_ in verification.rows():
-        style = "" if verdict_ == "ok" else "bold red"
-        table.add_row(*(Text(printable(cell), style=style) for cell in (check, worst, limit, where, verdict_)))
+    table = new_table(("check", "worst", "allowed", "where", ""), left=("check", "where", ""))
+    for row in verification.rows():
+        table.add_row(*cells(row, "" if row[-1] == "ok" else "bold red"))
     console.print(table)
     known = ", ".join(AS_SAID)
     console.print(f"taken from the planner, checked against the other figures only: {known}", soft_wrap=True)
@@ -256,12 +253,10 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
 def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
     _head(console, machine)
-    table = Table(box=SIMPLE, pad_edge=False)
-    keys = ("joint", "travel", "velocity", "acceleration", "jerk")
-    for key in keys:
-        table.add_column(key, justify="left" if key == "joint" else "right", overflow="fold")
+    headings = ("joint", "travel", "velocity", "acceleration", "jerk")
+    table = new_table(headings, left=("joint",))
     for row in machine.summary():
-        table.add_row(*(Text(printable(row[key])) for key in keys))
+        table.add_row(*cells(row[heading] for heading in headings))
     console.print(table)
 
 

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from toolpace.programs.reading.inspection import Candidate
     from toolpace.programs.toolpath import ToolPath
 
-
 NEAR = 0.02
 """Share of its travel from the end of which a joint is close to it."""
 AROUND = 40

@@ -45,8 +45,8 @@ ABOUT = 0.06
 TURNS = ("turn", "tilt", "swing")
 NEARER, AS_GOOD = (0.5, 0.0), 1e-3
 """Shares of the way from where the part is that are tried at the end; by which share longer is as fast."""
-SHOWN = 10
-"""Set-ups that are planned in full, and returned."""
+SHOWN, MOST_SHOWN = 10, 1000
+"""Set-ups that are planned in full, and returned: where no number is given, and at most."""
 TRIALS = 200
 FEWEST = 20
 """Trials, where no number is given, and at least."""
@@ -121,8 +121,8 @@ def check_arguments(toolpath: ToolPath, trials: int, mapped: int, shown: int = S
         raise UsageError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
     if trials < FEWEST:
         raise UsageError(f"search_setup: {trials} trials find nothing; give at least {FEWEST}")
-    if not 1 <= shown <= 1000:
-        raise UsageError(f"search_setup: {shown} set-ups to show; give 1 to 1000")
+    if not 1 <= shown <= MOST_SHOWN:
+        raise UsageError(f"search_setup: {shown} set-ups to show; give 1 to {MOST_SHOWN}")
     if mapped < 0 or mapped == 1 or mapped > 100:
         raise UsageError(f"search_setup: a map of {mapped} places along x; give 2 to 100, or 0 for none")
 

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
     from mpl_toolkits.mplot3d import Axes3D
 
-
 SQUARE, WIDE, HIGH = 4.0, 5.6, 1.6
 """Side of a panel that stands alone in its row, width and height of the others [inches]."""
 BESIDE, ABOVE, BELOW, GAP, LABEL = 0.85, 0.75, 0.95, 0.5, 0.2

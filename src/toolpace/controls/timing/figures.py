@@ -16,7 +16,6 @@ from toolpace.machine.limits import Limits
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
-
 MODELS = ("linuxcnc", "lookahead", "fir", "ideal")
 USUAL_TOLERANCE = 0.01
 """[mm]"""

@@ -29,9 +29,7 @@ from toolpace.jobs.batch.work import Place, do_job, done_before, failed
 if TYPE_CHECKING:
     from distributed import Client
 
-
 __all__ = ["Batch", "BatchJob", "BatchRow", "batch"]
-
 
 Tell = Callable[[BatchRow, int], None]
 """Takes the row of a job that has ended, and how many have."""

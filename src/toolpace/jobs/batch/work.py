@@ -159,10 +159,10 @@ def _export_name(prepared: Prepared) -> str:
 
 
 def _time(folder: Path, prepared: Prepared) -> BatchRow:
-    from toolpace.jobs.timed import Asked, time_record, timed
+    from toolpace.jobs.timed import TimeRequest, time_record, timed
 
     job = prepared.job
-    asked = Asked(
+    request = TimeRequest(
         machine=prepared.machine,
         options=prepared.options,
         model=job.model,
@@ -171,7 +171,7 @@ def _time(folder: Path, prepared: Prepared) -> BatchRow:
         tolerances=(job.tip_tolerance, job.axis_tolerance),
         optimum=job.optimum,
     )
-    found = timed(prepared.path, asked, TimedSteps(), prepared.source)
+    found = timed(prepared.path, request, TimedSteps(), prepared.source)
     return _row_of_time(prepared, _write(folder, TIMED, prepared, time_record(found, prepared.machine.name)))
 
 

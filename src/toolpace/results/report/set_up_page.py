@@ -18,7 +18,6 @@ from toolpace.results.report.words import NEUTRAL, at_most, colours, limit_words
 if TYPE_CHECKING:
     from toolpace.setup_search.found_set_up import FoundSetUp, PlaceMap, PlannedSetUp
 
-
 SHARES = 12
 """Limits that are shown at most."""
 SHOWN = 5e-3

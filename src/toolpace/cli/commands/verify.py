@@ -1,4 +1,4 @@
-"""Commands that take or make a folder: verify, demo, study."""
+"""The command `verify`: a plan judged again, from the files in its folder."""
 
 from __future__ import annotations
 
@@ -7,16 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.cli import summary
+from toolpace.cli.console import Steps
 from toolpace.cli.options import AS_WRITTEN, Reading
-from toolpace.cli.steps import Steps
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.jobs import job
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from toolpace.judge import Verification
     from toolpace.programs.reading import ReadOptions
     from toolpace.programs.tolerances.tolerances import Tolerances
@@ -125,37 +121,3 @@ def program_in(folder: Path, record: PlanRecord) -> Path | None:
             "plan again to write it anew"
         )
     return folder / name
-
-
-def run_demo(out: Path, console: Console) -> int:
-    """Write the demo's program, plan it, show the summary, name the report."""
-    from toolpace.cli import demo_programs
-    from toolpace.machine.machine import Machine
-    from toolpace.programs.reading import Source
-    from toolpace.results import write
-
-    machine = Machine.load(demo_programs.MACHINE)
-    steps = Steps(console)
-    job.warm_up(steps)
-    with steps.step("generating") as step:
-        source = Source.from_bytes(demo_programs.impeller_program(machine).encode("ascii"), "impeller.ngc")
-        step.note = "the program of an impeller, seven blades"
-    task = job.Job(Path(source.name), machine, out, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
-    record, verification = job.carry_out(task, steps)
-    summary.show_plan(console, record, verification)
-    summary.show_files(console, out, job.written(task, record))
-    report = (out / write.REPORT).resolve()
-    console.print(f"\nOpen the report in a browser:\n{printable(str(report))}", soft_wrap=True)
-    return job.exit_code(record, verification)
-
-
-def run_study(out: Path, console: Console) -> int:
-    """The paper's simulation study."""
-    from toolpace import study
-
-    steps = Steps(console)
-    job.warm_up(steps)
-    with steps.step("studying") as step:
-        study.write_study(out, step)
-    console.print(f"Open the study in a browser:\n{printable(str((out / 'study.html').resolve()))}", soft_wrap=True)
-    return 0

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
-from rich.box import SIMPLE
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.steps import Steps, new_console
+from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 
@@ -64,13 +62,11 @@ def _show_plans(console: Console, found: Compared) -> None:
     from toolpace.results.compare import said_verdict
     from toolpace.results.report.words import at_most
 
-    table = Table(box=SIMPLE, pad_edge=False)
-    for heading in ("plan", "program", "machine", "time", "against the first", "gap", "verdict"):
-        right = heading in ("time", "against the first", "gap")
-        table.add_column(heading, justify="right" if right else "left", overflow="fold")
+    headings = ("plan", "program", "machine", "time", "against the first", "gap", "verdict")
+    table = new_table(headings, left=("plan", "program", "machine", "verdict"))
     first = found.durations[0]
     for number, (name, record) in enumerate(zip(found.names, found.records)):
-        cells = (
+        words = (
             name,
             record.program,
             record.machine,
@@ -79,7 +75,7 @@ def _show_plans(console: Console, found: Compared) -> None:
             at_most(record.gap) if record.gap is not None else "-",
             said_verdict(record),
         )
-        table.add_row(*(Text(printable(cell), style="red" if cell == "failed" else "") for cell in cells))
+        table.add_row(*(Text(printable(cell), style="red" if cell == "failed" else "") for cell in words))
     console.print(table)
 
 
@@ -87,15 +83,13 @@ def _show(console: Console, found: Compared, what: str, rows: Sequence[tuple[str
     if not rows:
         return
     two = len(found.names) == 2
-    table = Table(box=SIMPLE, pad_edge=False)
-    table.add_column(what, overflow="fold")
-    for name in [*found.names, *(["difference"] if two else [])]:
-        table.add_column(Text(printable(name)), justify="right", overflow="fold")
+    table = new_table([what, *found.names, *(["difference"] if two else [])], left=())
+    table.columns[0].justify = "left"
     for name, times in rows[:SHOWN]:
-        cells = ["-" if time is None else format_time(time) for time in times]
+        words = ["-" if time is None else format_time(time) for time in times]
         if two:
-            cells.append("-" if None in times else f"{(times[1] or 0.0) - (times[0] or 0.0):+.3f} s")
-        table.add_row(*(Text(printable(cell)) for cell in (name, *cells)))
+            words.append("-" if None in times else f"{(times[1] or 0.0) - (times[0] or 0.0):+.3f} s")
+        table.add_row(*cells([name, *words]))
     console.print(table)
     if len(rows) > SHOWN:
         console.print(f"and {len(rows) - SHOWN} more: --page has all")

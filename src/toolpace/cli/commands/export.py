@@ -1,4 +1,4 @@
-"""The command `export`: options as people type them, and what was written."""
+"""The command `export`: its options as people type them, and what was written."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from toolpace.cli.options import Switch
-from toolpace.cli.steps import Steps, new_console
+from toolpace.cli.console import Steps, new_console
+from toolpace.cli.options import PlanFolder, Switch
 from toolpace.common.errors import UsageError, printable
 
 TargetName = Annotated[
@@ -111,14 +111,32 @@ def counts_given(text: str) -> dict[str, str]:
     return found
 
 
-def run_export(directory: str, to: str, out: str | None, options: TargetOptions) -> int:
-    """Write a plan for a control, and say what was written."""
+def export_command(
+    directory: PlanFolder,
+    /,
+    *,
+    to: TargetName,
+    out: ExportOut = None,
+    target: TargetOptions = AS_USUAL,
+) -> int:
+    """Write a plan as files that a control loads: a table, streams for LinuxCNC, rows of a FIFO, or the program itself.
+
+    The files are read back and compared with the plan before the folder is put in
+    place. Each says at its head how to use it. What a target cannot hold is refused.
+    docs: from plan to machine.
+
+    For example:
+
+        toolpace export part-plan --to table --period 4ms --columns t,q,qd
+        toolpace export part-plan --to linuxcnc-g93 --out part-stream
+        toolpace export part-plan --to program --inverse-time
+    """
     from toolpace.cli import arguments
     from toolpace.controls.export import PlannedMotion, target_of, write_export
     from toolpace.jobs import job
 
     console = new_console()
-    target = target_of(to, options.given())
+    writer = target_of(to, target.given())
     place = arguments.folder_for_results(export_folder(directory, to) if out is None else out)
     steps = Steps(console)
     if to == "program":
@@ -127,7 +145,7 @@ def run_export(directory: str, to: str, out: str | None, options: TargetOptions)
         motion = PlannedMotion.load(Path(directory))
         step.note = f"{len(motion.setpoints)} set-points"
     with steps.step("exporting") as step:
-        exported = write_export(motion, target, place, step)
+        exported = write_export(motion, writer, place, step)
     show(console, place, list(exported.files), [*exported.notes, *(f"read back: {each}" for each in exported.checks)])
     return 0
 

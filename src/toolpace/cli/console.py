@@ -1,13 +1,18 @@
-"""The progress display of a job's steps."""
+"""The display of a command: steps with their progress, tables, and names of programs in them."""
 
 from __future__ import annotations
 
+import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
+from rich.box import SIMPLE
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
 
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
@@ -15,6 +20,8 @@ from toolpace.jobs.steps import Step, TimedSteps
 
 WIDTH = 12
 """Of the column of names: that of the longest step, and a space."""
+LONGEST_NAME = 40
+"""Most characters of a program's name that a table does not break."""
 
 
 def new_console() -> Console:
@@ -26,6 +33,19 @@ def new_console() -> Console:
     if not console.is_terminal:
         console = Console(highlight=False, markup=False, width=100)
     return console
+
+
+def new_table(headings: Sequence[str], left: Sequence[str]) -> Table:
+    """A table whose columns stand right, but for those of `left`; cells that are too long are folded."""
+    table = Table(box=SIMPLE, pad_edge=False)
+    for heading in headings:
+        table.add_column(Text(printable(heading)), justify="left" if heading in left else "right", overflow="fold")
+    return table
+
+
+def cells(words: Iterable[str], style: str = "") -> list[Text]:
+    """Words as they are printed, a cell each."""
+    return [Text(printable(word), style=style) for word in words]
 
 
 class Steps(TimedSteps):
@@ -65,3 +85,16 @@ class Steps(TimedSteps):
         self.seconds[name] = self.seconds.get(name, 0.0) + took
         said = f"  {step.note}" if step.note else ""
         self.console.print(f"{name:<{WIDTH}} {format_time(took):>10}{said}", soft_wrap=True)
+
+
+def short_names(programs: Sequence[str]) -> list[str]:
+    """The names without the folder in which all of them lie; as they are where some are relative and some not."""
+    if len({Path(program).is_absolute() for program in programs}) != 1:
+        return list(programs)
+    folder = os.path.commonpath([Path(program).parent for program in programs])
+    return [os.path.relpath(program, folder) if folder else program for program in programs]
+
+
+def named_error(program: str, error: str) -> str:
+    """What is wrong with a program, with its name before it where the error does not begin with it."""
+    return error if error.startswith(program) else f"{program}: {error}"

@@ -1,14 +1,16 @@
-"""The checked arguments of the command `batch`, and its jobs."""
+"""The command `batch`: its options, and the jobs of them."""
 
 from __future__ import annotations
 
 import functools
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from toolpace.cli import arguments, options
-from toolpace.cli.batch.options import AS_USUAL, Each
+from cyclopts import Parameter
+
+from toolpace.cli import options
+from toolpace.cli.options import HERE, Where
 from toolpace.common.errors import UsageError
 
 if TYPE_CHECKING:
@@ -16,9 +18,67 @@ if TYPE_CHECKING:
 
     from toolpace.jobs.batch import BatchJob
 
+ProgramsOrJobs = Annotated[
+    list[str],
+    Parameter(help="Programs, folders of programs, patterns of names, or one file of jobs (.toml)."),
+]
+What = Annotated[
+    str,
+    Parameter(
+        help="plan. time: on its control, and the optimum. inspect. export: plan, and write files for a control."
+    ),
+]
+Machines = Annotated[
+    list[str],
+    Parameter(
+        name=["--machine", "-m"],
+        negative="",
+        help="Built-in machine or machine file; may be given several times: each program is planned on each.",
+    ),
+]
+Target = Annotated[str | None, Parameter(name="--to", help="With --what export: the target, as for `toolpace export`.")]
+Out = Annotated[
+    str, Parameter(name=["--out", "-o"], help="Folder for all jobs; a batch that was stopped there continues.")
+]
+Memory = Annotated[
+    str | None, Parameter(help="Memory of each worker that is started, like 4GB; by default an equal share.")
+]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Each:
+    """What each job is planned with; each of these may be given several times, for a job with each."""
+
+    tip_tolerance: Annotated[
+        list[str] | None, Parameter(negative="", help="Tolerance of the tip; 0.01mm by default.")
+    ] = None
+    axis_tolerance: Annotated[
+        list[str] | None, Parameter(negative="", help="Tolerance of the tool axis; 0.05deg by default.")
+    ] = None
+    planner: Annotated[
+        list[str] | None, Parameter(negative="", help="optimal (default), genetic or second-order.")
+    ] = None
+    effort: Annotated[list[str] | None, Parameter(negative="", help="low, normal (default) or high.")] = None
+    feed: Annotated[
+        list[str] | None, Parameter(negative="", help="Feed in place of the program's: 120%, 3000mm/min, none.")
+    ] = None
+    prove: options.Prove = False
+    prove_within: options.ProveWithin = "60s"
+    bend: options.Bend = None
+    tool_length: options.ToolLength = None
+    dialect: options.Dialect = None
+    model: options.ControlModel = None
+    no_optimum: options.NoOptimum = False
+
+
+AS_USUAL = Each()
+NO_MACHINES: list[str] = []
+"""Nothing was given."""
+
 
 @dataclass(frozen=True)
-class AskedBatch:
+class BatchRequest:
     """Programs, or a file of jobs, and what is to be done with each."""
 
     programs: list[str]
@@ -37,7 +97,7 @@ class AskedBatch:
             return self._combined()
         if len(self.programs) > 1:
             raise UsageError(f"{tables[0]}: a file of jobs names all programs itself; give it alone")
-        if self != AskedBatch(self.programs, []):
+        if self != BatchRequest(self.programs, []):
             raise UsageError(
                 f"{tables[0]}: what is asked of a job stands in the file, under [all] or [[jobs]], not beside it"
             )
@@ -47,6 +107,8 @@ class AskedBatch:
 
     def _combined(self) -> list[BatchJob]:
         """A job of each program, machine, tolerance, planner, effort and feed."""
+        from toolpace.cli import arguments
+
         each, named = self.each, self._programs()
         job = self._job()
         tips = [
@@ -85,6 +147,7 @@ class AskedBatch:
 
     def _job(self) -> Callable[..., BatchJob]:
         """A job with all that is the same for each."""
+        from toolpace.cli import arguments
         from toolpace.common import units
         from toolpace.jobs.batch import BatchJob
 
@@ -112,3 +175,41 @@ class AskedBatch:
             columns=reading.columns,
             units=reading.units,
         )
+
+
+def batch_command(
+    programs: ProgramsOrJobs,
+    /,
+    *,
+    machine: Machines = NO_MACHINES,
+    what: What = "plan",
+    to: Target = None,
+    out: Out = "toolpace-batch",
+    where: Where = HERE,
+    memory: Memory = None,
+    each: Each = AS_USUAL,
+    files: options.Files = options.USUAL_FILES,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Plan, time, inspect or export many programs on one or many machines, on all cores or on a cluster.
+
+    Each job has its own folder in --out; batch.html and batch.parquet have one row
+    for each job. The same command continues a batch that was stopped: it recognises
+    finished jobs by the hash of program, machine, options and version. A program
+    that is refused does not stop the others. Exit code 0 if all is planned and
+    verified, 1 if a verification failed, 2 if a job has no result.
+    docs: many programs.
+
+    For example:
+
+        toolpace batch parts/ -m xyzac-trunnion --out plans
+        toolpace batch parts/ -m my-mill.toml -m xyzbc-head --tip-tolerance 5um --tip-tolerance 20um
+        toolpace batch jobs.toml --cluster tcp://10.0.0.5:8786 --out /shared/plans
+        toolpace batch parts/ --what inspect
+        toolpace batch parts/ -m my-mill.toml --what export --to table
+    """
+    from toolpace.cli.commands.batch_progress import run_jobs
+
+    client = where.client()
+    request = BatchRequest(programs, machine, what, to, each, files, reading)
+    return run_jobs(request.jobs(), out, client, memory)

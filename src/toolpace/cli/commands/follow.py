@@ -1,4 +1,4 @@
-"""The command `follow`: a law played into LinuxCNC's HAL."""
+"""The command `follow`: a plan followed live, as a component of LinuxCNC's HAL."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from toolpace.cli.steps import new_console
+from toolpace.cli.console import new_console
 from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
 
@@ -23,8 +23,29 @@ STREAMERS = 8
 """Most of them (streamer(9))."""
 
 
-def run_follow(law: str, backlog: str, record: str | None, name: str, streamer: int) -> int:
-    """Play a law until a signal asks to end."""
+def follow_command(
+    law: LawFile,
+    /,
+    *,
+    backlog: Backlog = "20ms",
+    record: RecordFile = None,
+    name: ComponentName = "toolpace",
+    streamer: StreamerNumber = 0,
+) -> int:
+    """Follow a plan live as a component of LinuxCNC's HAL: at any pace, corrected by the pins deflection-x, -y and -z.
+
+    LAW is the file that Follower.save wrote. The component is not realtime: it
+    keeps the queue of HAL's streamer full, and the streamer gives one row to the
+    joints in each servo period. A measurement therefore reaches the joints one
+    backlog later. SIGTERM (unloadusr) or Ctrl-C ends the component, after a stop on
+    the path within the limits.
+    docs: from plan to machine.
+
+    For example:
+
+        toolpace follow part.law --backlog 10ms
+        toolpace follow part.law --record given.csv
+    """
     from toolpace.cli import arguments
     from toolpace.controls.hal import hal_module
     from toolpace.controls.hal_component import Component, Settings

@@ -7,12 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.names import short_names
-from toolpace.cli.steps import new_console
+from toolpace.cli.console import LONGEST_NAME, cells, new_console, new_table, short_names
 from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import format_time
@@ -31,8 +29,6 @@ NAMED = 3
 """Most machines that a table names."""
 SHOWN = 40
 """Most names of ignored words, tools and assumptions on a page; JSON has all."""
-LONGEST_NAME = 40
-"""Most characters of a program's name that a table does not break."""
 NO_MACHINE = "none of the machines that were tried can run it; inspect it alone to see why"
 
 
@@ -105,18 +101,16 @@ def show(console: Console, found: Sequence[Inspection]) -> None:
     if len(found) == 1:
         console.print(page(found[0]))
         return
-    table = Table(box=SIMPLE, pad_edge=False)
-    for heading in ("program", "dialect", "blocks", "five-axis", "refused", "assumed", "runs on"):
-        numbers = heading in ("blocks", "five-axis", "refused", "assumed")
-        table.add_column(heading, justify="right" if numbers else "left", overflow="fold")
+    headings = ("program", "dialect", "blocks", "five-axis", "refused", "assumed", "runs on")
+    table = new_table(headings, left=("program", "dialect", "runs on"))
     names = short_names([each.program for each in found])
     table.columns[0].no_wrap = max(map(len, names)) <= LONGEST_NAME
     for name, each in zip(names, found):
-        cells = (
+        words = (
             name, each.dialect or "?", str(each.blocks), str(each.five_axis_blocks), str(len(each.refused)),
             str(len(each.assumed)), _machines_in_words(each),
         )  # fmt: skip
-        table.add_row(*(Text(printable(cell), style="red" if each.refused else "") for cell in cells))
+        table.add_row(*cells(words, "red" if each.refused else ""))
     console.print(table)
     for name, each in zip(names, found):
         for refusal in each.refused:

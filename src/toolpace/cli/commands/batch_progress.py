@@ -1,4 +1,4 @@
-"""The progress and result display of a batch."""
+"""The display of a batch: how far it is, and what came of its jobs."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
-from rich.box import SIMPLE
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.names import named_error, short_names
-from toolpace.cli.steps import new_console
+from toolpace.cli.console import cells, named_error, new_console, new_table, short_names
 from toolpace.cli.summary import limit_in_words
 from toolpace.common.description import counted
 from toolpace.common.errors import printable
@@ -122,15 +119,12 @@ def _say(console: Console, name: str, text: str) -> None:
 def _show(console: Console, done: Batch) -> None:
     """A table, what is not well first, and where all of it is."""
     rows = sorted(done, key=lambda row: -row.exit_code)[:SHOWN]
-    table = Table(box=SIMPLE, pad_edge=False)
     timed = any(row.optimum_s is not None for row in rows)
     headings = ("program", "machine", "result", "time", *(["optimum"] if timed else []), "gap", "limited by", "took")
-    for heading in headings:
-        left = heading in ("program", "machine", "result", "limited by")
-        table.add_column(heading, justify="left" if left else "right", overflow="fold")
+    table = new_table(headings, left=("program", "machine", "result", "limited by"))
     for name, row in zip(short_names([row.program for row in rows]), rows):
         optimum = format_time(row.optimum_s) if row.optimum_s is not None else "-"
-        cells = (
+        words = (
             name,
             row.machine,
             row.verdict,
@@ -140,7 +134,7 @@ def _show(console: Console, done: Batch) -> None:
             f"{limit_in_words(row.limit)} {100.0 * row.limited_by[row.limit]:.0f} %" if row.limit else "-",
             "found" if row.found else format_time(row.seconds) if row.seconds else "-",
         )
-        table.add_row(*(Text(printable(cell), style="" if row.ok else "red") for cell in cells))
+        table.add_row(*cells(words, "" if row.ok else "red"))
     console.print(table)
     if len(done) > len(rows):
         _say(console, "", f"and {len(done) - len(rows)} more: see batch.html")

@@ -1,4 +1,4 @@
-"""The command `tolerance`: duration over tolerance as a table and a picture."""
+"""The command `tolerance`: the duration of a program over the tolerance of its tip, as a table and a picture."""
 
 from __future__ import annotations
 
@@ -6,23 +6,27 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-from rich.box import SIMPLE
-from rich.table import Table
+from cyclopts import Parameter
 
+from toolpace.cli import options
+from toolpace.cli.console import Steps, new_console, new_table
 from toolpace.common.units import format_length, format_time
-from toolpace.common.workers import Progress
-from toolpace.jobs import job
-from toolpace.study.svg import INK, SOFT, Drawing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rich.console import Console
 
-    from toolpace.cli.steps import Steps
+    from toolpace.cli.console import Steps
+    from toolpace.jobs.job import Job
 
+TIPS = "1um,2um,5um,10um,20um,50um"
+Tips = Annotated[str, Parameter(help="Tolerances of the tip, separated by commas.")]
+Picture = Annotated[
+    str | None, Parameter(name=["--out", "-o"], help="Draw duration over tolerance into this file (.svg).")
+]
 ONE_LENGTH = 1e-9
 """Tolerances that differ by less than this are one [m]: 10um and 0.01mm differ by a rounding."""
 WIDTH, HEIGHT = 720, 420
@@ -31,6 +35,44 @@ LEFT, RIGHT, TOP, BOTTOM = 84.0, 28.0, 56.0, 58.0
 LINE = "#2f6fed"
 LINES = 5
 """About so many lines of equal duration."""
+
+
+def tolerance_command(
+    program: options.Program,
+    /,
+    *,
+    machine: options.MachineName = None,
+    tips: Tips = TIPS,
+    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    effort: options.Effort = "normal",
+    feed: options.Feed = None,
+    out: Picture = None,
+    tool_length: options.ToolLength = None,
+    dialect: options.Dialect = None,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Show what a micrometre costs: the duration of a program over the tolerance of its tip.
+
+    The program is planned within each tolerance. The times are compared with that
+    of --tip-tolerance.
+
+    For example:
+
+        toolpace tolerance part.ngc -m xyzac-trunnion
+        toolpace tolerance part.ngc -m xyzbc-head --tips 2um,5um,20um --out costs.svg
+    """
+    from toolpace.cli import arguments
+    from toolpace.jobs import job
+
+    tip, axis = arguments.even_tolerances(tolerances)
+    within = arguments.tip_tolerances(tips)
+    on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
+    task = job.Job(
+        program=Path(program), machine=on, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
+        effort=arguments.effort_named(effort), feed=arguments.feed_asked(feed), dialect=dialect, options=how,
+    )  # fmt: skip
+    picture = arguments.file_for_result("--out", out)
+    return run_tolerance(task, within, picture, Steps(new_console()))
 
 
 class Cost(NamedTuple):
@@ -42,11 +84,13 @@ class Cost(NamedTuple):
     """[s]"""
 
 
-def costs(task: job.Job, tolerances: Sequence[float], steps: Steps) -> list[Cost]:
+def costs(task: Job, tolerances: Sequence[float], steps: Steps) -> list[Cost]:
     """The duration within each of the ascending tolerances [m]. Raises ToolpaceError.
 
     A path within a tolerance is one within a wider, which takes it where it finds no faster one.
     """
+    from toolpace.common.workers import Progress
+    from toolpace.jobs import job
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.program_plan import plan_program
     from toolpace.programs.reading.setup_sheet import with_cure_of_zero
@@ -78,14 +122,7 @@ def apart(tolerances: Sequence[float], usual: float) -> list[float]:
 
 def show_costs(console: Console, usual: float, found: Sequence[Cost]) -> None:
     """A row a tolerance: the duration, and what it takes beside the usual one [m] and the one before it."""
-    table = Table(box=SIMPLE, pad_edge=False)
-    for name in (
-        "tip within",
-        "duration",
-        f"against {format_length(usual)}",
-        "saved by 1 µm more",
-    ):
-        table.add_column(name, justify="right")
+    table = new_table(("tip within", "duration", f"against {format_length(usual)}", "saved by 1 µm more"), left=())
     beside = next(each.duration for each in found if each.tip_tolerance == usual)
     for k, each in enumerate(found):
         gain = ""
@@ -100,13 +137,13 @@ def show_costs(console: Console, usual: float, found: Sequence[Cost]) -> None:
     console.print(table)
 
 
-def run_tolerance(task: job.Job, tolerances: Sequence[float], picture: Path | None, steps: Steps) -> int:
+def run_tolerance(task: Job, tolerances: Sequence[float], picture: Path | None, steps: Steps) -> int:
     """Plan a program within each tolerance, that of the job among them, and show what they cost."""
     from toolpace.common.files import whole_file
 
     assert isinstance(task.tip_tolerance, float)
-    asked = apart(tolerances, task.tip_tolerance)
-    found = costs(replace(task, report=False), asked, steps)
+    within = apart(tolerances, task.tip_tolerance)
+    found = costs(replace(task, report=False), within, steps)
     show_costs(steps.console, task.tip_tolerance, found)
     if picture is not None:
         with whole_file(picture) as temporary:
@@ -117,6 +154,8 @@ def run_tolerance(task: job.Job, tolerances: Sequence[float], picture: Path | No
 
 def drawn(found: Sequence[tuple[float, float]], program: str) -> str:
     """The picture (SVG) of pairs of tolerance [m], ascending, and duration [s]."""
+    from toolpace.study.svg import INK, SOFT, Drawing
+
     picture = Drawing(WIDTH, HEIGHT, f"{program}: duration over tolerance of the tip")
     low, high = (math.log(found[k][0]) for k in (0, -1))
     marks = round_values(min(each[1] for each in found), max(each[1] for each in found))
