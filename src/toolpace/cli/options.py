@@ -207,11 +207,6 @@ class Reading:
             self.units,
         )
 
-    @property
-    def given(self) -> bool:
-        """Whether any was."""
-        return self != Reading()
-
 
 USUAL_FILES = Files()
 AS_WRITTEN = Reading()

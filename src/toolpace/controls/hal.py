@@ -74,7 +74,7 @@ def hal_module(places: tuple[Path, ...] = PLACES) -> Any:
             sys.path.remove(place)
 
 
-class Asked(NamedTuple):
+class Request(NamedTuple):
     """What the pins ask for."""
 
     feed: float
@@ -93,13 +93,13 @@ def make_pins(hal: Any, component: Any) -> None:
         component.newpin(name, getattr(hal, f"HAL_{kind}"), hal.HAL_OUT)
 
 
-def asked(pins: Any) -> Asked:
+def read_request(pins: Any) -> Request:
     """What the pins ask for now."""
     feed = pins["feed-override"] if pins["enable"] and not pins["hold"] else 0.0
     deflection = None
     if pins["deflection-valid"]:
         deflection = MILLIMETRE * np.array([pins[f"deflection-{axis}"] for axis in AXES])
-    return Asked(0.0 if math.isnan(feed) else feed, deflection, bool(pins["resume"]))
+    return Request(0.0 if math.isnan(feed) else feed, deflection, bool(pins["resume"]))
 
 
 def position(pins: Any) -> Floats:

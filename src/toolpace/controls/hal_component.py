@@ -26,7 +26,7 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
-from toolpace.controls.hal import JOINTS, Asked, Rows, approach, asked, make_pins, position
+from toolpace.controls.hal import JOINTS, Request, Rows, approach, make_pins, position, read_request
 from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
 from toolpace.kernels.follow.path import place_on_path
@@ -36,7 +36,7 @@ SLOWEST = 0.1
 """Share of the limits of jerk that standing still from one period to the next may use."""
 PATIENCE = 10.0
 """Longest that a stop, or the end of the queue, is waited for [s]."""
-STANDING = Asked(0.0, None, False)
+STANDING = Request(0.0, None, False)
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COLUMNS = (
     "row", "t", *(f"joint_{j}" for j in range(JOINTS)), *(f"correction_{j}" for j in range(JOINTS)),
@@ -122,7 +122,7 @@ class Component:
                     return
                 self._lead()
                 while not ending.asked:
-                    self._turn(record, asked(self.pins))
+                    self._turn(record, read_request(self.pins))
                 self._stop(record)
         finally:
             self.pins["playing"] = False
@@ -148,7 +148,7 @@ class Component:
         self.rows.count_from_here()
         self.pins["playing"] = True
 
-    def _turn(self, record: Record, wanted: Asked) -> SetPoint | None:
+    def _turn(self, record: Record, wanted: Request) -> SetPoint | None:
         """Fill the queue; what was measured is of when the last row that it made room for was played."""
         self._look()
         point, room = None, self.rows.room
@@ -165,7 +165,7 @@ class Component:
         time.sleep(self.follower.period)
         return point
 
-    def _step(self, feed: float, wanted: Asked | None) -> SetPoint:
+    def _step(self, feed: float, wanted: Request | None) -> SetPoint:
         if wanted is None or wanted.deflection is None:
             return self.follower.step(feed=feed)
         now = float(self.follower.state[layout.STEPS] + 1.0) * self.follower.period
@@ -280,12 +280,12 @@ class Record:
         if self._stream is not None:
             self._stream.close()
 
-    def write(self, row: int, joints: list[float], point: SetPoint, correction: Floats, asked: Asked | None) -> None:
+    def write(self, row: int, joints: list[float], point: SetPoint, correction: Floats, wanted: Request | None) -> None:
         """One set-point: the row as it was given [mm, deg], and what it was made from."""
         if self._stream is None:
             return
         off = np.full(3, np.nan)
-        if asked is not None and asked.deflection is not None:
-            off = asked.deflection / MILLIMETRE
+        if wanted is not None and wanted.deflection is not None:
+            off = wanted.deflection / MILLIMETRE
         figures = [point.t, *joints, *correction.tolist(), point.path_time, point.pace, *off.tolist()]
         self._stream.write(f"{row},{','.join(map(repr, figures))},{int(point.status)}\n")

@@ -19,7 +19,7 @@ from toolpace.motion.setpoints import SetPoints
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.report.charts import tip_speed
 from toolpace.results.report.shell import whole_page
-from toolpace.results.report.words import at_most, joint_colour, limit_words
+from toolpace.results.report.words import LEAST_SHARE, OPERATIONS, at_most, joint_colour, limit_words
 from toolpace.results.write import SET_POINTS, PlanRecord, read_plan
 
 FEWEST, MOST = 2, 8
@@ -28,10 +28,6 @@ CURVE = 6000
 """Points of a curve over the way."""
 ALIKE = 0.01
 """Share by which ways may differ in length to be one way, of which it can be told who is where when."""
-LEAST = 5e-4
-"""Share of the longest plan below which a limit is not listed."""
-OPERATIONS = 200
-"""Operations that are listed: the longest, in the order of the programs."""
 Row = tuple[str, tuple[float | None, ...]]
 """A name, and a figure of each plan; None where a plan has no such thing."""
 
@@ -95,9 +91,9 @@ def _operations(records: Sequence[PlanRecord]) -> Iterator[Row]:
             met[each.name, each.tool] += 1
             found[each.name, each.tool, met[each.name, each.tool]] = each.time_s
         times.append(found)
-    known = dict.fromkeys(key for found in times for key in found)
-    nameless = "before any operation" if len(known) > 1 else "the whole program"
-    for name, tool, number in known:
+    keys = dict.fromkeys(key for found in times for key in found)
+    nameless = "before any operation" if len(keys) > 1 else "the whole program"
+    for name, tool, number in keys:
         words = " ".join(word for word in (name, f"tool {tool}" if tool else "") if word) or nameless
         words += f", {number} of this name" if number > 1 else ""
         yield words, tuple(found.get((name, tool, number)) for found in times)
@@ -179,7 +175,7 @@ def comparison_page(plans: Compared) -> str:
 
 
 def _seen(times: Sequence[float | None], plans: Compared) -> bool:
-    return max(time or 0.0 for time in times) >= LEAST * max(plans.durations)
+    return max(time or 0.0 for time in times) >= LEAST_SHARE * max(plans.durations)
 
 
 def _curves(plans: Compared) -> tuple[str, str]:
@@ -225,10 +221,10 @@ def _plans(plans: Compared) -> str:
             str(record.stops),
             said_verdict(record),
         )
-        told = "".join(f'<td class="n">{escape(cell)}</td>' for cell in cells)
+        figures = "".join(f'<td class="n">{escape(cell)}</td>' for cell in cells)
         mark = f'<i style="background:{joint_colour(number)}"></i>'
         words = "".join(f"<td>{escape(word)}</td>" for word in (record.program, record.machine))
-        rows.append(f"<tr><td>{mark}{escape(name)}</td>{words}{told}</tr>")
+        rows.append(f"<tr><td>{mark}{escape(name)}</td>{words}{figures}</tr>")
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 

@@ -126,12 +126,12 @@ def map_places(
     (x0, x1), (y0, y1), _ = choices.box()
     x, y = np.linspace(x0, x1, count), np.linspace(y0, y1, count)
     z = best.clamping.shift[2]
-    asked = [replace(best.clamping, shift=(float(a), float(b), z)) for b in y for a in x]
-    seconds = np.full(len(asked), np.nan)
-    for done, outcome in enumerate(pool.each(tried_there, task, asked), start=1):
+    clampings = [replace(best.clamping, shift=(float(a), float(b), z)) for b in y for a in x]
+    seconds = np.full(len(clampings), np.nan)
+    for done, outcome in enumerate(pool.each(tried_there, task, clampings), start=1):
         if outcome.value is not None and outcome.value.fits:
             seconds[outcome.number] = outcome.value.cost
-        progress(done / len(asked))
+        progress(done / len(clampings))
     return PlaceMap(x, y, seconds.reshape(count, count), best.clamping.shift[:2])
 
 
@@ -188,10 +188,10 @@ def sheet_of(machine: Machine, setup: SetUp | None = None) -> SetUp:
 
     Work offsets are left out: they tell where the part was.
     """
-    given = setup_in(machine) if setup is None else setup
+    sheet = setup_in(machine) if setup is None else setup
     chain = machine.file.chain
     part = {"origin": chain.workpiece_origin, "x": chain.workpiece_x, "z": chain.workpiece_z}
-    return replace(given, part=part, offsets={})
+    return replace(sheet, part=part, offsets={})
 
 
 def with_sheet(machine: Machine, setup: SetUp | None = None) -> Machine:

@@ -93,24 +93,24 @@ def search_setup(
     task = Task(
         free, machine, centre_of(free), choices.box(), tip_tolerance, axis_tolerance, choices.checked(machine).forbidden
     )
-    told = CallersProgress(progress)
+    share_done = CallersProgress(progress)
     with open_pool(client) as pool:
-        search = Search(task, choices, pool, trials, told.part(0.0, SEARCHED))
+        search = Search(task, choices, pool, trials, share_done.part(0.0, SEARCHED))
         search.run(seed)
-        given, why = as_it_is(task, toolpath)
+        present, why = as_it_is(task, toolpath)
         chosen = diverse_ones(search.best(), list(search.trials.values()), shown)
-        best, faults = planned_in_full(task, pool, chosen, told.part(SEARCHED, CONFIRMED))
-        if given is not None:
-            best = [*(each for each in best if each.duration < given.duration), given]
+        best, faults = planned_in_full(task, pool, chosen, share_done.part(SEARCHED, CONFIRMED))
+        if present is not None:
+            best = [*(each for each in best if each.duration < present.duration), present]
         best = ranked(best)
         if not best:
             raise none_fits(search.trials, task, faults, why)
         places = None
         if mapped:
-            places = map_places(task, choices, pool, best[0], mapped, told.part(CONFIRMED, 1.0))
-    told(1.0)
+            places = map_places(task, choices, pool, best[0], mapped, share_done.part(CONFIRMED, 1.0))
+    share_done(1.0)
     return FoundSetUp(
-        toolpath, tuple(best[:shown]), given, why, places, len(search.trials), seed, time.perf_counter() - began
+        toolpath, tuple(best[:shown]), present, why, places, len(search.trials), seed, time.perf_counter() - began
     )
 
 
@@ -176,10 +176,10 @@ class Search:
         if "side" in at_hand:
             ways += [{**way, "side": 0.0} for way in ways]
         simpler = [self.choices.clamping({**values, **way}) for way in ways]
-        asked = [
+        clampings = [
             replace(each, shift=self.nearer(each.shift, share)) for each in dict.fromkeys(simpler) for share in NEARER
         ]
-        self.costs(asked)
+        self.costs(clampings)
 
     def nearer(self, shift: tuple[float, float, float], share: float) -> tuple[float, float, float]:
         """A shift at a share of itself, within what is allowed [m]."""
@@ -212,8 +212,8 @@ class Search:
         first[0] = self.choices.shares_of(names, values or dict.fromkeys(names, 0.0))
 
         def costs(shares: Any, /) -> Any:
-            asked = [self.choices.clamping(self.choices.from_shares(names, column)) for column in shares.T]
-            return self.costs(asked)
+            clampings = [self.choices.clamping(self.choices.from_shares(names, column)) for column in shares.T]
+            return self.costs(clampings)
 
         bounds: Any = list(zip(low.tolist(), high.tolist()))
         differential_evolution(
@@ -235,15 +235,15 @@ class Search:
         low, high = np.clip(centre - wide, 0.0, 1.0), np.clip(centre + wide, 0.0, 1.0)
         return low, np.maximum(high, np.nextafter(low, 2.0))
 
-    def costs(self, asked: Sequence[Clamping]) -> Floats:
+    def costs(self, clampings: Sequence[Clamping]) -> Floats:
         """(n,) costs of clampings; each is tried once, at the same time as others."""
-        new = [each for each in dict.fromkeys(asked) if each not in self.trials]
+        new = [each for each in dict.fromkeys(clampings) if each not in self.trials]
         for outcome in self.pool.each(tried, self.task, new):
             if outcome.value is None:
                 raise UsageError(f"search_setup: a trial failed: {outcome.error}")
             self.trials[outcome.item] = outcome.value
             self.progress(min(len(self.trials) / self.most, 1.0))
-        return np.array([self.trials[each].cost for each in asked])
+        return np.array([self.trials[each].cost for each in clampings])
 
 
 def as_it_is(task: Task, toolpath: ToolPath) -> tuple[PlannedSetUp | None, str]:

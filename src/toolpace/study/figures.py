@@ -65,10 +65,10 @@ def disturbed(study: Study) -> dict[str, list[Stage]]:
     Behind the way back to the letter the known motion goes on, from the next reference point.
     """
     pairs = study.pairs()
-    known = pairs["genetic"][0]
+    planned = pairs["genetic"][0]
     way = study.literal["acceleration"].trajectory
     before = {name: Stage(pairs[name][0], 0.0, instant, -instant) for name, instant in study.instant.items()}
-    onwards = Stage(known, study.next_point, known.duration, way.duration - study.next_point)
+    onwards = Stage(planned, study.next_point, planned.duration, way.duration - study.next_point)
     out = {"literal": [before["genetic"], Stage(way, 0.0, way.duration, 0.0), onwards]}
     return out | {name: [before[name], Stage(after, 0.0, after.duration, 0.0)] for name, (_, after) in pairs.items()}
 

@@ -95,9 +95,9 @@ class _Shown:
         if self.console.is_terminal and row.ok:
             return
         took = "found" if row.found else format_time(row.seconds)
-        told = format_time(row.duration_s) if row.duration_s is not None else ""
+        duration = format_time(row.duration_s) if row.duration_s is not None else ""
         on = f" on {row.machine}" if row.machine else ""
-        named = named_error(row.program, row.error) if row.error else f"{row.program}{on}  {told}"
+        named = named_error(row.program, row.error) if row.error else f"{row.program}{on}  {duration}"
         line = f"{done}/{len(self.jobs)}  {row.verdict:<9} {took:>8}  {named}"
         self.console.print(Text(printable(line), style="" if row.ok else "red"), soft_wrap=True)
 

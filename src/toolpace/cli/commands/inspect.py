@@ -92,8 +92,8 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
         used.machine_zero |= each.used.machine_zero
     names = [name for each in found for name in (each.read_on, *each.machines) if name]
     machine = next((each for name in names for each in machines if each.name == name), None)
-    given = reading.options(machine).setup
-    write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, given))
+    present = reading.options(machine).setup
+    write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, present))
 
 
 def show(console: Console, found: Sequence[Inspection]) -> None:

@@ -288,7 +288,7 @@ def time_and_limits(each: PlannedSetUp) -> str:
     return f"{format_time(each.duration)}, limited by {limits_in_words(dict(each.limited_by))}"
 
 
-def row(number: int, each: PlannedSetUp, given: PlannedSetUp | None) -> list[str]:
+def row(number: int, each: PlannedSetUp, present: PlannedSetUp | None) -> list[str]:
     """A line of the table, in mm and deg."""
     clamping = each.clamping
     figures = [angle / DEGREE for _, angle in clamping.angles()]
@@ -296,14 +296,14 @@ def row(number: int, each: PlannedSetUp, given: PlannedSetUp | None) -> list[str
     shown = [f"{round(figure, 2) + 0.0:g}" for figure in figures]
     tools = ", ".join(f"{round(length / MILLIMETRE, 2):g}" for length in each.tool_lengths)
     side = {0: "free", 1: "+", -1: "-"}[clamping.side]
-    name = "given" if each is given else str(number)
-    return [name, format_time(each.duration), gain(each, given), *shown, tools, side]
+    name = "given" if each is present else str(number)
+    return [name, format_time(each.duration), gain(each, present), *shown, tools, side]
 
 
-def gain(each: PlannedSetUp, given: PlannedSetUp | None) -> str:
-    """What a set-up saves of the given one's time."""
+def gain(each: PlannedSetUp, present: PlannedSetUp | None) -> str:
+    """What a set-up saves of the present one's time."""
     return (
         ""
-        if given is None or each is given or math.isnan(given.duration)
-        else f"{100.0 * (1.0 - each.duration / given.duration):.2f} %"
+        if present is None or each is present or math.isnan(present.duration)
+        else f"{100.0 * (1.0 - each.duration / present.duration):.2f} %"
     )

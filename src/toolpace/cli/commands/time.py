@@ -199,9 +199,9 @@ def controller_text(controller: Controller | None, figures: ControlFigures, name
 
     from toolpace.common.files.toml import toml_text
 
-    given = msgspec.to_builtins(figures)
+    table = msgspec.to_builtins(figures)
     usual = msgspec.to_builtins(type(figures)())
-    time = {key: value for key, value in given.items() if key == "model" or value != usual[key]}
+    time = {key: value for key, value in table.items() if key == "model" or value != usual[key]}
     head: dict[str, object] = {} if controller is None else {"name": name or f"my-{controller.name}"}
     if controller is not None:
         base = controller.like or controller.name

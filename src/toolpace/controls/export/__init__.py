@@ -99,10 +99,10 @@ def target_of(name: str, options: dict[str, Any]) -> Target:
         raise UsageError(f"--to {str(name)[:40]}: there is no such target; {did_you_mean(str(name), TARGETS)}")
     module, kind = TARGETS[name]
     made = getattr(importlib.import_module(f"toolpace.controls.export.{module}"), kind)
-    known = [each.name for each in dataclasses.fields(made)]
+    options_of_target = [each.name for each in dataclasses.fields(made)]
     for option in options:
-        if option not in known:
-            shown = ", ".join(f"--{each.replace('_', '-')}" for each in known)
+        if option not in options_of_target:
+            shown = ", ".join(f"--{each.replace('_', '-')}" for each in options_of_target)
             raise UsageError(f"--{option.replace('_', '-')} is no option of --to {name}; it has {shown}")
     target: Target = made(**options)
     return target
@@ -131,14 +131,14 @@ def write_record(
 ) -> None:
     """Write export.json into the folder of an export; the seal comes with the folder."""
     assert dataclasses.is_dataclass(target)
-    given = {
+    options = {
         each.name: printable(str(getattr(target, each.name)))
         for each in dataclasses.fields(target)
         if getattr(target, each.name) not in (each.default, None, {}, ())
     }
     record = ExportRecord(
         target=target.name,
-        options=given,
+        options=options,
         program=printable(motion.program),
         machine=printable(motion.machine.name),
         sha256=dict(motion.sha256),

@@ -83,24 +83,24 @@ def scale_of(motion: PlannedMotion, units: str, counts: Mapping[str, str]) -> Sc
 
 def _per_unit(joint: str, text: str, turns: bool) -> float:
     """Increments for each m or rad, of text such as `10000/mm`; below zero where the encoder counts backwards."""
-    known = _ANGLES if turns else _LENGTHS
+    units = _ANGLES if turns else _LENGTHS
     figure, _, unit = text.partition("/")
     example = "1000/deg" if turns else "10000/mm"
     try:
         value = float(figure)
     except ValueError:
         value = math.nan
-    if unit.strip().lower() not in known:
+    if unit.strip().lower() not in units:
         kind = "turns" if turns else "moves straight"
         raise UsageError(
-            f"--counts {joint}={text[:40]}: joint {joint} {kind}; write increments for each of {', '.join(known)}, "
+            f"--counts {joint}={text[:40]}: joint {joint} {kind}; write increments for each of {', '.join(units)}, "
             f"like {joint}={example}"
         )
     if not (math.isfinite(value) and value != 0.0):
         raise UsageError(
             f"--counts {joint}={text[:40]}: '{figure[:20]}' is no number of increments; like {joint}={example}"
         )
-    return value / known[unit.strip().lower()]
+    return value / units[unit.strip().lower()]
 
 
 def refuse_coarse(motion: PlannedMotion, points: SetPoints, scale: Scale) -> None:

@@ -169,7 +169,7 @@ class Program:
         file = motion.record.program_file
         (folder / file).write_bytes(new.data)
         notes = self._notes(motion, job, len(pieces), sum(map(len, pieces.values())))
-        notes += [told] if (told := expected(job, new)) else []
+        notes += [note] if (note := expected(job, new)) else []
         text = [*provenance(motion, "The program with the feeds of its plan"), "", *self._how_to_use(), "", *notes]
         (folder / HOW_TO).write_text("\n".join(text) + "\n", encoding="utf-8")
         return NewFeeds([file, HOW_TO], notes, job=job, new=new, feeds=feeds)

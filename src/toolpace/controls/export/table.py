@@ -146,8 +146,8 @@ class Table:
         sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
         notes.append(f"a control that moves straight from row to row deviates from the motion by at most {sag}")
         if changes := tool_changes(motion):
-            told = ", ".join(map(str, changes))
-            notes.append(f"the plan changes its tool {told}: stop there, where it rests, put the tool in, and go on")
+            named = ", ".join(map(str, changes))
+            notes.append(f"the plan changes its tool {named}: stop there, where it rests, put the tool in, and go on")
         if any(scale.counted):
             rounded = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, scale.resolution) if e)
             notes.append(f"positions are rounded to whole increments, by at most {rounded}")

@@ -62,11 +62,11 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 def figures_of(table: Mapping[str, object], source: str, model: str | None = None) -> ControlFigures:
     """The figures of a table; `model` takes the place of what it names. Raises UsageError."""
-    given = dict(table)
+    figures = dict(table)
     if model is not None:
-        given["model"] = model
+        figures["model"] = model
     try:
-        return msgspec.convert(given, ControlFigures)
+        return msgspec.convert(figures, ControlFigures)
     except msgspec.ValidationError as error:
         raise UsageError(f"controller {source}, [time]: {in_short(error)}") from None
 
@@ -79,11 +79,11 @@ def limits_of(machine: Machine, figures: ControlFigures) -> Limits:
     return Limits(own.velocity, acceleration, jerk, machine.joints)
 
 
-def _scaled(machine: Machine, own: Floats, asked: float | dict[str, float], kind: str) -> Floats:
-    if isinstance(asked, int | float):
-        return own * asked
+def _scaled(machine: Machine, own: Floats, share_or_figures: float | dict[str, float], kind: str) -> Floats:
+    if isinstance(share_or_figures, int | float):
+        return own * share_or_figures
     limits = own.copy()
-    for axis, figure in asked.items():
+    for axis, figure in share_or_figures.items():
         if axis not in machine.joints:
             raise UsageError(
                 f"[time] {kind}: machine '{machine.name}' has no axis {axis}, it has {', '.join(machine.joints)}"

@@ -153,13 +153,13 @@ class Identified:
     """Root mean square of the differences on the way [s]."""
 
 
-def identify(moves: Commanded, machine: Machine, log: MotionLog, given: ControlFigures) -> Identified:
-    """The figures of the model of `given` that come closest to a log of the program. Raises UsageError."""
+def identify(moves: Commanded, machine: Machine, log: MotionLog, figures: ControlFigures) -> Identified:
+    """The figures of the model of `figures` that come closest to a log of the program. Raises UsageError."""
     if len(moves) < 2:
         raise UsageError(f"{moves.source}: nothing moves in the program: no figure of a control follows from it")
     from scipy.optimize import minimize
 
-    start = _with_accelerations(given, machine, sustained_accelerations(log))
+    start = _with_accelerations(figures, machine, sustained_accelerations(log))
     model, names = MODELS[start.model], SEARCHED[start.model]
     far, when = _progress(moves, machine, log)
 
@@ -217,10 +217,10 @@ def _progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints,
     """Moves whose ends the log passes, and when it does [s], both told by how far the joints have gone by then."""
     ways = axis_ways(moves, machine, joints=True)
     scale = np.where(machine.is_rotary, 0.1, 1.0)  # a radian counts like 0.1 m
-    known = np.isfinite(log.q[0])
+    logged = np.isfinite(log.q[0])
     mean = 0.5 * (np.abs(ways.first) + np.abs(ways.last))
-    programmed = np.cumsum(np.linalg.norm((mean * scale)[:, known], axis=1) * ways.length)
-    steps = np.linalg.norm(np.diff(log.q[:, known] * scale[known], axis=0), axis=1)
+    programmed = np.cumsum(np.linalg.norm((mean * scale)[:, logged], axis=1) * ways.length)
+    steps = np.linalg.norm(np.diff(log.q[:, logged] * scale[logged], axis=0), axis=1)
     gone = np.concatenate([[0.0], np.cumsum(steps)])
     gone *= programmed[-1] / gone[-1]
     first = np.concatenate([[True], np.diff(gone) > 0.0])
@@ -228,12 +228,12 @@ def _progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints,
     return ends, np.interp(programmed[ends], gone[first], log.dt * np.flatnonzero(first))
 
 
-def _with_accelerations(given: ControlFigures, machine: Machine, found: Floats) -> ControlFigures:
+def _with_accelerations(figures: ControlFigures, machine: Machine, found: Floats) -> ControlFigures:
     """The figures with the accelerations of the axes that move in the log; for others the machine's hold."""
     units = np.where(machine.is_rotary, DEGREE, MILLIMETRE)
-    table = dict(given.acceleration) if isinstance(given.acceleration, dict) else {}
+    table = dict(figures.acceleration) if isinstance(figures.acceleration, dict) else {}
     table |= {name: float(a) for name, a in zip(machine.joints, found / units) if np.isfinite(a) and a > 0.0}
-    return msgspec.structs.replace(given, acceleration=table, tolerance=given.room / MILLIMETRE)
+    return msgspec.structs.replace(figures, acceleration=table, tolerance=figures.room / MILLIMETRE)
 
 
 def _scaled(start: ControlFigures, names: tuple[str, ...], factors: Floats) -> ControlFigures:

@@ -35,8 +35,8 @@ STILL = 1e-12
 
 def _linuxcnc_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
     """LinuxCNC with the limits and the tolerance of the figures, where they have any."""
-    told = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
-    return linuxcnc_times(told, machine.with_limits(limits_of(machine, figures)))
+    rounded = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
+    return linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
 
 
 MODELS: dict[str, Model] = {"linuxcnc": _linuxcnc_times, "lookahead": lookahead_times, "fir": filtered_times}

@@ -181,8 +181,8 @@ class BatchRow(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def limit(self) -> str:
         """What binds most, as `limited_by` names it; empty where that is not known."""
-        known = {name: share for name, share in self.limited_by.items() if name not in ("nothing", "dwell")}
-        return max(known, key=lambda name: known[name]) if known else ""
+        limits = {name: share for name, share in self.limited_by.items() if name not in ("nothing", "dwell")}
+        return max(limits, key=lambda name: limits[name]) if limits else ""
 
     @property
     def exit_code(self) -> int:

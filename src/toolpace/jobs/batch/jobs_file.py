@@ -94,11 +94,11 @@ class _File(Tables):
         self.known("the file", self.raw, ("all", "jobs"))
         common = self.table("all")
         self.check("[all]", common)
-        given = self.raw.get("jobs", [{}] if common else [])
-        if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
+        tables = self.raw.get("jobs", [{}] if common else [])
+        if not isinstance(tables, list) or not tables or not all(isinstance(each, dict) for each in tables):
             self.fail("jobs", "are missing; write each table of jobs under the heading [[jobs]]")
         found: list[BatchJob] = []
-        for number, each in enumerate(given, start=1):
+        for number, each in enumerate(tables, start=1):
             place = f"[[jobs]] number {number}"
             self.check(place, each)
             found += self.jobs(place, {**common, **each})

@@ -66,9 +66,9 @@ def failed(prepared: Prepared, error: ToolpaceError) -> BatchRow:
     """The row of a job that came to nothing."""
     # `from None` hides what was behind an error from people, and keeps it.
     disk = isinstance(error.__context__, OSError) and error.__context__.errno in DISK
-    told = str(error).replace(printable(prepared.path), printable(str(prepared.job.program)))
+    message = str(error).replace(printable(prepared.path), printable(str(prepared.job.program)))
     return msgspec.structs.replace(
-        waiting(prepared.job), verdict=ERROR, error=" ".join(told.split()), key=prepared.key, elsewhere=disk
+        waiting(prepared.job), verdict=ERROR, error=" ".join(message.split()), key=prepared.key, elsewhere=disk
     )
 
 

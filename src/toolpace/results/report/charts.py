@@ -100,20 +100,20 @@ def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg
     """Curves of how far the path is off the program at times t (n,), as shares of the tolerances [mm], [deg]; none
     where that is not known. The largest that was found in the piece of the path that is passed."""
     found = [run.deviations() for run in trajectory.axis_path.runs]
-    known = [each for each in found if each is not None]
-    if len(known) < len(found) or tip_mm is None or axis_deg is None:
+    of_runs = [each for each in found if each is not None]
+    if len(of_runs) < len(found) or tip_mm is None or axis_deg is None:
         return []
     s, run = trajectory.parameter(t), trajectory.run_at(t)
     piece = np.zeros(len(t), dtype=np.int64)
     pieces = 0
-    for k, (breaks, *_) in enumerate(known):
+    for k, (breaks, *_) in enumerate(of_runs):
         of_run = run == k
         last = len(breaks) - 2
         piece[of_run] = pieces + np.clip(np.searchsorted(breaks, s[of_run], side="right") - 1, 0, last)
         pieces += last + 1
     channels = []
     for k, (name, tolerance, unit) in enumerate((("tip", tip_mm * 1e3, "µm"), ("tool axis", axis_deg, "°"))):
-        off = np.concatenate([each[1 + k] for each in known])[piece]
+        off = np.concatenate([each[1 + k] for each in of_runs])[piece]
         share = off * (1e6 if k == 0 else 180.0 / np.pi) / tolerance
         channels.append(Channel(name, "deviation", -1 - k, share, tolerance, unit))
     return channels

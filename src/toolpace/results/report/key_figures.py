@@ -120,7 +120,7 @@ def key_figures(
 def _side(tolerances: str | None) -> str:
     """Where alone the tip may be, in the words of tolerances as plan.json has them; empty where that is both sides."""
     words = (tolerances or "").split(",")
-    return next((f"; {told}" for word, told in SIDES.items() if word in words), "")
+    return next((f"; {words_of_side}" for word, words_of_side in SIDES.items() if word in words), "")
 
 
 def _deviations(verification: Verification | None, figures: PlanFigures | None) -> list[tuple[str, str, str, str]]:
@@ -165,8 +165,8 @@ def _iterations(figures: PlanFigures, planned: float) -> list[tuple[str, str, st
     return [("Saved by iterations", percent(max(1.0 - planned / first, 0.0)), note, "")]
 
 
-def _worse(told: float | None, judged: float | None, scale: float) -> float | None:
+def _worse(planned: float | None, judged: float | None, scale: float) -> float | None:
     """The larger of two deviations as far as they are known, in shop-floor units."""
-    known = [float(told)] if told is not None else []
-    known += [judged * scale] if judged is not None and math.isfinite(judged) else []
-    return max(known) if known else None
+    both = [float(planned)] if planned is not None else []
+    both += [judged * scale] if judged is not None and math.isfinite(judged) else []
+    return max(both) if both else None

@@ -31,7 +31,11 @@ from toolpace.results.report.charts import (
 from toolpace.results.report.key_figures import PlanFigures, key_figures
 from toolpace.results.report.shell import whole_page
 from toolpace.results.report.words import (
+    BARS,
+    LEAST_SHARE,
     NEUTRAL,
+    OPERATIONS,
+    WORTH_A_WORD,
     at_most,
     colours,
     four_digits,
@@ -47,14 +51,6 @@ if TYPE_CHECKING:
 
 PLACES = 12
 """Places where the lower bound leaves room that are listed: as many as are looked at."""
-WORTH_A_WORD = 1e-3
-"""Gap from which they are listed."""
-SHOWN = 5e-4
-"""Share of the time below which a limit gets no bar: it would say 0.0 %."""
-BARS = 12
-"""Limits that get a bar at most: of more, the least are hardly seen."""
-OPERATIONS = 200
-"""Operations that are listed; of more, those that take longest are, in the order of the program."""
 HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
 STRIP = 20_000
 """Columns of the strip that shows what limits where: enough to draw it larger ten times on a wide screen."""
@@ -152,7 +148,7 @@ def _insight(shares: Mapping[str, float]) -> str:
 def _bars(shares: Mapping[str, float], palette: Mapping[str, str]) -> str:
     """Share of the time that each limit binds, largest first, as bars."""
     rows = []
-    shown = [(name, share) for name, share in shares.items() if share >= SHOWN]
+    shown = [(name, share) for name, share in shares.items() if share >= LEAST_SHARE]
     top = max((share for _, share in shown), default=1.0)
     for name, share in sorted(shown, key=lambda item: -item[1])[:BARS]:
         colour = palette.get(name, NEUTRAL)
@@ -226,8 +222,8 @@ def _operations(trajectory: Trajectory, toolpath: ToolPath | None) -> str:
     """A table of operations, and what was assumed and skipped; empty where there is no program."""
     if toolpath is None:
         return ""
-    told = _operation_times(operation_times(trajectory, toolpath)) + _assumed(toolpath)
-    return f'<section class="panel"><h2>Operations</h2>{told}</section>' if told else ""
+    tables = _operation_times(operation_times(trajectory, toolpath)) + _assumed(toolpath)
+    return f'<section class="panel"><h2>Operations</h2>{tables}</section>' if tables else ""
 
 
 def _operation_times(times: list[OperationTime]) -> str:

@@ -13,13 +13,11 @@ from toolpace.common.arrays import Floats
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 from toolpace.common.version import __version__
 from toolpace.results.report import shell
-from toolpace.results.report.words import NEUTRAL, at_most, colours, limit_words, percent
+from toolpace.results.report.words import BARS, NEUTRAL, at_most, colours, limit_words, percent
 
 if TYPE_CHECKING:
     from toolpace.setup_search.found_set_up import FoundSetUp, PlaceMap, PlannedSetUp
 
-SHARES = 12
-"""Limits that are shown at most."""
 SHOWN = 5e-3
 """Share of the time below which a limit is not, before and after."""
 STYLE = """
@@ -66,11 +64,11 @@ def _panel(title: str, lead: str, body: str) -> str:
 
 
 def _cards(found: FoundSetUp) -> str:
-    best, given = found.best[0], found.given
+    best, present = found.best[0], found.given
     cards = [("Time", format_time(best.duration), best.clamping.words(best.machine), "big")]
-    if given is not None:
-        saved = given.duration - best.duration
-        cards.append(("Gain", percent(found.gain), f"{format_time(saved)} of {format_time(given.duration)}", ""))
+    if present is not None:
+        saved = present.duration - best.duration
+        cards.append(("Gain", percent(found.gain), f"{format_time(saved)} of {format_time(present.duration)}", ""))
     else:
         cards.append(("As given", "cannot be run", found.why, ""))
     cards.append(("Gap", at_most(best.gap), "of the best set-up: its time over the lower bound on its mesh", ""))
@@ -100,8 +98,8 @@ def _time(machine: tuple[str, FoundSetUp | str]) -> float:
     return math.inf if isinstance(machine[1], str) else machine[1].best[0].duration
 
 
-def _gain(each: PlannedSetUp, given: PlannedSetUp | None) -> str:
-    return percent(1.0 - each.duration / given.duration) if given is not None and each is not given else ""
+def _gain(each: PlannedSetUp, present: PlannedSetUp | None) -> str:
+    return percent(1.0 - each.duration / present.duration) if present is not None and each is not present else ""
 
 
 def _table(found: FoundSetUp) -> str:
@@ -121,15 +119,15 @@ def _table(found: FoundSetUp) -> str:
     )
 
 
-def _row(number: int, each: PlannedSetUp, given: PlannedSetUp | None) -> str:
+def _row(number: int, each: PlannedSetUp, present: PlannedSetUp | None) -> str:
     clamping = each.clamping
-    cells = [format_time(each.duration), _gain(each, given), at_most(each.gap)]
+    cells = [format_time(each.duration), _gain(each, present), at_most(each.gap)]
     cells += [_figure(angle / DEGREE) for _, angle in clamping.angles()]
     cells += [_figure(shift / MILLIMETRE) for shift in clamping.shift]
     tools = ", ".join(_figure(length / MILLIMETRE) for length in each.tool_lengths)
     cells += [tools, {0: "free", 1: "+", -1: "-"}[clamping.side]]
-    kind = "given" if each is given else "first" if number == 1 else ""
-    label = "as given" if each is given else f"{number}"
+    kind = "given" if each is present else "first" if number == 1 else ""
+    label = "as given" if each is present else f"{number}"
     return f'<tr class="{kind}"><td>{label}</td>' + "".join(f"<td class=n>{cell}</td>" for cell in cells) + "</tr>"
 
 
@@ -145,7 +143,7 @@ def _limits(found: FoundSetUp) -> str:
     palette = colours(found.best[0].machine.joints)
     changes = {name: both for name, both in found.changes().items() if max(both) >= SHOWN}
     top = max((max(both) for both in changes.values()), default=1.0)
-    rows = (_bars(name, both, top, palette) for name, both in list(changes.items())[:SHARES])
+    rows = (_bars(name, both, top, palette) for name, both in list(changes.items())[:BARS])
     return f'<div class="bars both">{"".join(rows)}</div>'
 
 
@@ -199,10 +197,10 @@ def map_svg(places: PlaceMap) -> str:
             a, b = at(px - 0.5 * dx, py + 0.5 * dy)
             seconds = float(places.seconds[j, i])
             fill = "url(#beyond)" if np.isnan(seconds) else _colour((seconds - low) / (top - low))
-            told = "not possible: beyond travel, or forbidden" if np.isnan(seconds) else format_time(seconds)
+            title = "not possible: beyond travel, or forbidden" if np.isnan(seconds) else format_time(seconds)
             parts.append(
                 f'<rect x="{a:.2f}" y="{b:.2f}" width="{scale * dx + 0.4:.2f}" height="{scale * dy + 0.4:.2f}" '
-                f'fill="{fill}"><title>x {px:.4g}, y {py:.4g} mm: {escape(told)}</title></rect>'
+                f'fill="{fill}"><title>x {px:.4g}, y {py:.4g} mm: {escape(title)}</title></rect>'
             )
     parts += [*_ticks(x, y, at, TOP + high), *_marks(places, at), *_scale(low, top, LEFT + wide + 26.0, high)]
     return "\n".join([*parts, "</svg>"])
@@ -210,11 +208,11 @@ def map_svg(places: PlaceMap) -> str:
 
 def _span(places: PlaceMap) -> tuple[float, float]:
     """Between which times the colours run [s]."""
-    known = places.seconds[np.isfinite(places.seconds)]
-    if not len(known):
+    times = places.seconds[np.isfinite(places.seconds)]
+    if not len(times):
         return 0.0, 1.0
-    low = float(known.min())
-    return low, max(float(known.max()), low * (1.0 + FLATTEST))
+    low = float(times.min())
+    return low, max(float(times.max()), low * (1.0 + FLATTEST))
 
 
 def _colour(share: float) -> str:
@@ -262,8 +260,8 @@ def _scale(low: float, top: float, left: float, high: float) -> Iterator[str]:
         yield f'<rect {box} fill="{colour}"/>'
     for k in range(STEPS):
         share = k / (STEPS - 1)
-        told = format_time(low + share * (top - low))
-        yield f'<text x="{left + 23:.1f}" y="{TOP + tall * (1.0 - share) + 4:.1f}">{told}</text>'
+        time = format_time(low + share * (top - low))
+        yield f'<text x="{left + 23:.1f}" y="{TOP + tall * (1.0 - share) + 4:.1f}">{time}</text>'
     y = TOP + tall + 36.0
     yield f'<circle cx="{left + 8:.1f}" cy="{y:.1f}" r="7" fill="none" stroke="#d6336c" stroke-width="2.5"/>'
     yield f'<text x="{left + 23:.1f}" y="{y + 4:.1f}">best</text>'
