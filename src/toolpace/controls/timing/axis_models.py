@@ -189,11 +189,6 @@ def room_of(moves: Commanded, figures: ControlFigures) -> Floats:
     return np.where(np.isfinite(moves.tolerance) & (moves.tolerance > 0.0), moves.tolerance, figures.room)
 
 
-if TYPE_CHECKING:
-    from toolpace.machine.limits import Limits
-    from toolpace.machine.machine import Machine
-
-
 def filtered_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
     """Time of each move (n,) [s], dwells left out. Rapids ramp by their axes' limits, as of the model `lookahead`."""
     from toolpace.kernels.controls import filtered
