@@ -15,6 +15,9 @@ from toolpace.common.units import DEGREE, FARTHEST_PART, LONGEST_TOOL, METRES, M
 from toolpace.machine.machine import Machine
 from toolpace.setup_search.clamping import WHOLE_TURN, Clamping
 
+NAMES = ("turn", "tilt", "swing", "x", "y", "z", "tool_length", "side")
+"""Of all choices, as a file writes them."""
+
 
 @dataclass(frozen=True)
 class Zone:
@@ -211,5 +214,3 @@ class Choices:
                          for each in (self.x, self.y, self.z)])  # fmt: skip
 
 
-NAMES = ("turn", "tilt", "swing", "x", "y", "z", "tool_length", "side")
-"""Of all choices, as a file writes them."""

@@ -15,11 +15,8 @@ from toolpace.cli.console import Steps, new_console, new_table
 from toolpace.common.units import format_length, format_time
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from rich.console import Console
 
-    from toolpace.cli.console import Steps
     from toolpace.jobs.job import Job
 
 TIPS = "1um,2um,5um,10um,20um,50um"

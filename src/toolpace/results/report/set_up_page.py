@@ -26,6 +26,19 @@ STYLE = """
 .both .before .share { opacity: 0.7; } pre { overflow-x: auto; font-size: 12.5px; margin: 0; }
 svg { max-width: 100%; height: auto; }
 """
+At = Callable[[float, float], tuple[float, float]]
+"""Place [mm] to pixels."""
+SIDE = 420.0
+"""Of the map's longer side [pixels]."""
+LEFT, TOP, RIGHT, BOTTOM = 74.0, 22.0, 150.0, 62.0
+"""Room around it [pixels]."""
+RAMP = ((13, 74, 112), (26, 138, 138), (122, 190, 120), (240, 221, 120))
+"""Colours from the least time to the most."""
+INK, SOFT = "#17202e", "#5b6778"
+STEPS = 5
+"""Times beside the scale of colours."""
+FLATTEST = 1e-3
+"""Share of the least time that the scale of colours spans at least: less is no difference."""
 
 
 def set_up_page(
@@ -155,21 +168,6 @@ def _bars(name: str, both: tuple[float, float], top: float, palette: Mapping[str
         f'<span class="share">{percent(share)}</span></div>'
         for kind, label, share in (("before", limit_words(name), both[0]), ("after", "", both[1]))
     )
-
-
-At = Callable[[float, float], tuple[float, float]]
-"""Place [mm] to pixels."""
-SIDE = 420.0
-"""Of the map's longer side [pixels]."""
-LEFT, TOP, RIGHT, BOTTOM = 74.0, 22.0, 150.0, 62.0
-"""Room around it [pixels]."""
-RAMP = ((13, 74, 112), (26, 138, 138), (122, 190, 120), (240, 221, 120))
-"""Colours from the least time to the most."""
-INK, SOFT = "#17202e", "#5b6778"
-STEPS = 5
-"""Times beside the scale of colours."""
-FLATTEST = 1e-3
-"""Share of the least time that the scale of colours spans at least: less is no difference."""
 
 
 def map_svg(places: PlaceMap) -> str:
