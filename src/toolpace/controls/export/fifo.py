@@ -19,7 +19,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.common.units import format_angle, format_length, format_time
+from toolpace.common.units import format_time
 from toolpace.controls.export.column_units import Scale, scale_of
 from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
 from toolpace.controls.export.rows import WHOLE, Rows, refuse_no_cycle, rows_every
@@ -152,18 +152,16 @@ class Fifo:
         ]
 
     def _notes(self, motion: PlannedMotion, rows: Rows) -> list[str]:
-        show = [format_angle if turns else format_length for turns in motion.rotary]
         notes = [
             f"{len(rows.points) + self._rest(rows)} rows every {format_time(rows.period)}; the FIFO needs at least "
             f"{self._least(rows)} rows for a PLC cycle of {format_time(self.plc_cycle)}"
         ]
         if rows.error.any():
-            worst = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.error))
+            worst = motion.by_joint(rows.error)
             notes.append(f"rows lie between set-points of the plan: interpolated, off by at most {worst}")
         if round(rows.period / (self.nc_cycle or rows.period)) > 1:
-            sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
             notes.append(
-                f"the NC moves straight between rows: it deviates from the motion by at most {sag}, and speeds change "
-                "in steps"
+                "the NC moves straight between rows: it deviates from the motion by at most "
+                f"{motion.by_joint(rows.sag)}, and speeds change in steps"
             )
         return notes

@@ -13,7 +13,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, reason
-from toolpace.common.units import DEGREE, MILLIMETRE, format_time
+from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.common.version import __version__
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
@@ -82,6 +82,11 @@ class PlannedMotion:
         """Unit of each joint, mm or deg, and the factors (m,) that make it of m and rad."""
         units = ["deg" if turns else "mm" for turns in self.rotary]
         return units, np.array([math.degrees(1.0) if turns else 1e3 for turns in self.rotary])
+
+    def by_joint(self, values: Floats) -> str:
+        """ "X 3 µm, A 0.001 deg": what each joint (m,) is off by, or moves by [m, rad]."""
+        show = [format_angle if turns else format_length for turns in self.rotary]
+        return ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(self.joints, show, values))
 
     @classmethod
     def of(cls, trajectory: Trajectory, dt: float) -> PlannedMotion:

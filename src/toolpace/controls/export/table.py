@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from toolpace.common.errors import UsageError, did_you_mean
-from toolpace.common.units import format_angle, format_length, format_time
+from toolpace.common.units import format_time
 from toolpace.controls.export.column_units import Scale, refuse_coarse, scale_of
 from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
 from toolpace.controls.export.rows import CHUNK, Rows, refuse_no_cycle, rows_every
@@ -138,18 +138,17 @@ class Table:
         ]
 
     def _notes(self, motion: PlannedMotion, rows: Rows, scale: Scale) -> list[str]:
-        show = [format_angle if turns else format_length for turns in motion.rotary]
         notes = []
         if rows.error.any():
-            worst = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.error))
+            worst = motion.by_joint(rows.error)
             notes.append(f"rows lie between set-points of the plan: interpolated, off by at most {worst}")
-        sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
+        sag = motion.by_joint(rows.sag)
         notes.append(f"a control that moves straight from row to row deviates from the motion by at most {sag}")
         if changes := tool_changes(motion):
             named = ", ".join(map(str, changes))
             notes.append(f"the plan changes its tool {named}: stop there, where it rests, put the tool in, and go on")
         if any(scale.counted):
-            rounded = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, scale.resolution) if e)
+            rounded = motion.by_joint(scale.resolution)
             notes.append(f"positions are rounded to whole increments, by at most {rounded}")
         return notes
 

@@ -21,7 +21,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.description import counted
 from toolpace.common.errors import UsageError, VerificationError
-from toolpace.common.units import format_angle, format_length, format_time
+from toolpace.common.units import format_time
 from toolpace.controls.export.linuxcnc.guard import ABOVE, GUARD, LIMITS, MOST_JOINTS, Guard, stamp_of, stops_at
 from toolpace.controls.export.linuxcnc.stream_text import Section, StreamText, longer_by, sections_of
 from toolpace.controls.export.motion import PlannedMotion, provenance
@@ -102,15 +102,13 @@ class InverseTime:
         (folder / GUARD).write_text(guard.hal(self._guard_head(motion)), encoding="utf-8")
         (folder / LIMITS).write_text(guard.limits(self._limits_head(motion)), encoding="utf-8")
         what = "tip and rotary joints" if self.tip else "joints"
-        show = [format_angle if turns else format_length for turns in motion.rotary]
-        off = ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(motion.joints, show, rows.sag))
         stops = f", waiting for {counted(len(sections) - 1, 'further tool')}" if len(sections) > 1 else ""
         return Stream(
             [FILE, GUARD, LIMITS],
             [
                 f"{len(joints) - len(sections)} blocks of two cycles of {format_time(rows.period / 2)}: {what}, "
                 f"{self.digits} decimals, after {format_time(lead * rows.period)} for the queue to fill{stops}",
-                f"straight from block to block it deviates from the motion by at most {off}",
+                f"straight from block to block it deviates from the motion by at most {motion.by_joint(rows.sag)}",
                 f"highest use of a limit {100.0 * use:.2f} %, by differences of the written positions",
                 f"{GUARD} and {LIMITS} stop LinuxCNC where a joint exceeds its highest planned velocity by "
                 f"{100.0 * (ABOVE[0] - 1.0):.0f} % or its acceleration by {100.0 * (ABOVE[1] - 1.0):.0f} %; LinuxCNC's "
