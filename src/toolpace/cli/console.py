@@ -16,7 +16,7 @@ from rich.text import Text
 
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
-from toolpace.jobs.steps import Step, TimedSteps
+from toolpace.jobs import Step, TimedSteps
 
 WIDTH = 12
 """Of the column of names: that of the longest step, and a space."""

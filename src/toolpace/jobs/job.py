@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from toolpace.common.description import counted
 from toolpace.common.units import format_length, format_time
-from toolpace.jobs.steps import TimedSteps
+from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
 

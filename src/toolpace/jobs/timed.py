@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import ToolpaceError, printable
-from toolpace.jobs import job
-from toolpace.jobs.steps import TimedSteps
+from toolpace.jobs import TimedSteps, job
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
