@@ -1,4 +1,4 @@
-"""The summary table of a plan."""
+"""Plans, verifications and machines as tables on the terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Target `program`: the program in its own dialect with the feeds of its plan, and its time on the control.
+"""Target `program`: the program in its own dialect with the feeds of its plan, long blocks in pieces on demand.
 
 Each block keeps its text, to the byte, but for its F: that which makes the dialect give the block the time that the
 plan takes for it.
