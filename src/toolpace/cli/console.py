@@ -48,6 +48,13 @@ def cells(words: Iterable[str], style: str = "") -> list[Text]:
     return [Text(printable(word), style=style) for word in words]
 
 
+def print_json(records: Sequence[dict[str, object]]) -> None:
+    """Records as JSON on standard output."""
+    import msgspec
+
+    print(msgspec.json.format(msgspec.json.encode(records), indent=2).decode())
+
+
 class Steps(TimedSteps):
     """Runs steps one after the other, shows them and keeps their times."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
-from typing import TYPE_CHECKING
 
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
@@ -14,14 +13,13 @@ from rich.text import Text
 
 from toolpace.cli.console import cells, named_error, new_console, new_table, short_names
 from toolpace.cli.summary import limit_in_words
+from toolpace.common.cluster import Pool, open_pool
 from toolpace.common.description import counted
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
+from toolpace.jobs.batch import Batch, BatchJob, BatchRow, run_batch
+from toolpace.jobs.batch.folder import batch_folder
 from toolpace.results.report.words import at_most
-
-if TYPE_CHECKING:
-    from toolpace.common.cluster import Pool
-    from toolpace.jobs.batch import Batch, BatchJob, BatchRow
 
 LOOK = 1.0
 """Time between two looks at what runs now [s]."""
@@ -31,10 +29,6 @@ RUNNING, SHOWN = 8, 40
 
 def run_jobs(jobs: Sequence[BatchJob], out: str, where: str | int | None, memory: str | None) -> int:
     """Carry out jobs, show how far it is, and what came of them; 0 where all is well, else 1 or 2."""
-    from toolpace.common.cluster import open_pool
-    from toolpace.jobs.batch import run_batch
-    from toolpace.jobs.batch.folder import batch_folder
-
     console = new_console()
     with batch_folder(out) as place, open_pool(where, memory) as pool:
         _say(console, "batch", f"{counted(len(jobs), 'job')} on {pool.where}")

@@ -7,23 +7,21 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.console import LONGEST_NAME, cells, new_console, new_table, short_names
+from toolpace.cli.console import LONGEST_NAME, cells, new_console, new_table, print_json, short_names
 from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import format_time
 from toolpace.jobs.inspection import follow_as_planned, inspection_record
-from toolpace.programs.reading.inspection import Inspection, inspect_source, unreadable
+from toolpace.programs.reading.inspection import Inspection, Range, inspect_source, unreadable
 from toolpace.programs.reading.source import Source
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from toolpace.cli.options import Reading
     from toolpace.machine.machine import Machine
-    from toolpace.programs.reading.inspection import Range
 
 NAMED = 3
 """Most machines that a table names."""
@@ -57,9 +55,7 @@ def run_inspect(
             continue
         found.append(inspect_source(source, options, machines, dialect, feed, follow_as_planned))
     if as_json:
-        import msgspec
-
-        print(msgspec.json.format(msgspec.json.encode([inspection_record(each) for each in found]), indent=2).decode())
+        print_json([inspection_record(each) for each in found])
     else:
         show(new_console(), found)
     if sheet is not None:

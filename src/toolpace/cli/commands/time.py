@@ -5,20 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from toolpace.cli.console import LONGEST_NAME, Steps, cells, named_error, new_console, new_table, short_names
+from toolpace.cli.console import (
+    LONGEST_NAME,
+    Steps,
+    cells,
+    named_error,
+    new_console,
+    new_table,
+    print_json,
+    short_names,
+)
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.units import format_time
-from toolpace.jobs.timed import KINDS, TimeRequest, time_record, timed, timed_or_wrong
+from toolpace.jobs.timed import KINDS, Timed, TimeRequest, time_record, timed, timed_or_wrong
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from toolpace.controls.timing.figures import ControlFigures
     from toolpace.controls.timing.identify import Identified
-    from toolpace.jobs.timed import Timed
     from toolpace.programs.reading import Controller
 
 MODELS = {
@@ -37,15 +44,13 @@ POOR = 0.05
 
 def run_time(programs: Sequence[str], request: TimeRequest, as_json: bool) -> int:
     """Time each program and print what was found; 0 where all could be, else 2. A single one raises ToolpaceError."""
-    from rich.console import Console
-
     console = new_console()
     # what is under way is shown beside JSON, too, but not among it
     place = Console(stderr=True, highlight=False, markup=False) if as_json else console
     alone = len(programs) == 1 and not as_json
     found = [(timed if alone else timed_or_wrong)(program, request, Steps(place)) for program in programs]
     if as_json:
-        print_json(found, request.machine.name)
+        print_json([time_record(each, request.machine.name) for each in found])
     else:
         show(console, found, request.machine.name)
     return 2 if any(each.error for each in found) else 0
@@ -141,14 +146,6 @@ def _saving(total: float, optimum: float) -> str:
     if share >= 0.0:
         return f"{100.0 * share:.1f} % less"
     return f"{-100.0 * share:.1f} % more: {FASTER}"
-
-
-def print_json(found: Sequence[Timed], machine: str) -> None:
-    """The JSON list: times in seconds."""
-    import msgspec
-
-    records = [time_record(each, machine) for each in found]
-    print(msgspec.json.format(msgspec.json.encode(records), indent=2).decode())
 
 
 def run_fit(programs: list[str], log: str, request: TimeRequest, write: str | None) -> int:

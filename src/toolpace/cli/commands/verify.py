@@ -5,35 +5,30 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import msgspec
 
 from toolpace.cli.console import Steps
 from toolpace.cli.options import AS_WRITTEN, Reading
 from toolpace.common.errors import UsageError, printable
+from toolpace.common.files import changed, is_folder, reason
 from toolpace.common.units import DEGREE, MILLIMETRE
-
-if TYPE_CHECKING:
-    from toolpace.judge import Verification
-    from toolpace.programs.reading import ReadOptions
-    from toolpace.programs.tolerances.tolerances import Tolerances
-    from toolpace.results.write import PlanRecord
+from toolpace.judge import Check, Verification, verify_plan
+from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances
+from toolpace.judge.table import with_table
+from toolpace.machine.machine import Machine
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.reading import ReadOptions, Source, read_source
+from toolpace.programs.reading.setup_file import setup_text
+from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.results import write
+from toolpace.results.write import PlanRecord
+from toolpace.results.write.result import copy_name
 
 
 def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> tuple[PlanRecord, Verification]:
     """Judge the files in a folder by the machine and the program in it: set-points, figures, and the table if it is
     there. The program is read as it was for the plan, but for what `reading` says."""
-    import msgspec
-
-    from toolpace.common.files import changed, is_folder, reason
-    from toolpace.judge import Check, verify_plan
-    from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances
-    from toolpace.judge.table import with_table
-    from toolpace.machine.machine import Machine
-    from toolpace.motion.setpoints import SetPoints
-    from toolpace.programs.reading import Source, read_source
-    from toolpace.programs.reading.setup_file import setup_text
-    from toolpace.results import write
-
     if not is_folder(folder):
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
     refuse_pipes(folder)
@@ -69,8 +64,6 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
 
 def refuse_pipes(folder: Path) -> None:
     """Raise UsageError where a name in a folder is that of a pipe or a device: reading it might never end."""
-    from toolpace.common.files import reason
-
     try:
         with os.scandir(folder) as entries:
             strange = sorted(each.name for each in entries if Path(each).exists() and not plain(each))
@@ -89,8 +82,6 @@ def plain(entry: os.DirEntry[str]) -> bool:
 
 def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadOptions:
     """How the program was read for a plan, but for what is asked for now."""
-    from toolpace.results import write
-
     then, now = write.read_again(folder, record.reading), reading.options(None)
     return replace(
         then,
@@ -109,8 +100,6 @@ def read_as_planned(folder: Path, record: PlanRecord, reading: Reading) -> ReadO
 def program_in(folder: Path, record: PlanRecord) -> Path | None:
     """The copy of the program in the folder of a plan; None where plan.json names none. Raises UsageError where it
     names a file elsewhere, or another than the copy."""
-    from toolpace.results.write.result import copy_name
-
     name = record.program_file
     if not name:
         return None
