@@ -68,6 +68,7 @@ def test_several_machines_are_held_against_each_other(part, tmp_path, capsys):
         (["-m", "xyzac-trunnion", "--machines", "xyzbc-head"], "--machine and --machines: give one of both"),
         (["--machines", "xyzbc-head,xyzbc-head"], "one machine is named twice"),
         (["-m", "xyzac-trunnion", "--trials", "2"], "--trials 2: so few find nothing; give at least 20"),
+        (["-m", "xyzac-trunnion", "--shown", "0"], "--shown 0: give 1 to 1000"),
         (["-m", "xyzac-trunnion", "--choices", "nowhere.toml"], "choices nowhere.toml: cannot be read"),
         (["-m", "xyzac-trunnion", "--workers", "-1"], "--workers -1: give 1 or more, or 0 for this process"),
         (["-m", "xyzac-trunnion", "--workers", "2", "--cluster", "tcp://a:1"], "--cluster and --workers"),
