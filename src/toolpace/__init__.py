@@ -61,7 +61,7 @@ if TYPE_CHECKING:
     from toolpace.programs.reading import Kinematics, apply_feed, read, read_text
     from toolpace.programs.reading.controllers.controller import Controller, Sign
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import Operation, ToolPath
     from toolpace.results.report import report
     from toolpace.results.write.set_up_folder import write_set_up

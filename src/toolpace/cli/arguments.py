@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading import ReadOptions
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
 
 
 def planner_named(name: str) -> str:
@@ -80,7 +80,7 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
 def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
     """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
     from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE
-    from toolpace.programs.tolerances.tolerances import SIDES, Tolerances
+    from toolpace.programs.tolerances import SIDES, Tolerances
 
     def metres(text: str) -> float:
         value = _parsed("--tip-tolerance", units.parse_length, text)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from toolpace.judge import Verification
     from toolpace.programs.reading import ReadOptions
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.results.write import PlanRecord
 
 

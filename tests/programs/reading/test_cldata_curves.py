@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading import read_text
-from toolpace.programs.reading.curves.splines import Spline, SplineError
+from toolpace.programs.reading.splines import Spline, SplineError
 from toolpace.programs.toolpath import ToolPath
 
 

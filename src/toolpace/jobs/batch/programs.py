@@ -9,7 +9,7 @@ from pathlib import Path
 
 from toolpace.common.files import is_folder
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.dialect import SUFFIXES
+from toolpace.programs.reading.languages import SUFFIXES
 
 
 @functools.cache

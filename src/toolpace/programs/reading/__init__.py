@@ -7,18 +7,16 @@ from pathlib import Path
 
 from toolpace.common.errors import UsageError
 from toolpace.programs.commanded import Commanded
-from toolpace.programs.reading.block_numbers import numbered_blocks
 from toolpace.programs.reading.control.garbage_collector import at_rest
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.controllers.doubt import doubts
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import SetUp
-from toolpace.programs.reading.dialect import CONTROLS
 from toolpace.programs.reading.feeds import FeedChange, apply_feed, with_doubt_of_slow_feeds
 from toolpace.programs.reading.findings import Findings
-from toolpace.programs.reading.languages import Recognised, reader_of, recognised
+from toolpace.programs.reading.languages import CONTROLS, Recognised, reader_of, recognised
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.source import Source
+from toolpace.programs.reading.source import Source, numbered_blocks
 from toolpace.programs.toolpath import ToolPath
 
 __all__ = [
@@ -190,7 +188,7 @@ def _run(
         from toolpace.programs.reading.cldata.reader import ClReader
 
         return ClReader(source, machine, options, findings).run()
-    from toolpace.programs.reading.coordinates.tool_lengths import ToolLengths
+    from toolpace.programs.reading.points import ToolLengths
     from toolpace.programs.reading.table import read_table
 
     lengths = ToolLengths(source, options.setup, machine, findings)

@@ -12,13 +12,12 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import FeedMissingError, ProgramError, ToolpaceError
 from toolpace.programs.reading import read_source
+from toolpace.programs.reading.control.state import EndlessError
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
-from toolpace.programs.reading.dialect import CONTROLS
-from toolpace.programs.reading.execution_limit import EndlessError
 from toolpace.programs.reading.findings import Findings, Refusal, Used
-from toolpace.programs.reading.languages import Recognised, recognised
+from toolpace.programs.reading.languages import CONTROLS, Recognised, recognised
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+from toolpace.programs.reading.setup_file import with_cure_of_zero
 from toolpace.programs.reading.source import Source
 from toolpace.programs.toolpath import ToolPath
 

@@ -10,9 +10,8 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import FeedMissingError, UsageError
 from toolpace.common.units import FEEDS, LENGTHS, TIMES
-from toolpace.programs.reading.coordinates.tool_lengths import ToolLengths
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.points import ProgramFacts, ProgramPoints, assemble
+from toolpace.programs.reading.points import ProgramFacts, ProgramPoints, ToolLengths, assemble
 from toolpace.programs.reading.source import Source
 from toolpace.programs.toolpath import Operation, ToolPath
 

@@ -6,7 +6,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from toolpace.programs.reading.curves.arcs import ONE_RAY, Arc
+from toolpace.programs.reading.arcs import ONE_RAY, Arc
 
 AXES = ((0, 1), (2, 0), (1, 2))
 """First and second axis of the planes XY, ZX and YZ: the real and the imaginary part."""

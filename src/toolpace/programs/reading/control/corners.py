@@ -6,8 +6,8 @@ import math
 from contextlib import nullcontext
 from typing import NamedTuple
 
+from toolpace.programs.reading.arcs import plane_arc
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.curves.arcs import plane_arc
 
 ROUND, SIDES, EDGE = "round", "sides", "edge"
 """What the size of a corner is: the radius, how much of both lines is cut away, or the length of the new edge."""

@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.moves import FEED, RAPID, Rate
+from toolpace.programs.reading.control.moves import FEED, RAPID, Rate, Stroke, StrokeTable
 from toolpace.programs.reading.control.state import ALL
-from toolpace.programs.reading.control.strokes import Stroke, StrokeTable
 
 MOST_PECKS = 10_000
 """Strokes of one hole: more is a slip, and would fill memory."""

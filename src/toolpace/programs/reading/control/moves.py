@@ -1,21 +1,67 @@
-"""The motions of a program in its own coordinates."""
+"""The motions of a program as rows, with the strokes of its holes and the operations that they belong to."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.programs.commanded import BLENDED
-from toolpace.programs.reading.control.strokes import Expansion, StrokeTable
-from toolpace.programs.reading.curves.arcs import Arc
-from toolpace.programs.reading.curves.beziers import Bezier
+from toolpace.programs.reading.arcs import Arc
+from toolpace.programs.reading.splines import Bezier
+from toolpace.programs.toolpath import Operation
 
 RAPID, FEED, JUMP = 0.0, 1.0, 2.0
 """Kinds of rows. A jump is no motion: it re-reads the same place in the other mode (tip or joints)."""
+
+
+class Stroke(NamedTuple):
+    """A straight way to a level, and what is done there."""
+
+    level: float
+    """Coordinate of the program along the line [m]."""
+    rapid: bool = True
+    speed: float = 0.0
+    """Of a way at feed [m/s]; 0: that in force."""
+    stop: bool = False
+    dwell: float = 0.0
+    """[s]"""
+
+
+class StrokeTable(NamedTuple):
+    """Strokes of a hole as arrays: the motions that one row of moves stands for."""
+
+    offset: Floats
+    """(k, 3) from the row's position to the end of each [m]."""
+    rate: Floats
+    """(k, 3): speed [m/s], turn [rad/s], time [s]."""
+    kind: Floats
+    stop: Bools
+    dwell: Floats
+
+
+class Expansion:
+    """Rows of moves, some of which stand for strokes, to the rows of single motions."""
+
+    def __init__(self, rows: int, strokes: dict[int, StrokeTable]) -> None:
+        count = np.ones(rows, dtype=np.int64)
+        alike: dict[int, tuple[StrokeTable, list[int]]] = {}
+        for row, table in strokes.items():
+            alike.setdefault(id(table), (table, []))[1].append(row)
+        for table, of in alike.values():
+            count[of] = len(table.kind)
+        self.row: Ints = np.repeat(np.arange(rows), count)
+        """Of each motion, the row that it comes from."""
+        self.last: Ints = np.cumsum(count) - 1
+        """Of each row, its last motion."""
+        self.strokes = [
+            (table, self.last[of][:, None] + np.arange(1 - len(table.kind), 1)) for table, of in alike.values()
+        ]
+        """Strokes (k,), and the motions (holes, k) that they are."""
 
 
 class Rate(NamedTuple):
@@ -241,3 +287,32 @@ class MoveTable(NamedTuple):
     """(n, 2) Asked of each row."""
     normal: Floats
     """(n, 3) out of the part at the end of each row; nan where none was told."""
+
+
+class Operations:
+    """What motions belong to: each is noted with the operation that is the last when it is added."""
+
+    def __init__(self, moves: Moves) -> None:
+        self.moves = moves
+        self.all: list[Operation] = [Operation()]
+
+    def begin(self, *, name: str | None = None, tool: str | None = None) -> None:
+        """Begin the next one, of this name, or with this tool; what is not given stays."""
+        last = self.all[-1]
+        if not self._moved():
+            self.all.pop()
+        told = last.told_lengths if tool is None else ()
+        self.all.append(
+            Operation(last.name if name is None else name.strip(), last.tool if tool is None else tool, told)
+        )
+        self.moves.operation = len(self.all) - 1
+
+    def tell_length(self, length: float) -> None:
+        """The tool of the present one is reckoned with another length than its table's [m]."""
+        last = self.all[-1]
+        if length not in last.told_lengths:
+            self.all[-1] = replace(last, told_lengths=(*last.told_lengths, length))
+
+    def _moved(self) -> bool:
+        """Whether there was any motion in the last one."""
+        return bool(self.moves.rows) and self.moves.rows[-1][-2] >= self.moves.operation

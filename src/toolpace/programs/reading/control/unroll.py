@@ -11,13 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.programs.reading.arcs import Arc, ArcTable
 from toolpace.programs.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.programs.reading.coordinates.kinematics import Poses
-from toolpace.programs.reading.coordinates.tool_lengths import told_lengths
-from toolpace.programs.reading.curves.arcs import Arc, ArcTable
-from toolpace.programs.reading.curves.beziers import Bezier, BezierTable
-from toolpace.programs.reading.points import SAME, ProgramFacts, ProgramPoints, assemble
+from toolpace.programs.reading.points import SAME, ProgramFacts, ProgramPoints, assemble, told_lengths
 from toolpace.programs.reading.source import Source
+from toolpace.programs.reading.splines import Bezier, BezierTable
 from toolpace.programs.toolpath import ToolPath
 
 TIP_GAP = 0.45e-6

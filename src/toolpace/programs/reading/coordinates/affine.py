@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.programs.reading.curves.arcs import Arc
-from toolpace.programs.reading.curves.beziers import Bezier
+from toolpace.programs.reading.arcs import Arc
+from toolpace.programs.reading.splines import Bezier
 
 Matrix = tuple[tuple[float, float, float, float], ...]
 """Three rows of a 4 by 4 matrix: rotation and shift; the fourth is (0, 0, 0, 1)."""

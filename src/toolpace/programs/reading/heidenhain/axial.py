@@ -11,7 +11,7 @@ from toolpace.common.arrays import Floats
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.coordinates.orientation import near
+from toolpace.programs.reading.coordinates.kinematics import near
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 
 STILL = 1e-9

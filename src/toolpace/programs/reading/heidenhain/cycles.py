@@ -9,12 +9,12 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.holes.drilling import Holes, Items
-from toolpace.programs.reading.heidenhain.holes.patterns import Patterns
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.programs.reading.heidenhain.patterns import Patterns
 from toolpace.programs.reading.heidenhain.tilting import MOST_ANGLE, Tilting
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
-from toolpace.programs.reading.control.joint_moves import straight_in_machine
-from toolpace.programs.reading.control.retract import retract
-from toolpace.programs.reading.control.tool_axis import direction_on_part
+from toolpace.programs.reading.control.machine_moves import direction_on_part, retract, straight_in_machine
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.heidenhain import tilting_axes
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.programs.reading.heidenhain.drilling import Holes
 from toolpace.programs.reading.heidenhain.flow import Flow
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.holes.drilling import Holes
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import Function, PathWords, code_of
@@ -71,7 +68,7 @@ class MachineFunctions:
             "retract": self.retracted,
             "noted": self.noted,
             "look ahead": lambda function: lambda: motion.compensation.look_ahead(function.words.get("LA")),
-            "tilting axes": lambda function: lambda: tilting_axes.take(control, function.words),
+            "tilting axes": lambda function: lambda: tilting_axes(control, function.words),
         }
         self.at_end: dict[str, Callable[[Function], Step]] = {
             "tip mode off": lambda _: lambda: self.tip_mode(False),
@@ -298,3 +295,17 @@ class MachineFunctions:
             self.state.came_from = []
 
         return run
+
+
+def tilting_axes(control: Control, letters: Collection[str]) -> None:
+    """M138: note that it changes nothing, or refuse it where it names some of the rotary axes only.
+
+    "The TNC performs the above functions only in those tilting axes that you have defined using M138", without axes in
+    all again (TNC 620 Conversational, "Selecting tilting axes: M138").
+    """
+    own = {name.upper() for name in control.poses.rotary_names}
+    if letters and own - set(letters):
+        cure = "leave it out: planes and M128 are read with all rotary axes of the machine"
+        control.findings.refused("M138 with some of the rotary axes", control.line, cure)
+    else:
+        control.findings.ignored("M138")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import FeedRules
 from toolpace.programs.reading.control.state import Rules
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import OFFSETS_UNSAID
-from toolpace.programs.reading.curves.arcs import ArcError
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.heidenhain.flow import Flow
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from toolpace.common.units import MILLIMETRE
+from toolpace.programs.reading.arcs import Arc
 from toolpace.programs.reading.control.corners import Corner
 from toolpace.programs.reading.coordinates.placement import Placement
-from toolpace.programs.reading.curves.arcs import Arc
 
 INCH = 25.4 * MILLIMETRE
 PLANES = ("YZ", "ZX", "XY")

@@ -9,23 +9,19 @@ from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.heidenhain.contour.approach import Approaches, Form
-from toolpace.programs.reading.heidenhain.contour.circles import Circles
-from toolpace.programs.reading.heidenhain.contour.corners import Corners
+from toolpace.programs.reading.heidenhain.contour.circles import Circles, Polar
+from toolpace.programs.reading.heidenhain.contour.lines import Corners, SingleAxis, SurfaceLines
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
-from toolpace.programs.reading.heidenhain.contour.polar import Polar
-from toolpace.programs.reading.heidenhain.contour.single_axis import SingleAxis
-from toolpace.programs.reading.heidenhain.contour.surface_lines import SurfaceLines
 from toolpace.programs.reading.heidenhain.cycles import Cycles
-from toolpace.programs.reading.heidenhain.flow import Flow
+from toolpace.programs.reading.heidenhain.drilling import Holes
+from toolpace.programs.reading.heidenhain.flow import Flow, Jumps
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.functions import ModeFunctions
-from toolpace.programs.reading.heidenhain.holes.drilling import Holes
-from toolpace.programs.reading.heidenhain.holes.patterns import Patterns
-from toolpace.programs.reading.heidenhain.jumps import Jumps
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate, formula
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, named
 from toolpace.programs.reading.heidenhain.klartext.words import AXES, VALUE, PathWords, path_words, signed
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions
+from toolpace.programs.reading.heidenhain.patterns import Patterns
 from toolpace.programs.reading.heidenhain.state import INCH, State
 from toolpace.programs.reading.heidenhain.tilting import Tilting
 from toolpace.programs.reading.heidenhain.tools import Tools

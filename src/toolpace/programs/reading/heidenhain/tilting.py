@@ -8,9 +8,7 @@ from dataclasses import dataclass, field
 
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.joint_moves import turn_joints
-from toolpace.programs.reading.control.retract import turn_about
-from toolpace.programs.reading.control.tool_axis import plane_axis
+from toolpace.programs.reading.control.machine_moves import plane_axis, turn_about, turn_joints
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.heidenhain.axial import HEAD, AxialAngles

@@ -6,13 +6,13 @@ import re
 
 from toolpace.common.units import MINUTE
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.coordinates.tool_lengths import NOT_LISTED
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.programs.reading.heidenhain.state import State
+from toolpace.programs.reading.points import NOT_LISTED
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from toolpace.programs.reading.control.joint_moves import reference
-from toolpace.programs.reading.curves.arcs import ArcError
+from toolpace.programs.reading.arcs import ArcError
+from toolpace.programs.reading.control.machine_moves import reference
 from toolpace.programs.reading.sinumerik.cycles.holes import Holes
 from toolpace.programs.reading.sinumerik.cycles.patterns import places
-from toolpace.programs.reading.sinumerik.cycles.swivel import swivel
-from toolpace.programs.reading.sinumerik.cycles.thread import mill_thread
-from toolpace.programs.reading.sinumerik.orientation.rotary_order import initial_rotary
-from toolpace.programs.reading.sinumerik.orientation.tool_frame import turn_along_tool
-from toolpace.programs.reading.sinumerik.orientation.turned_plane import need_turned
+from toolpace.programs.reading.sinumerik.cycles.swivel import initial_rotary, swivel
+from toolpace.programs.reading.sinumerik.cycles.threads import mill_thread
+from toolpace.programs.reading.sinumerik.orientation import need_turned, turn_along_tool
 from toolpace.programs.reading.sinumerik.run import Run
 from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
 from toolpace.programs.reading.sinumerik.word_values import Arguments, Words, number

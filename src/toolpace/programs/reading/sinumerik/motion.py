@@ -10,13 +10,12 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Corners
 from toolpace.programs.reading.control.feed import INVERSE
-from toolpace.programs.reading.control.joint_moves import straight_in_machine
-from toolpace.programs.reading.sinumerik.contour import circles
-from toolpace.programs.reading.sinumerik.contour.polar import LETTERS, end_by_pole
-from toolpace.programs.reading.sinumerik.contour.splines import BSplines
+from toolpace.programs.reading.control.machine_moves import straight_in_machine
+from toolpace.programs.reading.sinumerik import circles
+from toolpace.programs.reading.sinumerik.circles import LETTERS, end_by_pole
 from toolpace.programs.reading.sinumerik.frames import Frames
-from toolpace.programs.reading.sinumerik.orientation.turned_plane import turned_alone
-from toolpace.programs.reading.sinumerik.orientation.vectors import ANGLES, VECTOR, Vectors
+from toolpace.programs.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors, turned_alone
+from toolpace.programs.reading.sinumerik.splines import BSplines
 from toolpace.programs.reading.sinumerik.state import GREAT_CIRCLE, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.programs.reading.sinumerik.word_values import Given, Words, bounded, number

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from toolpace.common.units import DEGREE
-from toolpace.programs.reading.compensation.ends import leave_here
+from toolpace.programs.reading.arcs import plane_arc
+from toolpace.programs.reading.compensation.following import leave_here
 from toolpace.programs.reading.control.feed import PER_MINUTE
 from toolpace.programs.reading.control.moves import RAPID
-from toolpace.programs.reading.curves.arcs import plane_arc
-from toolpace.programs.reading.heidenhain.contour.circles import Circles
+from toolpace.programs.reading.heidenhain.contour.circles import POLAR, Circles, Polar
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Step
-from toolpace.programs.reading.heidenhain.contour.polar import POLAR, Polar
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords

@@ -9,9 +9,14 @@ from toolpace.common.units import MILLIMETRE, MINUTE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.control.feed import INVERSE
-from toolpace.programs.reading.sinumerik.cycles.along import Along, Levels
-from toolpace.programs.reading.sinumerik.cycles.strokes import stop_distance, strokes_by_factor, strokes_of
-from toolpace.programs.reading.sinumerik.cycles.taps import pitch_of
+from toolpace.programs.reading.sinumerik.cycles.strokes import (
+    Along,
+    Levels,
+    stop_distance,
+    strokes_by_factor,
+    strokes_of,
+)
+from toolpace.programs.reading.sinumerik.cycles.threads import pitch_of
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 from toolpace.programs.reading.sinumerik.word_values import Arguments
