@@ -13,6 +13,14 @@ from toolpace.common.arrays import Floats, Ints
 SAG = 0.45e-6
 """Most distance between an arc and its chords [m]; a tenth below the promised half micrometre."""
 
+PLANE_AXES = ((0, 1), (2, 0), (1, 2))
+"""First and second axis of the planes XY, ZX and YZ."""
+PLANE_ACROSS = (2, 1, 0)
+"""The axis across each of these planes, and the plane across each axis."""
+ROUNDING = 1e-9
+"""Of lengths [m], angles [rad] and parts of unit vectors: less than this is zero, and values closer are the same."""
+MOST_TURNS = 1000
+"""Most times that an arc is gone round: more is a slip, and would fill memory with points."""
 ONE_RAY = 1e-6
 """Angle [rad] up to which ends are on one ray from the centre."""
 ONE_RAY_MM, ONE_RAY_INCH = 1e-14, 6.4516e-12
@@ -42,6 +50,13 @@ class Arc(NamedTuple):
     def length(self) -> float:
         """Length [m]; the radii of a programmed arc differ by rounding only."""
         return math.hypot(0.5 * (self.r0 + self.r1) * self.sweep, math.hypot(*self.rise))
+
+    def last_direction(self) -> tuple[float, float, float]:
+        """Direction (3,) in which it ends, at another length than one."""
+        c, s = math.cos(self.sweep), math.sin(self.sweep)
+        turning = self.r1 * self.sweep
+        x, y, z = (turning * (c * w - s * u) + rise for u, w, rise in zip(self.u, self.w, self.rise))
+        return x, y, z
 
     def pieces(self) -> int:
         """How many chords keep within SAG."""
@@ -163,7 +178,7 @@ def centre_of_radius(
 
     reach: by how much half the chord may be longer than the radius; the arc is then half a circle about its middle.
     """
-    first, second = ((0, 1), (2, 0), (1, 2))[plane]
+    first, second = PLANE_AXES[plane]
     dx, dy = end[first] - start[first], end[second] - start[second]
     chord = math.hypot(dx, dy)
     if chord < 1e-9:
@@ -180,6 +195,26 @@ def centre_of_radius(
     centre[first] = start[first] + dx / 2 - side * dy
     centre[second] = start[second] + dy / 2 + side * dx
     return centre
+
+
+def tangent_centre(
+    start: Vector, end: Vector, direction: Sequence[float], plane: int, least: float = 0.0
+) -> tuple[list[float], bool] | None:
+    """Centre of the arc that leaves the start in a unit direction (2,) of the plane, and whether it goes clockwise.
+
+    least: how far the end lies aside [m] where there is an arc. None where it lies straight ahead, or behind.
+    """
+    first, second = PLANE_AXES[plane]
+    u, v = direction
+    du, dv = end[first] - start[first], end[second] - start[second]
+    aside = u * dv - v * du
+    if abs(aside) < max(least, ROUNDING * math.hypot(du, dv)):
+        return None
+    radius = (du * du + dv * dv) / (2.0 * aside)
+    centre = list(start[:3])
+    centre[first] -= v * radius
+    centre[second] += u * radius
+    return centre, aside < 0.0
 
 
 class ArcTable:

@@ -8,14 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.programs.reading.arcs import Arc, ArcError, Vector, arc_about
+from toolpace.programs.reading.arcs import MOST_TURNS, Arc, ArcError, Vector, arc_about
 from toolpace.programs.reading.cldata.words import NUMBER, Statement, figure, numbers
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.source import Source
 from toolpace.programs.reading.splines import Spline, SplineError
 
-MOST_TURNS = 1000
-"""Most times that an arc is gone round: more is a slip, and would fill memory with points."""
 BARE_NUMBERS, CREO_NUMBERS, NX_NUMBERS = 6, 7, 11
 """How many numbers a CIRCLE has: centre, direction; with radius; NX adds two of tolerance and two of the tool."""
 CLOSED = 1e-7

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from toolpace.common.errors import FeedMissingError
 from toolpace.common.units import INCH, MILLIMETRE, MINUTE
 from toolpace.programs.reading.cldata.words import CANCELLED_BY, FRAMES, NUMBER, Statement, cure, figure, numbers
+from toolpace.programs.reading.feeds import LONGEST_DWELL
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.source import Source
 
@@ -24,8 +25,6 @@ FOOT = 12 * INCH
 PER_MINUTE = {"MMPM": MILLIMETRE, "IPM": INCH, "MPM": 1.0, "FPM": FOOT, "PERMIN": None, "UPM": None}
 PER_REVOLUTION = {"MMPR": MILLIMETRE, "IPR": INCH, "FPR": FOOT, "PERREV": None, "UPR": None}
 """Length units of the forms of FEDRAT; None stands for the unit of the program."""
-LONGEST_DELAY = 86400.0
-"""A day [s]: a longer delay is a slip of units."""
 _TURNING = frozenset(
     ("RPM", "CLW", "CCLW", "FWD", "REV", "ON", "OFF", "RANGE", "LOW", "MEDIUM", "HIGH", "AUTO", "MAXRPM")
 )
@@ -223,7 +222,7 @@ class ClFeed:
     def seconds(self, value: float, revolutions: bool, word: str, line: int) -> float:
         """Time [s] of a wait that is written in seconds or in revolutions."""
         time = value / self._turning(f"{word} in revolutions", line) if revolutions else value
-        if not 0 <= time <= LONGEST_DELAY:
+        if not 0 <= time <= LONGEST_DWELL:
             self.source.fail(f"{word} waits {time:g} s, not between 0 and a day: its number is seconds", line)
         return time
 

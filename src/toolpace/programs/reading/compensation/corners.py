@@ -7,7 +7,8 @@ import math
 from dataclasses import dataclass
 from typing import NoReturn
 
-from toolpace.programs.reading.compensation.elements import SAME, Element, Line, Turn, swept, turning, unit
+from toolpace.programs.reading.arcs import ROUNDING
+from toolpace.programs.reading.compensation.elements import Element, Line, Turn, swept, turning, unit
 from toolpace.programs.reading.compensation.stage import ARC, MEETING, OffsetStage, Rules
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.moves import Rate
@@ -168,7 +169,7 @@ def offset(element: Element, aside: float) -> Element | None:
         shift = 1j * element.begins * aside
         return Line(element.start + shift, element.end + shift)
     radii = [abs(end - element.centre) - element.sense * aside for end in (element.start, element.end)]
-    if min(radii) < SAME:
+    if min(radii) < ROUNDING:
         return None
     start, end = (
         element.centre + radius * (point - element.centre) / abs(point - element.centre)
@@ -188,7 +189,7 @@ def meetings(before: Element, behind: Element) -> list[complex]:
 
 def _lines(first: Line, second: Line) -> list[complex]:
     across = (first.begins.conjugate() * second.begins).imag
-    if abs(across) < SAME:
+    if abs(across) < ROUNDING:
         return []
     along = ((second.start - first.start).conjugate() * second.begins).imag / across
     return [first.start + along * first.begins]
@@ -202,7 +203,7 @@ def _line_and_circle(line: Line, turn: Turn) -> list[complex]:
 
 def _circles(centre: complex, radius: float, other: complex, other_radius: float) -> list[complex]:
     apart = abs(other - centre)
-    if apart < SAME:
+    if apart < ROUNDING:
         return []
     direction = (other - centre) / apart
     along = (apart * apart + radius * radius - other_radius * other_radius) / (2.0 * apart)
@@ -213,7 +214,7 @@ def _circles(centre: complex, radius: float, other: complex, other_radius: float
 def _half_chord(radius: float, distance: float) -> float | None:
     """Half of the chord at a distance from the centre of a circle; of a touching line, but for a rounding, 0."""
     square = (radius - distance) * (radius + distance)
-    if square < -2.0 * radius * SAME:
+    if square < -2.0 * radius * ROUNDING:
         return None
     return math.sqrt(max(square, 0.0))
 
@@ -252,7 +253,7 @@ def between(way: Element, begun: complex, end: complex) -> Element:
     if isinstance(way, Line):
         return Line(begun, end)
     angle = swept_between(way, begun, end)
-    return Turn(begun, end, way.centre, way.sense * angle) if angle > SAME else Line(begun, end)
+    return Turn(begun, end, way.centre, way.sense * angle) if angle > ROUNDING else Line(begun, end)
 
 
 def crosses(first: Element, second: Element) -> bool:

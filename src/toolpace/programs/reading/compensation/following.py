@@ -7,10 +7,9 @@ import math
 from dataclasses import replace
 from typing import NoReturn
 
-from toolpace.programs.reading.arcs import Arc
+from toolpace.programs.reading.arcs import ROUNDING, Arc
 from toolpace.programs.reading.compensation.corners import ROUNDED, TANGENT, Corners, Followed, between, gone, offset
 from toolpace.programs.reading.compensation.elements import (
-    SAME,
     Element,
     Line,
     Turn,
@@ -60,7 +59,7 @@ class Follower(Corners):
         if rate.time:
             self.fail("a time of a block (G93) under cutter compensation is not read: write a feed a minute")
         path = self.element(start, end, arc)
-        if path is None or (arc is None and abs(path.end - path.start) < SAME):
+        if path is None or (arc is None and abs(path.end - path.start) < ROUNDING):
             if self.leads_across and self.rules.shifts:
                 self.fail(f"a motion {ACROSS_ALONE}")
             self.waiting.append(self.add(self.at, start, end, None, rate, kind))

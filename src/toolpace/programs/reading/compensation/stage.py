@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import NoReturn
 
-from toolpace.programs.reading.arcs import Arc
-from toolpace.programs.reading.compensation.elements import AXES, Element, Line, Turn, arc_of, element_of
+from toolpace.programs.reading.arcs import PLANE_AXES, Arc
+from toolpace.programs.reading.compensation.elements import Element, Line, Turn, arc_of, element_of
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.moves import Rate
 
@@ -47,7 +47,7 @@ class OffsetStage:
     def __init__(self, control: Control, side: int, radius: float, plane: int) -> None:
         """side: 1 left of the contour, -1 right. radius [m]. plane: 0 XY, 1 ZX, 2 YZ."""
         self.control, self.side, self.radius, self.plane = control, side, radius, plane
-        self.first, self.second = AXES[plane]
+        self.first, self.second = PLANE_AXES[plane]
         self.at = self.point(control.words)
         """Where the centre is, in the plane."""
         self.begun = self.at

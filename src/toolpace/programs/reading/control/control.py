@@ -18,13 +18,14 @@ from toolpace.programs.reading.control.state import ControlState
 from toolpace.programs.reading.control.unroll import Unroll
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.kinematics import Poses
+from toolpace.programs.reading.feeds import LONGEST_DWELL
 from toolpace.programs.reading.points import NO_TOOL, ONLY_TOOL, SAME, ProgramFacts, refuse_still
 from toolpace.programs.reading.source import Source
 from toolpace.programs.reading.splines import Bezier, BezierTable
 from toolpace.programs.toolpath import ToolPath
 
-LONGEST_DWELL = 86400.0
-"""A day [s]: a longer dwell is a slip of units."""
+FARTHEST = 1e6
+"""Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""
 
 
 class Control(ControlState):

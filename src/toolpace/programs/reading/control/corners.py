@@ -6,15 +6,11 @@ import math
 from contextlib import nullcontext
 from typing import NamedTuple
 
-from toolpace.programs.reading.arcs import plane_arc
+from toolpace.programs.reading.arcs import PLANE_AXES, ROUNDING, plane_arc
 from toolpace.programs.reading.control.control import Control
 
 ROUND, SIDES, EDGE = "round", "sides", "edge"
 """What the size of a corner is: the radius, how much of both lines is cut away, or the length of the new edge."""
-AXES = ((0, 1), (2, 0), (1, 2))
-"""First and second axis of the planes XY, ZX and YZ."""
-SAME = 1e-9
-"""Coordinates closer than this [m, rad] are one."""
 
 
 class CornerError(ValueError):
@@ -48,17 +44,17 @@ def lay(control: Control, corner: Corner, target: list[float], plane: int) -> bo
         return False  # something else has moved in between
     if control.moved_in != control.placement:
         return False  # where the last motion began is told in other coordinates
-    first, second = AXES[plane]
+    first, second = PLANE_AXES[plane]
     others = [k for k in range(len(at)) if k not in (first, second)]
-    if any(abs(at[k] - before[k]) > SAME or abs(at[k] - target[k]) > SAME for k in others):
+    if any(abs(at[k] - before[k]) > ROUNDING or abs(at[k] - target[k]) > ROUNDING for k in others):
         return False
     along, ahead = ((b[first] - a[first], b[second] - a[second]) for a, b in ((before, at), (at, target)))
     lengths = math.hypot(*along), math.hypot(*ahead)
     turn = math.atan2(along[0] * ahead[1] - along[1] * ahead[0], along[0] * ahead[0] + along[1] * ahead[1])
-    if min(lengths) < SAME or abs(turn) < 1e-9 or not corner.size:
+    if min(lengths) < ROUNDING or abs(turn) < 1e-9 or not corner.size:
         return True
     cut = _cut(corner, abs(turn) / 2.0)
-    if cut > min(lengths) + SAME:
+    if cut > min(lengths) + ROUNDING:
         raise CornerError(
             f"the {corner.name} before this block takes {cut * 1e3:.6g} mm of both lines, and the shorter one has "
             f"{min(lengths) * 1e3:.6g} mm: make it smaller"

@@ -7,15 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.programs.reading.arcs import SAG
+from toolpace.programs.reading.arcs import ROUNDING, SAG
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.moves import FEED, JUMP, RAPID, Rate
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.placement import INSIDE
 from toolpace.programs.reading.coordinates.setup import STAND_IN, ZERO_UNSAID
 
-ROUNDING = 1e-9
-"""Share that is rounding: of a way, and of scales along X, Y and Z that count as one."""
 MOST_CHORDS = 10_000
 """Of a turn about a point of the tool: more is a slip of its distance."""
 THERE = 1e-6

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from toolpace.common.errors import ProgramError
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.feed import Feed, FeedRules
 from toolpace.programs.reading.control.moves import JUMP, RAPID, Moves, Operations, Rate, Stage
 from toolpace.programs.reading.controllers.controller import Controller
@@ -31,8 +32,6 @@ TURNED = (
     "tip mode fixes X, Y, Z to the part where the table stands turned then; with tip_frame_where_switched = false in "
     "the controller's file it is where the table is at zero"
 )
-STILL = 1e-9
-"""Rotary positions that are zero [rad]."""
 ALL = 7
 """Bits of X, Y and Z."""
 
@@ -227,7 +226,7 @@ class ControlState:
     def _say_where_fixed(self) -> None:
         """Say that tip mode began with the table turned; in a tilted plane that is no matter."""
         fixed = self.coordinates.fixed_at or []
-        if fixed and any(abs(turned) > STILL for turned in self.poses.carried(fixed)):
+        if fixed and any(abs(turned) > ROUNDING for turned in self.poses.carried(fixed)):
             self.findings.assumed(TURNED)
 
     def set_length(self, tool: str | None, oversize: float = 0.0) -> None:

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.programs.reading.arcs import Arc
+from toolpace.common.arrays import Floats
+from toolpace.programs.reading.arcs import ROUNDING, Arc
 from toolpace.programs.reading.splines import Bezier
 
 Matrix = tuple[tuple[float, float, float, float], ...]
@@ -54,6 +55,35 @@ def scaling(by: Vector) -> Matrix:
 def linear(rows: Sequence[Vector]) -> Matrix:
     """A 3 by 3 matrix as a frame without shift."""
     return _frozen([[*map(float, row), 0.0] for row in rows])
+
+
+def of_array(array: Floats) -> Matrix:
+    """The frame of an array (3, 3) or (3, 4), without the roundings of kinematics, which would tilt straight lines."""
+    whole = np.round(array)
+    near = np.abs(array - whole) < np.array([1e-13, 1e-13, 1e-13, 1e-15])[: array.shape[1]]
+    made = _frozen([[*row, 0.0] for row in np.where(near, whole, array).tolist()])
+    return IDENTITY if made == IDENTITY else made
+
+
+def of_axes(x: Vector, z: Vector) -> Matrix | None:
+    """The turn to a direction x (3,) and a normal z (3,), to which x is made upright; None where they are parallel or
+    zero."""
+    size, length = math.hypot(*x), math.hypot(*z)
+    if not size or not length or length < ROUNDING * size:
+        return None
+    z = [value / length for value in z]
+    along = sum(a * b for a, b in zip(x, z))
+    x = [a - along * b for a, b in zip(x, z)]
+    length = math.hypot(*x)
+    if length < ROUNDING * size:
+        return None
+    x = [value / length for value in x]
+    return linear(list(zip(x, cross(z, x), z)))
+
+
+def cross(a: Vector, b: Vector) -> list[float]:
+    """The vector product (3,)."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def product(first: Matrix, second: Matrix) -> Matrix:

@@ -116,6 +116,13 @@ class Poses:
         tip, axis = self.place(probe, np.zeros(4, dtype=bool))
         return tip[0], (tip[1:] - tip[0]).T, axis[0]
 
+    def turn_of_part(self, rotary: list[float]) -> Floats:
+        """Rotation (3, 3) of the part at rotary positions [rad], from where it stands with all of them at zero."""
+        _, columns, _ = self.linear_map(rotary)
+        _, zero, _ = self.linear_map([0.0] * len(rotary))
+        turned: Floats = columns @ np.linalg.inv(zero)
+        return turned
+
     def carried(self, rotary: list[float]) -> list[float]:
         """The rotary positions of the joints that carry the workpiece; those of the joints of the head are zero."""
         _, zero, _ = self.linear_map([0.0] * len(rotary))

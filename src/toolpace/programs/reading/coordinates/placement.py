@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.coordinates.kinematics import Poses
@@ -194,19 +193,10 @@ class Coordinates:
         at, columns, _ = poses.linear_map(held)
         _, zero, _ = poses.linear_map(upright)
         turn = columns @ np.linalg.inv(zero)
-        matrix = _clean(np.column_stack([turn, at + columns @ np.array(origin[:3])]))
+        matrix = affine.of_array(np.column_stack([turn, at + columns @ np.array(origin[:3])]))
         framed = matrix if self.frame is affine.IDENTITY else affine.product(matrix, self.frame)
         return Placement(True, framed, self._shift(origin), length)
 
     def _shift(self, origin: list[float]) -> tuple[float, ...]:
         shift = tuple(a + b for a, b in zip(origin[3:], self.turn))
         return shift if any(shift) else ()
-
-
-def _clean(matrix: Floats) -> Matrix:
-    """The matrix (3, 4) without the roundings of kinematics, which would tilt straight lines."""
-    whole = np.round(matrix)
-    near = np.abs(matrix - whole) < np.array([1e-13, 1e-13, 1e-13, 1e-15])
-    a, b, c = np.where(near, whole, matrix).tolist()
-    cleaned: Matrix = (tuple(a), tuple(b), tuple(c))
-    return affine.IDENTITY if cleaned == affine.IDENTITY else cleaned

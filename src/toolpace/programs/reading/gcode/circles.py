@@ -5,19 +5,15 @@ from __future__ import annotations
 import math
 
 from toolpace.common.units import INCH, MILLIMETRE
-from toolpace.programs.reading.arcs import Arc, ArcError, Tolerance, centre_of_radius, plane_arc
-from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.arcs import MOST_TURNS, PLANE_AXES, Arc, ArcError, Tolerance, centre_of_radius, plane_arc
+from toolpace.programs.reading.control.control import FARTHEST, Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import RefusedError, WordError, near_whole
 
-FARTHEST = 1e6
-"""Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""
 FULL = 360.0
 """A turn [deg]."""
-MOST_TURNS = 1000
-"""Most whole turns of an arc (P): more is a slip, and would fill memory with points."""
-ROUNDING = 2e-6
+THREE_DECIMALS = 2e-6
 """Of a radius or a coordinate that is written with three decimals [m]."""
 FITTING = 1e-4
 """Most difference of radii [m] at which a centre is one."""
@@ -112,7 +108,7 @@ class ArcReader:
         self, arc_words: dict[str, float], start: list[float], target: list[float], plane: int
     ) -> list[float]:
         """The centre that lies equally far from both ends, of those that the words may mean."""
-        first, second = ((0, 1), (2, 0), (1, 2))[plane]
+        first, second = PLANE_AXES[plane]
         complete = all(letter in arc_words for letter, _ in _CENTRES[plane])
         found: dict[Sense, tuple[float, list[float]]] = {}
         for sense in SENSES:
@@ -129,15 +125,15 @@ class ArcReader:
                 "start: correct I, J, K"
             )
         self.control.findings.assumed("I, J, K of arcs mean what makes both radii equal: a position, or a distance")
-        fits = {sense: centre for sense, (off, centre) in found.items() if off <= best + ROUNDING}
-        return self._fit(fits, math.dist(start, target) < ROUNDING)
+        fits = {sense: centre for sense, (off, centre) in found.items() if off <= best + THREE_DECIMALS}
+        return self._fit(fits, math.dist(start, target) < THREE_DECIMALS)
 
     def _fit(self, fits: dict[Sense, list[float]], full: bool) -> list[float]:
         """The centre (3,) that is meant, of those that fit by what I, J, K may be: as in the arcs before."""
         if len(fits) == 1:
             self.sense = next(iter(fits))
         centres = list(fits.values())
-        if max(math.dist(centre, centres[0]) for centre in centres) < ROUNDING:
+        if max(math.dist(centre, centres[0]) for centre in centres) < THREE_DECIMALS:
             return centres[0]
         if self.sense in fits:
             return fits[self.sense]

@@ -7,16 +7,19 @@ from dataclasses import dataclass
 
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.programs.commanded import EXACT_PATH
+from toolpace.programs.reading.arcs import PLANE_AXES, ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import (
     FEED_BACK,
     FEED_OUT,
+    MOST_HOLES,
     RAPID_OUT,
     Drilling,
     back_bore,
     bore_backwards,
     drill,
     fine_bore,
+    on_circle,
 )
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.control.moves import Joining
@@ -27,12 +30,7 @@ from toolpace.programs.reading.gcode.program.words import RefusedError, WordErro
 
 DIRECTIONS = {"first": (0, 1.0), "first negative": (0, -1.0), "second": (1, 1.0), "second negative": (1, -1.0)}
 """Of a shift Q: which axis of the plane, and its sign (parameters 5101#4, #5 and 5148 of Fanuc, Setting 27 of Haas)."""
-PLANE = ((0, 1), (2, 0), (1, 2))
-"""First and second axis of the planes XY, ZX and YZ."""
-STILL = 1e-12
 R_ALONE = "R in a block without an axis, under a cycle, drills nothing: it holds from the next hole on"
-MOST_HOLES = 100_000
-"""Repeats of one block."""
 
 
 class BoringShift:
@@ -50,7 +48,7 @@ class BoringShift:
         q, unit = words.get("Q", 0.0), self.state.unit
         if q < 0.0:
             raise WordError("Q is the shift of a boring tool and has no sign: write it above zero")
-        found, plane = list(hole), PLANE[self.state.plane]
+        found, plane = list(hole), PLANE_AXES[self.state.plane]
         if q:
             found[plane[self.axis]] += self.sign * q * unit
             self.control.findings.assumed(
@@ -69,7 +67,7 @@ class BoringShift:
     def _need_plain(self) -> None:
         """The spindle is oriented in the machine: what is turned or mirrored is not the direction of its tool."""
         frame, tilted = self.control.coordinates.frame, self.control.coordinates.tilted
-        if not tilted and any(abs(frame[i][j] - (i == j)) > STILL for i in range(3) for j in range(3)):
+        if not tilted and any(abs(frame[i][j] - (i == j)) > ROUNDING for i in range(3) for j in range(3)):
             raise RefusedError(
                 "the shift of an oriented tool in turned, scaled or mirrored coordinates",
                 "its direction is that of the spindle: end those before the cycle (G69, G50, G50.1)",
@@ -273,12 +271,11 @@ class Holes:
             raise RefusedError("I and K below zero", "either tells that the holes go clockwise: write one above zero")
         radius, step = abs(radius), math.copysign(step, radius * step)
         centre, _ = self.motion.target(numbers)
-        a, b = PLANE[self.state.plane]
+        a, b = PLANE_AXES[self.state.plane]
         cycle = self._cycle("XYZ"[self.state.drill_axis])
-        for k in range(int(count)):
+        for place in on_circle(centre[a], centre[b], radius, (first + k * step for k in range(int(count)))):
             target = list(centre)
-            target[a] += radius * math.cos(first + k * step)
-            target[b] += radius * math.sin(first + k * step)
+            target[a], target[b] = place
             self._hole(cycle, target)
 
     def _is_absolute(self, name: str) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from toolpace.common.units import DEGREE, INCH, MILLIMETRE, MINUTE
+from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.control.machine_moves import machine_coordinates
@@ -103,7 +104,7 @@ class Modal:
     @property
     def drill_axis(self) -> int:
         """Of X, Y, Z, the normal of the plane."""
-        return (2, 1, 0)[self.plane]
+        return PLANE_ACROSS[self.plane]
 
 
 class System:

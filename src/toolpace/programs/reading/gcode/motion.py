@@ -13,8 +13,8 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.units import DEGREE
-from toolpace.programs.reading.arcs import Arc
-from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.arcs import PLANE_ACROSS, ROUNDING, Arc
+from toolpace.programs.reading.control.control import FARTHEST, Control
 from toolpace.programs.reading.control.corners import ROUND, SIDES, Corners
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.control.machine_moves import (
@@ -27,17 +27,13 @@ from toolpace.programs.reading.control.machine_moves import (
 )
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.gcode.circles import FARTHEST, ArcReader
+from toolpace.programs.reading.gcode.circles import ArcReader
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
 from toolpace.programs.reading.gcode.program.words import NO_EXPONENT, RefusedError, WordError
 
 HALF, TURN = 180 * DEGREE, 360 * DEGREE
 TOOL_VECTOR = ("I1", "J1", "K1")
 """The tool's direction under G141 of MillPlus."""
-PLANE_AXES = (2, 1, 0)
-"""The axis across each plane."""
-STILL = 1e-9
-"""Ways [m, rad] that are none."""
 RAPID = (
     "G0 along the tool and aside in one block is taken to be straight; by its positioning logic the control may go "
     "along the tool first or last"
@@ -120,8 +116,8 @@ class MotionReader:
 
     def _say_of_rapid(self, before: list[float], target: list[float]) -> None:
         """Say how a rapid is taken that goes along the tool and aside in one block."""
-        along = PLANE_AXES[self.state.plane]
-        ways = [abs(a - b) > STILL for a, b in zip(before, target)]
+        along = PLANE_ACROSS[self.state.plane]
+        ways = [abs(a - b) > ROUNDING for a, b in zip(before, target)]
         if len(self.control.moves) and ways[along] and sum(ways) > 1:
             self.control.findings.assumed(RAPID)
 

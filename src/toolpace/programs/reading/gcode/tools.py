@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.modal import Modal
@@ -11,8 +12,6 @@ WHERE_CHANGED = (
     "M6 leaves the axes where they are: a Haas goes to Z zero before it, others as their builders chose (write G28 or "
     "G53 before M6, and the way there is planned)"
 )
-STILL = 1e-9
-"""Lengths [m] that are the same."""
 
 
 class Tools:
@@ -102,10 +101,10 @@ class Tools:
         """What becomes of the words (3,) [m] that the machine had before its length changed."""
         control, state = self.control, self.state
         off = [a - b for a, b in zip(before, control.words[:3])]
-        if not self.lengths_move or not len(control.moves) or not any(abs(each) > STILL for each in off):
+        if not self.lengths_move or not len(control.moves) or not any(abs(each) > ROUNDING for each in off):
             return
         named = [letter in numbers for letter in "XYZ"]
-        if any(abs(each) > STILL and not there for each, there in zip(off, named)):
+        if any(abs(each) > ROUNDING and not there for each, there in zip(off, named)):
             if state.level_by_machine:
                 return  # at a reference point no length is in force, and none can be gone by
             control.findings.assumed(

@@ -196,25 +196,3 @@ def spatial(a: float, b: float, c: float) -> Matrix:
 def euler(precession: float, nutation: float, rotation: float) -> Matrix:
     """Euler angles [rad] about z, the new x, the new z."""
     return affine.turns((2, precession), (0, nutation), (2, rotation))
-
-
-def of_axes(x: list[float], z: list[float]) -> Matrix | None:
-    """The plane of a direction x (3,) and a normal z (3,), which are made upright to each other; None where they
-    are parallel or zero."""
-    length = math.hypot(*z)
-    if length < 1e-9:
-        return None
-    z = [value / length for value in z]
-    along = sum(a * b for a, b in zip(x, z))
-    x = [a - along * b for a, b in zip(x, z)]
-    length = math.hypot(*x)
-    if length < 1e-9:
-        return None
-    x = [value / length for value in x]
-    y = cross(z, x)
-    return affine.linear(list(zip(x, y, z)))
-
-
-def cross(a: list[float], b: list[float]) -> list[float]:
-    """Vector product (3,)."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.cycles import MOST_HOLES, laid_out, on_circle, on_grid
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
@@ -17,7 +18,6 @@ from toolpace.programs.reading.heidenhain.state import OF_AXIS
 
 _PART = re.compile(r"(POS|ROW|PAT|FRAME|CIRC|PITCHCIRC)[0-9]+\s*\(([^()]*)\)")
 _VALUED = re.compile(r"(ROTX|ROTY|ROT|NUMX|NUMY|NUM|START|STEP|DX|DY|[DXYZ])\s*(" + VALUE + ")")
-MOST_HOLES = 100_000
 Place = tuple[float, float, float]
 """Along both axes of the plane, and how high the surface is above Q203 [m]."""
 
@@ -75,7 +75,7 @@ class Patterns:
         """Places on a circle; angles in degrees."""
         unit, radius = self.motion.state.unit, diameter / 2.0
         angles = [(start + k * step) * DEGREE for k in range(count)]
-        return [((x + radius * math.cos(a)) * unit, (y + radius * math.sin(a)) * unit, 0.0) for a in angles]
+        return [(a * unit, b * unit, 0.0) for a, b in on_circle(x, y, radius, angles)]
 
     def on_grid(
         self, x: float, y: float, dx: float, dy: float, columns: int, rows: int, angle: float, border: bool = False
@@ -83,16 +83,9 @@ class Patterns:
         """Places of rows that are gone through to and fro, turned about the first; its border alone where asked."""
         if columns * rows > MOST_HOLES:
             raise BlockError(f"a pattern of {columns} times {rows} holes has more than {MOST_HOLES}")
-        unit, c, s = self.motion.state.unit, math.cos(angle * DEGREE), math.sin(angle * DEGREE)
-        found = []
-        for row in range(rows):
-            order = range(columns) if row % 2 == 0 else range(columns - 1, -1, -1)
-            for column in order:
-                if border and 0 < row < rows - 1 and 0 < column < columns - 1:
-                    continue
-                u, v = column * dx, row * dy
-                found.append(((x + u * c - v * s) * unit, (y + u * s + v * c) * unit, 0.0))
-        return found
+        unit = self.motion.state.unit
+        grid = on_grid([k * dx for k in range(columns)], [k * dy for k in range(rows)], border=border)
+        return [(a * unit, b * unit, 0.0) for a, b in laid_out(grid, x, y, angle * DEGREE)]
 
     # PATTERN DEF
 

@@ -9,13 +9,10 @@ from toolpace.programs.reading.arcs import Arc
 from toolpace.programs.reading.control.corners import Corner
 from toolpace.programs.reading.coordinates.placement import Placement
 
-INCH = 25.4 * MILLIMETRE
 PLANES = ("YZ", "ZX", "XY")
 """Planes by the tool axis X, Y, Z: the angle is 0 along their first axis."""
 OF_AXIS = ((1, 2), (2, 0), (0, 1))
 """First and second axis of the plane across each axis."""
-ARC_PLANE = (2, 1, 0)
-"""Its number in `reading.curves.arcs`."""
 
 
 @dataclass

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from toolpace.common.units import MILLIMETRE
+from toolpace.common.units import INCH, MILLIMETRE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.heidenhain.contour.approach import Approaches, Form
@@ -22,7 +22,7 @@ from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError,
 from toolpace.programs.reading.heidenhain.klartext.words import AXES, VALUE, PathWords, path_words, signed
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions
 from toolpace.programs.reading.heidenhain.patterns import Patterns
-from toolpace.programs.reading.heidenhain.state import INCH, State
+from toolpace.programs.reading.heidenhain.state import State
 from toolpace.programs.reading.heidenhain.tilting import Tilting
 from toolpace.programs.reading.heidenhain.tools import Tools
 

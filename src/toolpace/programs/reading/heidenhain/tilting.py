@@ -7,13 +7,14 @@ import re
 from dataclasses import dataclass, field
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import plane_axis, turn_about, turn_joints
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.heidenhain.axial import HEAD, AxialAngles
 from toolpace.programs.reading.heidenhain.contour.motion import Step
-from toolpace.programs.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
+from toolpace.programs.reading.heidenhain.frames import Frames, euler, spatial
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
@@ -33,8 +34,6 @@ PROJECTED = (
 ANGLES = ("A", "B", "C")
 MOST_ANGLE = 360.0
 """Of a tilt or a rotation [deg] (TNC 640, "Input format and unit of TNC functions")."""
-STRAIGHT = 1e-9
-"""Most of X and Y in a unit vector that is taken for upright."""
 
 
 @dataclass
@@ -118,7 +117,7 @@ class Tilting:
     def reset(self, asked: Asked) -> None:
         """The axes back to zero, and no plane: MOVE holds the tip on the part, as long as the plane is there."""
         self.axes.reset()
-        turned = any(abs(angle) > STRAIGHT for angle in self.control.words[3:])
+        turned = any(abs(angle) > ROUNDING for angle in self.control.words[3:])
         if "MOVE" in asked.words and turned and self.frames.plane is None and self.control.poses.machine is not None:
             self.frames.tilt(affine.rotation(2, 0.0))
         self.turn(asked, reset=True)
@@ -144,11 +143,11 @@ class Tilting:
         if form == "AXIAL":
             return self.axial(asked)
         if form == "VECTOR":
-            made = of_axes(asked.vector("B"), asked.vector("N"))
+            made = affine.of_axes(asked.vector("B"), asked.vector("N"))
         else:
             first, second, third = (asked.vector(f"P{k}") for k in (1, 2, 3))
             x = [b - a for a, b in zip(first, second)]
-            made = of_axes(x, cross(x, [b - a for a, b in zip(first, third)]))
+            made = affine.of_axes(x, affine.cross(x, [b - a for a, b in zip(first, third)]))
         if made is None:
             raise BlockError(f"PLANE {form}: its vectors are parallel or zero and span no plane")
         return made
@@ -233,7 +232,7 @@ class Tilting:
         if fault:
             control.source.fail(fault, control.line)
         above, out_of_travel = control.orientation.rotary(axis, start, 1)
-        if not sign and not out_of_travel and math.dist(above, start) < math.dist(nearer, start) + STRAIGHT:
+        if not sign and not out_of_travel and math.dist(above, start) < math.dist(nearer, start) + ROUNDING:
             nearer = above
         shift = control.placement.shift or (0.0,) * len(nearer)
         return [a - b for a, b in zip(nearer, shift)]
@@ -281,4 +280,4 @@ class Tilting:
 
 def upright(axis: list[float]) -> bool:
     """Whether a direction (3,) is +z."""
-    return abs(axis[0]) < STRAIGHT and abs(axis[1]) < STRAIGHT and axis[2] > 0.0
+    return abs(axis[0]) < ROUNDING and abs(axis[1]) < ROUNDING and axis[2] > 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from toolpace.common.units import MINUTE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.frames import Frames
@@ -21,8 +22,6 @@ DEFINED = "L and R of TOOL DEF are passed over: lengths and radii of tools are t
 DELTAS = ("DL", "DR", "DR2")
 MOST_DELTA, MOST_TOOL = 999.9999, 32767.9
 """Of an oversize (TNC7; 99.9999 on older ones), and of a tool's number ("Input format and unit of TNC functions")."""
-STRAIGHT = 1e-9
-"""By what a unit vector may miss an axis that it is along."""
 
 
 class Tools:
@@ -82,7 +81,7 @@ class Tools:
             self.control.findings.refused(f"TOOL CALL with tool axis {letter}", self.control.line, cure)
             return
         axis = "XYZ".index(letter)
-        if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - STRAIGHT:
+        if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - ROUNDING:
             self.control.findings.assumed(
                 f"TOOL CALL with tool axis {letter} sets the plane of arcs, turns and cycles; the tool stands as the "
                 "machine holds it, and its length counts along it"

@@ -5,17 +5,24 @@ from __future__ import annotations
 import math
 
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.programs.reading.arcs import Arc, ArcError, Tolerance, arc_about, centre_of_radius, plane_arc
+from toolpace.programs.reading.arcs import (
+    PLANE_AXES,
+    ROUNDING,
+    Arc,
+    ArcError,
+    Tolerance,
+    arc_about,
+    centre_of_radius,
+    plane_arc,
+    tangent_centre,
+)
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.coordinates.affine import cross
 from toolpace.programs.reading.sinumerik.state import Point, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.programs.reading.sinumerik.word_values import Given, Words, bounded, number
 
-AXES = ((0, 1), (2, 0), (1, 2))
-"""First and second axis of each plane."""
 MOST_TURNS = 999
-ROUNDING = 1e-9
-"""Of radii that are the same [m]."""
 UNSAID = 5e-6
 """Difference of radii that the decimals of a program explain [m]."""
 MOST_MOVED = math.sqrt(0.001)
@@ -79,7 +86,7 @@ def _moved_centre(
     It is the place nearest to the programmed one. Raises ArcError where that turns the radius by more than alarm 14040
     allows ("the root of 0.001"): of ends that lie close together a slight difference tells nothing of the centre.
     """
-    first, second = AXES[plane]
+    first, second = PLANE_AXES[plane]
     start, target = ends
     along = target[first] - start[first], target[second] - start[second]
     chord = math.hypot(*along)
@@ -126,7 +133,7 @@ def _centre(control: Control, state: State, words: Words) -> list[float]:
             continue
         if given.form not in ("", "AC", "IC"):
             raise ValueFault(f"{letter}={given.form}() has no meaning: write {letter}=AC() or {letter}=IC()")
-        if slot not in AXES[state.plane]:
+        if slot not in PLANE_AXES[state.plane]:
             if bounded(given, letter):
                 plane = ("G17", "G18", "G19")[state.plane]
                 raise ValueFault(f"{letter} has no meaning for an arc in the plane of {plane}: check the plane")
@@ -150,7 +157,7 @@ def _centre_of_opening(
 ) -> list[float]:
     """Centre from the end and the opening angle AR [rad]."""
     _refuse_opening(opening)
-    first, second = AXES[plane]
+    first, second = PLANE_AXES[plane]
     chord = math.hypot(end[first] - start[first], end[second] - start[second])
     radius = chord / (2.0 * math.sin(opening / 2.0))
     return centre_of_radius(start, end, math.copysign(radius, math.pi - opening), plane, clockwise)
@@ -161,7 +168,7 @@ def _end_of_opening(
 ) -> None:
     """Set the target from the centre and the opening angle [rad]."""
     _refuse_opening(opening)
-    first, second = AXES[plane]
+    first, second = PLANE_AXES[plane]
     angle = -opening if clockwise else opening
     a, b = start[first] - centre[first], start[second] - centre[second]
     target[first] = centre[first] + a * math.cos(angle) - b * math.sin(angle)
@@ -188,21 +195,21 @@ def through(control: Control, state: State, words: Words, target: list[float]) -
             between[slot] = start[slot] + value if relative else value
     a = [between[i] - start[i] for i in range(3)]
     b = [target[i] - start[i] for i in range(3)]
-    normal = _cross(a, b)
+    normal = cross(a, b)
     size = math.hypot(*normal)
     if size < 1e-9 * max(math.hypot(*a) * math.hypot(*b), 1e-12):
         if 0.0 < sum(x * y for x, y in zip(a, b)) < sum(y * y for y in b) and "TURN" not in words:
             return None
         raise ArcError("the three points of CIP lie on a line: correct I1, J1, K1 or the end")
     normal = [value / size for value in normal]
-    towards = _cross([math.hypot(*a) ** 2 * b[i] - math.hypot(*b) ** 2 * a[i] for i in range(3)], _cross(a, b))
+    towards = cross([math.hypot(*a) ** 2 * b[i] - math.hypot(*b) ** 2 * a[i] for i in range(3)], cross(a, b))
     centre = [start[i] + towards[i] / (2.0 * size * size) for i in range(3)]
     return arc_about(start, target, centre, normal)
 
 
 def tangent(control: Control, state: State, target: list[float]) -> Arc | None:
     """Arc of CT: it leaves in the direction of the last motion; None where that leads straight to the end."""
-    first, second = AXES[state.plane]
+    first, second = PLANE_AXES[state.plane]
     if state.tangent is None:
         raise ValueFault("CT needs a motion before it, whose direction it goes on in: write one, or G2 with I, J, K")
     start = control.words
@@ -211,29 +218,12 @@ def tangent(control: Control, state: State, target: list[float]) -> Arc | None:
     c, d = target[first] - start[first], target[second] - start[second]
     if size < 1e-9 or math.hypot(c, d) < 1e-9:
         raise ValueFault("CT needs a motion before it in its plane, and an end that is not its start: correct it")
-    t, u = t / size, u / size
-    across = t * d - u * c
-    if abs(across) < 1e-9 * math.hypot(c, d):
+    found = tangent_centre(start, target, (t / size, u / size), state.plane)
+    if found is None:
         if t * c + u * d < 0:
             raise ValueFault("CT cannot go straight back: correct its end")
         return None
-    radius = (c * c + d * d) / (2.0 * across)
-    centre = list(start[:3])
-    centre[first] -= u * radius
-    centre[second] += t * radius
-    return plane_arc(start, target, centre, state.plane, across < 0)
-
-
-def last_direction(arc: Arc) -> tuple[float, float, float]:
-    """Direction (3,) in which an arc ends."""
-    c, s = math.cos(arc.sweep), math.sin(arc.sweep)
-    turning = arc.r1 * arc.sweep
-    x, y, z = (turning * (c * w - s * u) + rise for u, w, rise in zip(arc.u, arc.w, arc.rise))
-    return x, y, z
-
-
-def _cross(a: list[float], b: list[float]) -> list[float]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    return plane_arc(start, target, found[0], state.plane, found[1])
 
 
 def end_by_pole(state: State, words: Words, target: list[float]) -> int:
@@ -242,7 +232,7 @@ def end_by_pole(state: State, words: Words, target: list[float]) -> int:
     if state.polar_plane != state.plane:
         state.lose_pole()
         state.polar_plane, state.polar_angle = state.plane, None
-    first, second = AXES[state.plane]
+    first, second = PLANE_AXES[state.plane]
     pole = state.pole_in_force()
     if radius is not None:
         state.polar_radius = radius * state.unit
@@ -283,7 +273,7 @@ def set_pole(state: State, present: list[float], code: str, words: Words) -> Non
             state.lose_pole()
         x, y, z = state.pole_in_force()
     pole = [x, y, z]
-    first, second = AXES[state.plane]
+    first, second = PLANE_AXES[state.plane]
     beyond = [letter for letter in LETTERS if letter in words and letter not in ("XYZ"[first], "XYZ"[second])]
     if "AP" in words or "RP" in words:
         beyond += [letter for letter in "XYZ" if letter in words]

@@ -7,6 +7,7 @@ programmed frame. TRANS, ROT, ROTS, SCALE and MIRROR replace the whole programme
 from __future__ import annotations
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
@@ -171,7 +172,7 @@ class Frames:
             return frame_functions.mirror([letter for letter in "XYZ" if words.pop(letter, None) is not None])
         angle = number(words, "RPL")
         if angle is not None and kind in ("ROT", "ROTS"):
-            return affine.rotation((2, 1, 0)[self.state.plane], angle * DEGREE)
+            return affine.rotation(PLANE_ACROSS[self.state.plane], angle * DEGREE)
         values = {letter: value for letter in "XYZ" if (value := number(words, letter)) is not None}
         if kind == "SCALE":
             return frame_functions.scale(values)

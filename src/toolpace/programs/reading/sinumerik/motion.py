@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import PLANE_AXES
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Corners
 from toolpace.programs.reading.control.feed import INVERSE
@@ -180,7 +181,7 @@ class Motion:
             if polar & named:
                 raise ValueFault("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
             named |= polar
-            unsure.difference_update(circles.AXES[self.state.plane])
+            unsure.difference_update(PLANE_AXES[self.state.plane])
         self.unsure = unsure
         return target, named
 
@@ -248,10 +249,10 @@ class Motion:
         else:
             arc = circles.circle(control, state, words, target, named=self._in_plane(named), polar=polar)
         control.arc(target, named, arc, self._number())
-        state.tangent = circles.last_direction(arc)
+        state.tangent = arc.last_direction()
 
     def _in_plane(self, named: int) -> int:
-        first, second = circles.AXES[self.state.plane]
+        first, second = PLANE_AXES[self.state.plane]
         return named & (1 << first | 1 << second)
 
     def _tap(self, target: list[float], named: int, words: Words) -> None:

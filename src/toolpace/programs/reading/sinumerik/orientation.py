@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import (
     THERE,
@@ -16,17 +17,14 @@ from toolpace.programs.reading.control.machine_moves import (
 )
 from toolpace.programs.reading.control.unroll import AXIS_GAP
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
+from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix, cross
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, VIRTUAL, State
-from toolpace.programs.reading.sinumerik.syntax.frame_functions import cross
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
 from toolpace.programs.reading.sinumerik.word_values import Words, number
 
 VECTOR, ANGLES = ("A3", "B3", "C3"), ("A2", "B2", "C2")
 OF_VECTOR, ASKED = frozenset(VECTOR), frozenset((*VECTOR, *ANGLES))
-SAME = 1e-9
-"""Between directions that are one."""
 OF_TWO_GROUPS = (
     "ORIWKS or ORIMKS asks for another way between tool vectors than ORIVECT or ORIAXES: the last counts (MD21104)"
 )
@@ -79,7 +77,7 @@ class Vectors:
         if self.state.angles == EULER:
             return list(affine.direct(affine.turns((2, a), (0, b), (2, c)), upright))
         found = affine.direct(affine.turns((2, c), (1, b), (0, a)), upright)
-        if math.dist(found, affine.direct(affine.turns((0, a), (1, b), (2, c)), upright)) > SAME:
+        if math.dist(found, affine.direct(affine.turns((0, a), (1, b), (2, c)), upright)) > ROUNDING:
             if self.state.angles != RPY:
                 raise Unread("ORIRPY2 with several angles", "their order is not told: write A3=, B3=, C3=")
             self.control.findings.assumed(
@@ -171,7 +169,7 @@ def along(direction: Sequence[float], rule: str = BOTH) -> Matrix:
     x, y, z = direction
     if rule == BOTH:
         # X and Y are equally far from the old planes when the turn is the least one: its axis lies in the old XY plane
-        if 1.0 + z < SAME:
+        if 1.0 + z < ROUNDING:
             raise ValueFault("the tool points against Z: no frame along it is told; turn the frame with ROT before")
         rows = [
             [1.0 - x * x / (1.0 + z), -x * y / (1.0 + z), x],
@@ -180,7 +178,7 @@ def along(direction: Sequence[float], rule: str = BOTH) -> Matrix:
         ]
         return affine.linear(rows)
     size = math.hypot(x, z) if rule == X_IN_ZX else math.hypot(y, z)
-    if size < SAME:
+    if size < ROUNDING:
         raise ValueFault("the tool lies along an axis of the old frame: X and Y of a frame along it are not told")
     if rule == X_IN_ZX:
         first = [z / size, 0.0, -x / size]
@@ -203,14 +201,14 @@ def turn_along_tool(control: Control, frames: Frames, state: State, rule: str, *
     if not placement.tip_mode:
         return
     columns = [[row[k] for row in placement.matrix] for k in range(3)]
-    if math.dist(cross(columns[0], columns[1]), columns[2]) > SAME or abs(math.hypot(*columns[0]) - 1.0) > SAME:
+    if math.dist(cross(columns[0], columns[1]), columns[2]) > ROUNDING or abs(math.hypot(*columns[0]) - 1.0) > ROUNDING:
         raise Unread("TOROT in a scaled or mirrored frame", "end the scale or the mirror before")
     axis = control.poses.axis(placement.place(control.words)[3:])
     direction = [sum(a * b for a, b in zip(column, axis)) for column in columns]
-    if math.dist(direction, (0.0, 0.0, 1.0)) < SAME:
+    if math.dist(direction, (0.0, 0.0, 1.0)) < ROUNDING:
         frames.turn_before_programmed(IDENTITY)
         return
-    if min(abs(direction[0]), abs(direction[1])) > SAME:
+    if min(abs(direction[0]), abs(direction[1])) > ROUNDING:
         control.findings.assumed(f"TOROT: X and Y of the frame are as $SC_TOFRAME_MODE = {rule} has them (SD42980)")
     frames.turn_before_programmed(along(direction, rule), bound=bound)
 

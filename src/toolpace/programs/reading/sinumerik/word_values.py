@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from toolpace.programs.reading.control.control import FARTHEST
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block
 from toolpace.programs.reading.sinumerik.syntax.values import Memory, Unread, Value, ValueFault, real, shown
-
-FARTHEST = 1e6
-"""Most value of an axis word [mm or inch, deg]."""
 
 
 class Given(NamedTuple):

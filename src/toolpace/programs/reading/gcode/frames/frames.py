@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from toolpace.programs.reading.arcs import PLANE_ACROSS, ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.gcode.frames.offsets import Offsets, given_axes
-from toolpace.programs.reading.gcode.frames.transforms import NORMAL, STILL, Transforms
+from toolpace.programs.reading.gcode.frames.transforms import Transforms
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
 
@@ -183,9 +184,9 @@ class Frames:
             self.transforms.turn(numbers, word)
             self.state.turned_plane = self.state.plane
         self.apply()
-        normal = 2 if about_tool else NORMAL[self.state.plane]
+        normal = 2 if about_tool else PLANE_ACROSS[self.state.plane]
         inside = [slot for slot in range(3) if slot != normal]
-        if any(abs(before[slot] - self.control.words[slot]) > STILL for slot in inside):
+        if any(abs(before[slot] - self.control.words[slot]) > ROUNDING for slot in inside):
             self.state.not_alone = (inside[0], inside[1])
 
     def rotation_off(self, numbers: Numbers, word: str) -> None:

@@ -5,9 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from toolpace.common.arrays import Floats
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import plane_axis, rotary_for, turn_about, turn_to_plane
@@ -195,11 +192,7 @@ class Planes:
 
     def _carried(self) -> Matrix:
         control = self.control
-        place = control.placement.place(control.words)
-        _, columns, _ = control.poses.linear_map(place[3:])
-        _, zero, _ = control.poses.linear_map([0.0] * len(place[3:]))
-        made = columns @ np.linalg.inv(zero)
-        return affine.linear(np.where(np.abs(made - np.round(made)) < 1e-13, np.round(made), made).tolist())
+        return affine.of_array(control.poses.turn_of_part(control.placement.place(control.words)[3:]))
 
     def tilt_by_axes(self, numbers: Numbers, word: str) -> None:
         """MillPlus G7: turns about the fixed axes X, Y, Z by A5, B5, C5; L1=1 turns the axes, B7 and C7 are told."""
@@ -297,35 +290,32 @@ def _turned(angles: list[float], digits: str, *, fixed: bool) -> Matrix:
 
 def plane_of_points(points: Sequence[Vector], word: str) -> Matrix:
     """Origin in the first of three points (3,) [m], X to the second, the third on the side of +Y. Raises WordError."""
-    first, second, third = map(np.asarray, points)
-    x = second - first
-    return _frame(first, x, np.cross(x, third - first), f"the three points of {word} P2 are on one line")
+    first, second, third = points
+    x = [b - a for a, b in zip(first, second)]
+    y = [b - a for a, b in zip(first, third)]
+    return _frame(first, x, affine.cross(x, y), f"the three points of {word} P2 are on one line")
 
 
 def plane_of_vectors(at: Vector, x: Vector, z: Vector, word: str) -> Matrix:
     """Origin at a point (3,) [m], axes X and Z along vectors (3,). Raises WordError, and RefusedError where these are
     not square."""
-    first, normal = np.asarray(x), np.asarray(z)
-    product = float(np.linalg.norm(first) * np.linalg.norm(normal))
-    if product > SHORT and abs(float(first @ normal)) > SQUARE * product:
+    product = math.hypot(*x) * math.hypot(*z)
+    if product > SHORT and abs(sum(a * b for a, b in zip(x, z))) > SQUARE * product:
         raise RefusedError(f"{word} P3 with vectors that are not square", "write X in the plane, at 90 degrees to Z")
-    return _frame(np.asarray(at), first, normal, f"a vector of {word} P3 is zero")
+    return _frame(at, x, z, f"a vector of {word} P3 is zero")
 
 
 def plane_of_tool(at: Vector, axis: Vector, word: str) -> Matrix:
     """Origin at a point (3,) [m], Z along the axis (3,) of a tool, X level. Raises RefusedError where it is upright."""
-    level = np.cross([0.0, 0.0, 1.0], axis)
+    level = affine.cross((0.0, 0.0, 1.0), axis)
     if math.hypot(*level) < 1e-6:
         raise RefusedError(f"{word} with the tool upright", "every X is level then: write G68.2 X Y Z I J K")
-    return _frame(np.asarray(at), level, np.asarray(axis), "")
+    return _frame(at, level, axis, "")
 
 
-def _frame(at: Floats, x: Floats, z: Floats, fault: str) -> Matrix:
+def _frame(at: Vector, x: Vector, z: Vector, fault: str) -> Matrix:
     """From an origin (3,), X in the plane across Z (3,), and Z. Raises WordError with the fault where there is none."""
-    if np.linalg.norm(z) < SHORT * np.linalg.norm(x) or not np.linalg.norm(z) or not np.linalg.norm(x):
+    made = affine.of_axes(x, z)
+    if made is None:
         raise WordError(f"{fault}: correct it")
-    z = z / np.linalg.norm(z)
-    x = x - (x @ z) * z
-    x = x / np.linalg.norm(x)
-    columns = np.stack([x, np.cross(z, x), z], axis=1)
-    return affine.product(affine.shift(at.tolist()), affine.linear(columns.tolist()))
+    return affine.product(affine.shift(at), made)

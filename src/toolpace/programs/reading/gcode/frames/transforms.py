@@ -9,17 +9,13 @@ another order is refused.
 from __future__ import annotations
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import PLANE_ACROSS, ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
-
-NORMAL = (2, 1, 0)
-"""Normal of the planes XY, ZX and YZ."""
-STILL = 1e-9
-"""Lengths [m] and cosines that are zero."""
 
 
 class Transforms:
@@ -92,14 +88,14 @@ class Transforms:
         """
         if self.about_tool:
             raise RefusedError(f"{word} in a three-dimensional turn", "end that turn before it: write G69")
-        normal = NORMAL[self.state.plane]
+        normal = PLANE_ACROSS[self.state.plane]
         angle = numbers.pop("R") * DEGREE
         about = self._centre(numbers, word, self.scaled)
         about[normal] = 0.0
         only_linear(numbers, word)
         if self.scaled is not None and any(self.scaled[slot][slot] < 0.0 for slot in range(3)):
             raise RefusedError(f"{word} in scales below zero (G51)", "mirror with G51.1, or end the scales before it")
-        if self.mirrors and any(abs(about[slot] - place) > STILL for slot, place in self.mirrors.items()):
+        if self.mirrors and any(abs(about[slot] - place) > ROUNDING for slot, place in self.mirrors.items()):
             self.control.findings.assumed(f"the centre of {word} in a mirror is mirrored too")
         if not self.state.absolute and self.turned is not None:
             self.control.findings.assumed(
@@ -121,7 +117,7 @@ class Transforms:
         turned too, and where its tip then is depends on what the length is measured from.
         """
         i, j, k = (numbers.pop(letter, 0.0) for letter in "IJK")
-        if abs(i) > STILL or abs(j) > STILL or abs(k) < STILL:
+        if abs(i) > ROUNDING or abs(j) > ROUNDING or abs(k) < ROUNDING:
             numbers.clear()
             raise RefusedError(
                 f"{word} about a vector that is not the tool's (I, J)",

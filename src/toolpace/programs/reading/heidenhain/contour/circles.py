@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.programs.reading.arcs import SPIRAL_SAID, Arc, Tolerance, arc_about, centre_of_radius, plane_arc
+from toolpace.programs.reading.arcs import (
+    PLANE_ACROSS,
+    ROUNDING,
+    SPIRAL_SAID,
+    Arc,
+    Tolerance,
+    arc_about,
+    centre_of_radius,
+    plane_arc,
+    tangent_centre,
+)
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Motion, Step
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
-from toolpace.programs.reading.heidenhain.state import ARC_PLANE, OF_AXIS, State
+from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
 
 PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
 """Two of X, Y, Z as bits, to the axis across them."""
-SAME = 1e-9
-"""Coordinates closer than this [m] are one."""
 
 SHORT = "a CR whose R is shorter than half the way to its end, within what the control allows, is half a circle"
 POLE_STAYS = "a CC before a change of coordinates keeps the figures that it was written with, in the new ones"
@@ -91,7 +100,7 @@ class Circles:
             rapid = self.begin(words)
             target, named = self.motion.target(axes)
             axis = self.across(target)
-            start, pole, plane = self.control.words, self.state.pole, ARC_PLANE[axis]
+            start, pole, plane = self.control.words, self.state.pole, PLANE_ACROSS[axis]
             self.arc(plane_arc(start, target, pole, plane, sense < 0, tolerance=self.radii), target, named, rapid)
 
         return run
@@ -101,13 +110,13 @@ class Circles:
         state, start, pole = self.state, self.control.words, self.state.pole
         if not state.pole_in_space:
             return self.pole_axis
-        shared = [k for k in range(3) if abs(start[k] - pole[k]) < SAME and abs(target[k] - pole[k]) < SAME]
-        level = abs(start[state.tool_axis] - target[state.tool_axis]) < SAME
+        shared = [k for k in range(3) if abs(start[k] - pole[k]) < ROUNDING and abs(target[k] - pole[k]) < ROUNDING]
+        level = abs(start[state.tool_axis] - target[state.tool_axis]) < ROUNDING
         if not shared and level:
             return state.tool_axis  # an ordinary arc again: its CC names the plane alone
         if len(shared) > 1 and state.came_from and self.control.moved_in == self.control.placement:
             # the centre stands between both ends: the motion before tells the plane, which it lies in
-            shared = [k for k in shared if abs(start[k] - state.came_from[k]) < SAME]
+            shared = [k for k in shared if abs(start[k] - state.came_from[k]) < ROUNDING]
         if len(shared) != 1:
             raise BlockError("CC of three coordinates: start, centre and end do not share just one of X, Y, Z")
         return shared[0]
@@ -123,7 +132,7 @@ class Circles:
         def run() -> None:
             rapid = self.begin(words)
             target, named = self.motion.target(axes)
-            start, plane = self.control.words, ARC_PLANE[self.state.tool_axis]
+            start, plane = self.control.words, PLANE_ACROSS[self.state.tool_axis]
             radius = self.limited(evaluate(given)) * self.state.unit
             first, second = OF_AXIS[self.state.tool_axis]
             half = 0.5 * math.hypot(target[first] - start[first], target[second] - start[second])
@@ -157,34 +166,27 @@ class Circles:
             return
         u, v = self.direction()
         du, dv = target[first] - start[first], target[second] - start[second]
-        aside = u * dv - v * du  # how far the end lies to the left
-        chord = math.hypot(du, dv)
-        if abs(aside) < max(SAME, 1e-9 * chord):
+        plane = PLANE_ACROSS[self.state.tool_axis]
+        found = tangent_centre(start, target, (u, v), plane, ROUNDING)
+        if found is None:
             if du * u + dv * v < 0.0:
                 raise BlockError("the end of a tangent arc lies straight behind its start: write C or CR")
             self.motion.straight(target, named, rapid)
             return
-        radius = chord * chord / (2.0 * aside)
-        centre = list(start[:3])
-        centre[first] -= v * radius
-        centre[second] += u * radius
-        plane = ARC_PLANE[self.state.tool_axis]
-        self.arc(plane_arc(start, target, centre, plane, radius < 0.0), target, named, rapid)
+        self.arc(plane_arc(start, target, found[0], plane, found[1]), target, named, rapid)
 
     def direction(self) -> tuple[float, float]:
         """Unit vector in the plane in which the last motion ended. Raises BlockError."""
         state, first_second = self.state, OF_AXIS[self.state.tool_axis]
         arc = state.came_by
+        ended: Sequence[float] = (0.0, 0.0, 0.0)
         if arc is not None:
-            c, s = math.cos(arc.sweep), math.sin(arc.sweep)
-            ended = [c * b - s * a for a, b in zip(arc.u, arc.w)]
+            ended = arc.last_direction()
         elif state.came_from:
             ended = [a - b for a, b in zip(self.control.words[:3], state.came_from)]
-        else:
-            ended = [0.0, 0.0, 0.0]
         u, v = (ended[k] for k in first_second)
         length = math.hypot(u, v)
-        if length < SAME:
+        if length < ROUNDING:
             raise BlockError("a tangent arc needs an element before it that moves in its plane")
         return u / length, v / length
 
@@ -196,7 +198,7 @@ class Circles:
     def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:
         """Move along it."""
         self.motion.refuse_corner()
-        first, second = (k for k in range(3) if abs(arc.u[k]) + abs(arc.w[k]) > SAME)
+        first, second = (k for k in range(3) if abs(arc.u[k]) + abs(arc.w[k]) > ROUNDING)
         self.motion.need_even_scale(first, second)
         self.motion.contour_begins(list(arc.w))
         before = self.control.words
@@ -298,7 +300,7 @@ class Polar:
         dv = self.control.words[second] - state.pole[second]
         radius, angle = math.hypot(du, dv), math.atan2(dv, du)
         here = [self.control.words[first], self.control.words[second], state.pole[first], state.pole[second]]
-        if "PA" not in others and radius < SAME:
+        if "PA" not in others and radius < ROUNDING:
             raise BlockError("from the pole itself a polar block needs the angle of its end: write PA")
         if not arc and here != state.polar_end and not others.keys() >= {"PR", "PA"}:
             self.control.findings.assumed(FROM_HERE)

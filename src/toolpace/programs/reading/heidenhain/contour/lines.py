@@ -1,4 +1,4 @@
-"""Straight blocks beside L: LN with a surface normal, blocks of one axis with R+ and R-, and the corners RND and CHF."""
+"""Straight blocks beside L: LN with a surface normal, one axis with R+ or R-, and the corners RND and CHF."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.compensation.following import is_scaled
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import ROUND, SIDES, Corner, CornerError, lay
@@ -14,7 +15,7 @@ from toolpace.programs.reading.heidenhain.contour.motion import LENGTHENED, Moti
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
-from toolpace.programs.reading.heidenhain.state import ARC_PLANE, OF_AXIS, State
+from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
 
 CURE = "write it as L and CR blocks: it is read between two straight lines in the plane of the tool axis"
 
@@ -169,7 +170,7 @@ class Corners:
         if corner.kind == ROUND:
             self.motion.need_even_scale(*OF_AXIS[state.tool_axis])
         try:
-            laid = lay(self.control, corner, target, ARC_PLANE[state.tool_axis])
+            laid = lay(self.control, corner, target, PLANE_ACROSS[state.tool_axis])
         except CornerError as error:
             raise BlockError(str(error)) from None
         if not laid:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from toolpace.common.units import DEGREE, MINUTE
+from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.compensation.following import Follower, follow, leave
 from toolpace.programs.reading.compensation.stage import ACROSS, ARC, Rules
 from toolpace.programs.reading.control.control import Control
@@ -19,7 +20,7 @@ from toolpace.programs.reading.heidenhain.frames import Frames, spatial
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
-from toolpace.programs.reading.heidenhain.state import ARC_PLANE, State
+from toolpace.programs.reading.heidenhain.state import State
 
 LENGTHENED = {"R+": 1.0, "R-": -1.0}
 """What makes the way of one axis longer or shorter by the tool's radius."""
@@ -106,7 +107,7 @@ class Compensation:
         """Go beside the contour from here on."""
         side = 1 if self.state.side == "RL" else -1
         rules = replace(RULES, looks_ahead=self.state.looks_ahead)
-        follow(self.control, side, radius, ARC_PLANE[self.state.tool_axis], rules)
+        follow(self.control, side, radius, PLANE_ACROSS[self.state.tool_axis], rules)
 
     def look_ahead(self, elements: Value | None) -> None:
         """M120 with LA: loops of the way are left out; without it, or with 0, they are not."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from toolpace.common.units import MILLIMETRE, MINUTE
+from toolpace.programs.reading.arcs import PLANE_ACROSS, PLANE_AXES
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.control.feed import INVERSE
@@ -53,7 +54,7 @@ class Holes:
     @property
     def axis(self) -> int:
         """Of X, Y, Z, the one along which the tool works."""
-        return (2, 1, 0)[self.state.plane]
+        return PLANE_ACROSS[self.state.plane]
 
     def perform(self, name: str, values: list[Value | None]) -> None:
         """One cycle where the tool stands. Raises ValueFault, Unread."""
@@ -192,7 +193,7 @@ class Holes:
     def _bore(self, arguments: Arguments, levels: Levels) -> None:
         """CYCLE86: at the bottom the spindle is oriented, and the bar lifted off by RPA, RPO, RPAP."""
         unit = self.state.unit
-        first, second = ((0, 1), (2, 0), (1, 2))[self.state.plane]
+        first, second = PLANE_AXES[self.state.plane]
         off = [0.0, 0.0, 0.0]
         off[first], off[second] = arguments.number(7) * unit, arguments.number(8) * unit
         off[self.axis] = arguments.number(9) * unit

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.cycles import MOST_PECKS
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import ValueFault
@@ -15,8 +16,6 @@ TOO_MANY = "CYCLE83 takes more than 10000 strokes, or none: check its depths"
 
 SLACK = 1e-9
 """Share of a stroke that rounding may add to a depth, or take from it."""
-MOST = 10000
-"""Most strokes of a hole."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ def strokes_of(whole: float, first: float, less: float) -> list[float]:
     """
     found: list[float] = []
     depth, stroke = 0.0, min(first, whole)
-    if stroke <= 0.0 or whole / max(min(stroke, less or stroke), 1e-12) > MOST:
+    if stroke <= 0.0 or whole / max(min(stroke, less or stroke), 1e-12) > MOST_PECKS:
         raise ValueFault(TOO_MANY)
     while _longer(whole - depth, stroke):
         depth += stroke
@@ -98,7 +97,7 @@ def strokes_by_factor(whole: float, first: float, factor: float, least: float) -
         depth += stroke
         found.append(depth)
         stroke = max(stroke * factor, min(least, first))
-        if len(found) >= MOST:
+        if len(found) >= MOST_PECKS:
             raise ValueFault(f"{TOO_MANY}, or write the least stroke, its argument 14 (_MDEP)")
     return [*found, whole]
 

@@ -7,12 +7,13 @@ import math
 import numpy as np
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import plane_axis, reference, retract, turn_joints, turn_to_plane
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.programs.reading.sinumerik.frames import Frames
-from toolpace.programs.reading.sinumerik.orientation import SAME, along
+from toolpace.programs.reading.sinumerik.orientation import along
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax import frame_functions
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
@@ -186,9 +187,7 @@ def turned_with_axes(rotary: list[float], control: Control) -> Matrix:
     """
     poses = control.poses
     carried = poses.carried(rotary)
-    _, upright, _ = poses.linear_map([0.0] * len(rotary))
-    _, columns, _ = poses.linear_map(carried)
-    table = columns @ np.linalg.inv(upright)
+    table = poses.turn_of_part(carried)
     of_head = [k for k, (a, b) in enumerate(zip(rotary, carried)) if a != b]
     if not of_head:
         turn = table
@@ -210,4 +209,4 @@ def _across_tool(control: Control, joint: int) -> bool:
         alone = [0.0] * len(control.poses.rotary)
         alone[joint] = angle
         found.append(control.poses.axis(alone))
-    return abs(float(np.linalg.det(found))) < SAME and math.dist(found[0], found[1]) > SAME
+    return abs(float(np.linalg.det(found))) < ROUNDING and math.dist(found[0], found[1]) > ROUNDING

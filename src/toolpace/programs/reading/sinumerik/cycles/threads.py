@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from toolpace.common.units import INCH, MILLIMETRE, MINUTE
-from toolpace.programs.reading.arcs import arc_about, plane_arc
+from toolpace.programs.reading.arcs import ROUNDING, arc_about, plane_arc
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
@@ -16,8 +16,6 @@ COARSE = {
     27: 3.0, 30: 3.5, 33: 3.5, 36: 4.0, 39: 4.0, 42: 4.5, 45: 4.5, 48: 5.0,
 }  # fmt: skip
 """Pitch [mm] by nominal diameter [mm]."""
-SAME = 1e-9
-"""Between pitches that are one [m]."""
 MOST_TURNS = 10_000
 
 
@@ -44,7 +42,7 @@ def pitch_of(arguments: Arguments, unit: float, *, size: int, pitch: int, kind: 
     if told_in not in (0, 1, 3):
         raise Unread(f"{arguments.name} with a pitch in modules or turns per inch", "write it in mm or inch")
     lead = abs(arguments.number(pitch)) * {0: unit, 1: MILLIMETRE, 3: INCH}[told_in]
-    if by_size and abs(metric_pitch(by_size) - lead) > SAME:
+    if by_size and abs(metric_pitch(by_size) - lead) > ROUNDING:
         raise ValueFault(f"{arguments.name}: MPIT and PIT tell different pitches (alarm 61001): write one of them")
     return lead
 
