@@ -86,17 +86,20 @@ def _cut(corner: Corner, half: float) -> float:
 class Corners:
     """The corner that waits for the way behind it, where the block that ends at it names it."""
 
-    def __init__(self, control: Control, cure: str) -> None:
-        """cure: what to write where a corner does not stand between two straight ways."""
-        self.control, self.cure = control, cure
+    def __init__(self, control: Control, cure: str, *, refuses_empty: bool = False) -> None:
+        """cure: what to write where a corner does not stand between two straight ways. refuses_empty: whether that is
+        refused of one without a size, too."""
+        self.control, self.cure, self.refuses_empty = control, cure, refuses_empty
         self.waiting: Corner | None = None
 
-    def put(self, name: str, kind: str, size: float, came_from: list[float]) -> None:
-        """A corner at the end of the last motion. Raises CornerError."""
+    def put(
+        self, name: str, kind: str, size: float, came_from: list[float], feed: tuple[float, float] | None = None
+    ) -> None:
+        """A corner at the end of the last motion, perhaps with a feed of its own. Raises CornerError."""
         if not 0.0 <= size <= 100.0:
             raise CornerError(f"the size of {name} must be a length from 0 on: correct it")
         control = self.control
-        self.waiting = Corner(name, kind, size, came_from, len(control.moves), control.line)
+        self.waiting = Corner(name, kind, size, came_from, len(control.moves), control.line, feed)
 
     def before(self, target: list[float], plane: int) -> None:
         """A straight way to the target (3 + rotary) comes next. Raises CornerError."""
@@ -107,5 +110,5 @@ class Corners:
     def refuse(self) -> None:
         """Another motion comes next, or none: the corner that waits is not read."""
         corner, self.waiting = self.waiting, None
-        if corner is not None and corner.size:
+        if corner is not None and (corner.size or self.refuses_empty):
             self.control.findings.refused(corner.name, corner.line, self.cure)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.arcs import Arc
-from toolpace.programs.reading.control.corners import Corner
 from toolpace.programs.reading.coordinates.placement import Placement
 
 PLANES = ("YZ", "ZX", "XY")
@@ -68,7 +67,5 @@ class State:
     """Words before the last motion; empty where there was none."""
     came_by: Arc | None = None
     """The arc of the last motion."""
-    corner: Corner | None = None
-    """RND or CHF of the block before."""
     ended: bool = False
     """Whether M2, M30 or the end of the main program was reached."""

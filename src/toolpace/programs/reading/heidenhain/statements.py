@@ -10,7 +10,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.heidenhain.contour.approach import Approaches, Form
 from toolpace.programs.reading.heidenhain.contour.circles import Circles, Polar
-from toolpace.programs.reading.heidenhain.contour.lines import Corners, SingleAxis, SurfaceLines
+from toolpace.programs.reading.heidenhain.contour.lines import SingleAxis, SurfaceLines, corner
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.programs.reading.heidenhain.cycles import Cycles
 from toolpace.programs.reading.heidenhain.drilling import Holes
@@ -72,8 +72,8 @@ class Statements:
             "CTP": lambda text: self.path(text, polar.polar_tangent),
             "APPR": self.shaped(approaches.approach),
             "DEP": self.shaped(approaches.departure),
-            "RND": self.corner("RND", Corners(motion)),
-            "CHF": self.corner("CHF", Corners(motion)),
+            "RND": self.corner("RND"),
+            "CHF": self.corner("CHF"),
             "M": lambda text: self.path("M" + text, motion.line),
             "STOP": self.stop,
             "BEGIN": self.begin,
@@ -159,14 +159,14 @@ class Statements:
 
         return made
 
-    def corner(self, name: str, corners: Corners) -> Callable[[str], Step]:
+    def corner(self, name: str) -> Callable[[str], Step]:
         """RND and CHF with their size; R may be missing."""
 
         def made(text: str) -> Step:
             found = _SIZE.match(text)
             size = signed(found[1], self.parameters) if found else None
             words = path_words(text[found.end() :] if found else text, self.parameters)
-            return corners.compile(name, words, size)
+            return corner(self.motion, name, words, size)
 
         return made
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.programs.reading.arcs import ArcError
+from toolpace.programs.reading.control.corners import CornerError
 from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.sinumerik.circles import set_pole
 from toolpace.programs.reading.sinumerik.commands import STILL, Commands
@@ -277,7 +278,7 @@ class Executor:
                 moved = self.motion.in_machine(words, stop=stop)
             elif self.motion.has_axes(words):
                 moved = self.motion.execute(words, stop=stop)
-        except ArcError as error:
+        except (ArcError, CornerError) as error:
             raise ValueFault(str(error)) from None
         for address, given in words.items():
             self._left(address, given.value)

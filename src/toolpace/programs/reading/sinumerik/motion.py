@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.arcs import PLANE_AXES
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Corners
+from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, Corners
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.control.machine_moves import straight_in_machine
 from toolpace.programs.reading.sinumerik import circles
@@ -110,7 +110,7 @@ class Motion:
         else:
             self._straight(target, named, vector, words)
         if corner is not None:
-            self._put(*corner, start if straight else [])
+            self.corners.put(*corner, start if straight else [])
         self.programmed = control.words
         if stop:
             control.stop()
@@ -145,20 +145,11 @@ class Motion:
         if "RNDM" in words and not self.has_axes(words):
             self.state.rounding = (number(words, "RNDM") or 0.0) * self.state.unit
 
-    def _put(self, name: str, kind: str, size: float, came_from: list[float]) -> None:
-        try:
-            self.corners.put(name, kind, size, came_from)
-        except CornerError as error:
-            raise ValueFault(str(error)) from None
-
     def _before(self, target: list[float], straight: bool) -> None:
-        try:
-            if straight:
-                self.corners.before(target, self.state.plane)
-            else:
-                self.corners.refuse()
-        except CornerError as error:
-            raise ValueFault(str(error)) from None
+        if straight:
+            self.corners.before(target, self.state.plane)
+        else:
+            self.corners.refuse()
 
     # Where to
 

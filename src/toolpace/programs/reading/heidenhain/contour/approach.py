@@ -85,7 +85,7 @@ class Approaches:
 
         def run() -> None:
             control, moves = self.control, self.control.moves
-            self.motion.refuse_corner()
+            self.motion.corners.refuse()
             if not len(moves):
                 raise BlockError("APPR needs a place to begin at: position before it")
             if control.stage is not None and control.stage.compensates:
@@ -190,7 +190,7 @@ class Approaches:
 
         def run() -> None:
             control, state = self.control, self.state
-            self.motion.refuse_corner()
+            self.motion.corners.refuse()
             rapid = self.motion.set_feed(words)
             sizes, side = self._sizes(form.name, words), self._side()
             u, v = self.circles.direction()

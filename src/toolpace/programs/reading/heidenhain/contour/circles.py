@@ -197,7 +197,7 @@ class Circles:
 
     def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:
         """Move along it."""
-        self.motion.refuse_corner()
+        self.motion.corners.refuse()
         first, second = (k for k in range(3) if abs(arc.u[k]) + abs(arc.w[k]) > ROUNDING)
         self.motion.need_even_scale(first, second)
         self.motion.contour_begins(list(arc.w))

@@ -12,6 +12,7 @@ from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.compensation.following import Follower, follow, leave
 from toolpace.programs.reading.compensation.stage import ACROSS, ARC, Rules
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.corners import ROUND, Corners
 from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.control.machine_moves import direction_on_part, rotary_for, turn_joints
 from toolpace.programs.reading.coordinates import affine
@@ -20,7 +21,7 @@ from toolpace.programs.reading.heidenhain.frames import Frames, spatial
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
-from toolpace.programs.reading.heidenhain.state import State
+from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
 
 LENGTHENED = {"R+": 1.0, "R-": -1.0}
 """What makes the way of one axis longer or shorter by the tool's radius."""
@@ -45,6 +46,7 @@ NOT_TURNED = (
     "a block moves X, Y or Z in a tilted plane that the rotary axes are not turned to, without M128: its words are the "
     "tip in the plane all the same"
 )
+OF_CORNERS = "write it as L and CR blocks: it is read between two straight lines in the plane of the tool axis"
 OTHER_FEEDS = {
     "FZ": "write F or FU, a length a turn, in place of a length a tooth",
     "FT": "write F in place of the time of a block",
@@ -117,16 +119,6 @@ class Compensation:
             self.follower.rules = replace(self.follower.rules, looks_ahead=self.state.looks_ahead)
 
 
-class CornerLayer(Protocol):
-    """What a motion asks of `corners`."""
-
-    def lay(self, target: list[float]) -> None:
-        """Lay the corner before the straight way to the target begins."""
-
-    def refuse(self) -> None:
-        """Note that the corner at hand is not read."""
-
-
 class ApproachLayer(Protocol):
     """What a motion asks of `approaches`."""
 
@@ -147,8 +139,7 @@ class Motion:
     def __init__(self, control: Control, state: State, frames: Frames, follow_contour: bool) -> None:
         self.control, self.state, self.frames = control, state, frames
         self.compensation = Compensation(control, state, follow_contour, self.approach_waits)
-        self.corners: CornerLayer | None = None
-        """What lays a corner before the line behind it."""
+        self.corners = Corners(control, OF_CORNERS, refuses_empty=True)
         self.approaches: ApproachLayer | None = None
         """What lays an approach before the contour behind it."""
         self.seen_upright: tuple[float, ...] | None = None
@@ -290,11 +281,12 @@ class Motion:
         """Move straight, and remember from where."""
         control, state = self.control, self.state
         self.contour_begins([target[k] - control.words[k] for k in range(3)])
-        if state.corner is not None:
-            if rapid or self.corners is None:
-                self.refuse_corner()
-            else:
-                self.corners.lay(target)
+        if rapid:
+            self.corners.refuse()
+        elif self.corners.waiting is not None:
+            if self.corners.waiting.kind == ROUND:
+                self.need_even_scale(*OF_AXIS[state.tool_axis])
+            self.corners.before(target, PLANE_ACROSS[state.tool_axis])
         if self.frames.plane is not None and not state.tip_mode:
             self.say_where_not_turned(target)
         before = control.words
@@ -304,6 +296,7 @@ class Motion:
     def approach_waits(self) -> bool:
         """Whether an approach waits for its contour."""
         return self.approaches is not None and self.approaches.waiting is not None
+
     def say_where_not_turned(self, target: list[float]) -> None:
         """Say what is assumed where the tool does not stand upright on the plane at the end of a block."""
         control, at = self.control, tuple(target[3:])
@@ -318,11 +311,6 @@ class Motion:
         """A motion in this direction (3,) comes next."""
         if self.approaches is not None and self.approach_waits():
             self.approaches.lay(way)
-
-    def refuse_corner(self) -> None:
-        """A corner that waits for a straight line, before a motion that is none."""
-        if self.state.corner is not None and self.corners is not None:
-            self.corners.refuse()
 
     def turning(self, target: list[float], named: int, rapid: bool) -> None:
         """A block that turns, in a tilted plane."""
