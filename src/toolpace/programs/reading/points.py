@@ -46,7 +46,7 @@ class ProgramPoints:
     rotary_joints: tuple[str, ...] = ()
     normal: Floats | None = None
     """(n, 3) unit vectors out of the part, nan where the program tells none."""
-    asked: Floats | None = None
+    tolerance: Floats | None = None
     """(n, 2) how far tip [m] and axis [rad] may stray by the program's words, nan where it tells nothing."""
     tool_length: Floats | None = None
     """(n,) of the tool whose tip is meant [m]; None: of the machine's own."""
@@ -98,7 +98,7 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
     feed, least_time = points.feed[kept], points.least_time[kept]
     # Nothing leads to the first point.
     feed[0], least_time[0] = np.inf, 0.0
-    asked = np.full((len(kept), 2), np.nan) if points.asked is None else points.asked[kept]
+    tolerance = np.full((len(kept), 2), np.nan) if points.tolerance is None else points.tolerance[kept]
     _refuse_endless(source, feed, least_time, points.block[kept])
     return ToolPath(
         tip=np.ascontiguousarray(points.tip[kept]),
@@ -118,8 +118,8 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
         operations=facts.operations,
         controller=facts.controller,
         assumed=facts.assumed,
-        tip_tolerance=np.ascontiguousarray(asked[:, 0]),
-        axis_tolerance=np.ascontiguousarray(asked[:, 1]),
+        tip_tolerance=np.ascontiguousarray(tolerance[:, 0]),
+        axis_tolerance=np.ascontiguousarray(tolerance[:, 1]),
         tool_length=tool_length,
         bow=np.zeros(len(kept)) if points.bow is None else points.bow[kept],
         normal=no_normals() if points.normal is None else np.ascontiguousarray(points.normal[kept]),

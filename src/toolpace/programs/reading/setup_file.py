@@ -72,10 +72,10 @@ class TablesInUnits(Tables):
         self.length = self._unit(units, "length", LENGTHS, "mm")
         self.angle = self._unit(units, "angle", ANGLES, "deg")
 
-    def _unit(self, units: Mapping[str, object], key: str, known: Mapping[str, float], usual: str) -> str:
+    def _unit(self, units: Mapping[str, object], key: str, scales: Mapping[str, float], usual: str) -> str:
         found = units.get(key, usual)
-        if not isinstance(found, str) or found not in known:
-            self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, known))}")
+        if not isinstance(found, str) or found not in scales:
+            self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, scales))}")
         return found
 
 
@@ -107,8 +107,8 @@ def setup_text(setup: SetUp) -> str:
         "variables": dict(setup.variables),
         "times": {"tool_change": setup.tool_change} if setup.tool_change else {},
     }
-    given = {name: table for name, table in tables.items() if table}
-    return toml_text({"units": {"length": "m", "angle": "rad"}, **given})
+    filled = {name: table for name, table in tables.items() if table}
+    return toml_text({"units": {"length": "m", "angle": "rad"}, **filled})
 
 
 def setup_in(machine: object) -> SetUp:
@@ -121,16 +121,16 @@ def setup_in(machine: object) -> SetUp:
 def check_setup(setup: SetUp, machine: Kinematics) -> None:
     """Raise UsageError where the sheet names an axis that the machine does not have, or clamps the part elsewhere."""
     source = setup.source or "set-up sheet"
-    known = Poses(machine).slots()
+    slots = Poses(machine).slots()
     places: dict[str, Position] = {f"offsets.{name}": place for name, place in setup.offsets.items()}
     places |= {f"references.{number}": place for number, place in setup.references.items()}
     places |= {"machine_zero": setup.machine_zero, "start": setup.start}
     for name, place in places.items():
         for letter in place:
-            if letter not in known:
+            if letter not in slots:
                 raise UsageError(
                     f"{source}: [{name}] {letter}: machine '{machine.name}' has no axis {letter}, its axes are "
-                    f"{', '.join(known)}; remove the line, or choose the right machine"
+                    f"{', '.join(slots)}; remove the line, or choose the right machine"
                 )
     mounted = getattr(machine, "mounted", None)
     if setup.part and mounted is not None and mounted(**setup.part) != machine:
@@ -214,8 +214,8 @@ class _Sheet(TablesInUnits):
                     cure = "the tool's own, from zero on: for a negative one of a control G41 and G42 change places"
                 self.fail(place, f"{key} = {table[key]!r} is below zero; write {cure}")
         length, radius, corner = figures
-        told = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
-        return Tool(length, *told)
+        radii = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
+        return Tool(length, *radii)
 
     def part(self) -> dict[str, tuple[float, float, float]]:
         table = self.table("part")
@@ -284,25 +284,25 @@ def with_cure_of_zero(assumed: Sequence[str]) -> Iterator[None]:
         raise ReachError(f"{reason}; {ZERO_CURE} (else {cure})") from error
 
 
-def setup_sheet(program: str, used: Used, machine: Kinematics | None, given: SetUp) -> str:
+def setup_sheet(program: str, used: Used, machine: Kinematics | None, setup: SetUp) -> str:
     """The text of a sheet (TOML) with all that the program uses, one line a figure.
 
-    machine: tells the axes and the stand-ins; None: X, Y and Z at zero. given: figures that are known already.
+    machine: tells the axes and the stand-ins; None: X, Y and Z at zero. setup: figures of a sheet that there is.
     """
     poses = Poses(machine)
-    own, filled = Datum(poses, SetUp()), Datum(poses, given)
+    own, filled = Datum(poses, SetUp()), Datum(poses, setup)
     parts = [HEAD.format(program=printable(program), machine=f" on {machine.name}" if machine is not None else "")]
-    if used.machine_zero or used.offsets or used.references or given.machine_zero:
+    if used.machine_zero or used.offsets or used.references or setup.machine_zero:
         parts.append(_table("machine_zero", ZERO, _by_letter(poses, filled.zero)))
-    for offset in dict.fromkeys([*used.offsets, *given.offsets]):
-        wanted = given.offsets.get(offset)
+    for offset in dict.fromkeys([*used.offsets, *setup.offsets]):
+        wanted = setup.offsets.get(offset)
         figures = _by_letter(poses, _origin(own, filled)) | dict(wanted or {})
         parts.append(_table(f"offsets.{toml_key(offset)}", OFFSET, figures))
-    for number in dict.fromkeys([*used.references, *given.references]):
+    for number in dict.fromkeys([*used.references, *setup.references]):
         said = REFERENCE.format(word="G28" if number == 1 else f"G30 P{number}")
         parts.append(_table(f"references.{number}", said, filled.reference(number)))
-    for name in dict.fromkeys(map(tool_name, [*used.tools, *given.tools])):
-        tool = given.tool(name)
+    for name in dict.fromkeys(map(tool_name, [*used.tools, *setup.tools])):
+        tool = setup.tool(name)
         figures = {"length": own.own_length} if tool is None else tool.figures()
         parts.append(_table(f"tools.{toml_key(name)}", TOOL, figures))
     return "\n".join(parts)

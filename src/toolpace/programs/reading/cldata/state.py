@@ -98,8 +98,8 @@ class ClFrame:
             self.findings.refused("CUTCOM", statement.line, cure("CUTCOM"))
 
     def _compare(self, word: str, values: tuple[float, ...], line: int, moved: bool) -> None:
-        known = self._systems.setdefault(word, values)
-        same = len(known) == len(values) and all(math.isclose(a, b, abs_tol=1e-9) for a, b in zip(known, values))
+        before = self._systems.setdefault(word, values)
+        same = len(before) == len(values) and all(math.isclose(a, b, abs_tol=1e-9) for a, b in zip(before, values))
         if not same and moved:
             self.findings.refused(word, line, cure("MSYS"))
         self._systems[word] = values
@@ -156,8 +156,8 @@ class ClFeed:
             elif word in _INVERSE:
                 inverse = True
             else:
-                known = ", ".join((*PER_MINUTE, *PER_REVOLUTION))
-                cure = f"give one number and one of {known}"
+                allowed = ", ".join((*PER_MINUTE, *PER_REVOLUTION))
+                cure = f"give one number and one of {allowed}"
                 self.findings.refused(f"FEDRAT/{word[:20]}", statement.line, cure)
                 # What is refused is told at the end, and no motion before it shall be told to have no feed.
                 self.feed = self.feed or Feed(math.inf, "time")

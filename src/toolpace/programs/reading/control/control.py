@@ -263,5 +263,5 @@ def _with_chords(table: MoveTable) -> MoveTable:
     return MoveTable(
         position, columns, table.stop[of] & is_last, np.where(is_last, table.dwell[of], 0.0),
         {int(last[row]): arc for row, arc in table.arcs.items()}, {}, table.switched[of] & is_last,
-        table.joining[of], table.asked[of], table.normal[of],
+        table.joining[of], table.tolerance[of], table.normal[of],
     )  # fmt: skip

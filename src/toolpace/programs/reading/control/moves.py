@@ -82,7 +82,7 @@ class Joining(NamedTuple):
     """Within which straight motions may be taken as one [m]; nan where the program does not say."""
 
 
-class Asked(NamedTuple):
+class ProgramTolerance(NamedTuple):
     """How far motions may stray from their way, by the program's own words; nan where it tells nothing."""
 
     tip: float = math.nan
@@ -139,7 +139,7 @@ class Moves:
         """How rows meet, from which on."""
         self.normals: dict[int, tuple[float, float, float]] = {}
         """Unit vectors out of the part at the ends of rows, on the part."""
-        self.asked: list[tuple[int, Asked]] = [(0, Asked())]
+        self.tolerance: list[tuple[int, ProgramTolerance]] = [(0, ProgramTolerance())]
         """How far rows may stray, from which on."""
 
     def __len__(self) -> int:
@@ -189,8 +189,8 @@ class Moves:
     def ask(self, **tolerances: float) -> None:
         """Note how far motions may stray from now on: tip [m], axis [rad]; what is no length above zero is told no
         more."""
-        told = {name: value if value > 0.0 else math.nan for name, value in tolerances.items()}
-        self.asked.append((len(self.rows), self.asked[-1][1]._replace(**told)))
+        changed = {name: value if value > 0.0 else math.nan for name, value in tolerances.items()}
+        self.tolerance.append((len(self.rows), self.tolerance[-1][1]._replace(**changed)))
 
     def dwell(self, seconds: float) -> None:
         """Come to rest at the last position and wait."""
@@ -223,7 +223,7 @@ class Moves:
         at_rest[last[list(self.exact)]] = True
         switched[last[list(self.switched)]] = True
         joining = self._from_then_on(self.joinings)[expansion.row]
-        asked = self._from_then_on(self.asked)[expansion.row]
+        tolerance = self._from_then_on(self.tolerance)[expansion.row]
         normal = np.full((len(array), 3), np.nan)
         for i, out in self.normals.items():
             normal[last[i]] = out
@@ -238,17 +238,18 @@ class Moves:
             first = reread
         arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
         curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}
-        array, joining, asked = array[first:], joining[first:], asked[first:]
+        array, joining, tolerance = array[first:], joining[first:], tolerance[first:]
         at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
         return MoveTable(
-            array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, asked, normal[first:]
-        )
+            array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, tolerance,
+            normal[first:],
+        )  # fmt: skip
 
-    def _from_then_on(self, told: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
+    def _from_then_on(self, changes: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
         """(rows, k) what was told from a row on, of each row."""
-        begin = np.array([row for row, _ in told])
+        begin = np.array([row for row, _ in changes])
         rows = np.diff(np.append(begin, len(self.rows)))
-        return np.repeat(np.array([each for _, each in told], dtype=float), rows, axis=0)
+        return np.repeat(np.array([each for _, each in changes], dtype=float), rows, axis=0)
 
     @staticmethod
     def _start(kind: Floats, named: Ints) -> int:
@@ -283,8 +284,8 @@ class MoveTable(NamedTuple):
     """(n,) whether a control comes to rest whatever the mode: stops, and where something is switched."""
     joining: Floats
     """(n, 3) Joining of each row."""
-    asked: Floats
-    """(n, 2) Asked of each row."""
+    tolerance: Floats
+    """(n, 2) ProgramTolerance of each row."""
     normal: Floats
     """(n, 3) out of the part at the end of each row; nan where none was told."""
 
@@ -301,9 +302,9 @@ class Operations:
         last = self.all[-1]
         if not self._moved():
             self.all.pop()
-        told = last.told_lengths if tool is None else ()
+        lengths = last.told_lengths if tool is None else ()
         self.all.append(
-            Operation(last.name if name is None else name.strip(), last.tool if tool is None else tool, told)
+            Operation(last.name if name is None else name.strip(), last.tool if tool is None else tool, lengths)
         )
         self.moves.operation = len(self.all) - 1
 

@@ -238,13 +238,13 @@ class ControlState:
         if tool is None and coordinates.named_for != self.tool:
             coordinates.length_of = ""  # of the tool before
         coordinates.compensated, coordinates.length_of = tool is not None, tool or coordinates.length_of
-        coordinates.told, coordinates.oversize, coordinates.named_for = None, oversize, self.tool
+        coordinates.programmed, coordinates.oversize, coordinates.named_for = None, oversize, self.tool
         self._replaced()
 
     def set_tool_offset(self, x: float, y: float, length: float) -> None:
         """Reckon with a tool of this length [m], whose tip is x and y beside the spindle."""
         coordinates = self.coordinates
-        coordinates.compensated, coordinates.told, coordinates.named_for = True, (x, y, length), self.tool
+        coordinates.compensated, coordinates.programmed, coordinates.named_for = True, (x, y, length), self.tool
         coordinates.off = False
         self._replaced()
 

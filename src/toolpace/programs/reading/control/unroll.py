@@ -49,7 +49,7 @@ class Unroll:
         self.operation: Ints = operation.astype(np.int64)
         self.is_rapid = kind == RAPID
         self.tip_mode: Bools = tip_mode > 0
-        self.stop, self.dwell, self.asked = table.stop, table.dwell, table.asked
+        self.stop, self.dwell, self.tolerance = table.stop, table.dwell, table.tolerance
         self.normal = table.normal
         self.arcs = ArcTable(list(table.arcs.values()))
         self.arc = np.full(len(self.end), -1)
@@ -186,7 +186,7 @@ class Unroll:
             dwell=np.where(ends, self.dwell[move], 0.0),
             rapid=self.is_rapid[move],
             operation=self.operation[move],
-            asked=self.asked[move],
+            tolerance=self.tolerance[move],
             normal=self.normals(move, (piece + 1) / count),
             rotary=None if self.poses.machine is None else rotary,
             rotary_joints=self.poses.rotary_names,

@@ -103,14 +103,14 @@ LONGEST = 1 << 20
 
 def fault(language: str, name: str, value: bool | float | str) -> str:
     """What is wrong with an option, and the cure; empty where nothing is."""
-    known = OPTIONS[language]
+    allowed = OPTIONS[language]
     if language == "heidenhain" and name.endswith(OF_WORDS):
         kind: Kind | None = TEXT
     else:
-        kind = known.get(name)
+        kind = allowed.get(name)
     said = f"option {name[:40]} = {f'{value:g}' if type(value) is float else repr(value)[:40]}"
     if kind is None:
-        return f"option {name[:40]} is not known: {did_you_mean(name[:40], sorted(known))}"
+        return f"option {name[:40]} is not known: {did_you_mean(name[:40], sorted(allowed))}"
     if isinstance(kind, tuple):
         if value in kind:
             return ""
@@ -174,18 +174,18 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @classmethod
     def text_of(cls, name_or_path: str | Path) -> str:
         """The text of its file, with the comments. Raises UsageError."""
-        given = str(name_or_path)
-        path = FOLDER / f"{given}.toml" if given in cls.names() else Path(given)
+        name = str(name_or_path)
+        path = FOLDER / f"{name}.toml" if name in cls.names() else Path(name)
         try:
             with path.open(encoding="utf-8-sig") as stream:
                 return stream.read(LONGEST)
         except (OSError, ValueError) as error:
             if path.suffix == ".toml":
                 reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
-                raise UsageError(f"controller file {given}: {reason}") from None
-            near = did_you_mean(given, cls.names())
+                raise UsageError(f"controller file {name}: {reason}") from None
+            near = did_you_mean(name, cls.names())
             raise UsageError(
-                f"controller '{given[:200]}' is not known: {near}; or give the path of a .toml file"
+                f"controller '{name[:200]}' is not known: {near}; or give the path of a .toml file"
             ) from None
 
     @classmethod
@@ -214,10 +214,10 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def to_toml(self) -> str:
         """The text of a file that loads to this controller, with all that it has from the one that it is like."""
-        given = {
+        fields = {
             key: value for key, value in msgspec.to_builtins(self).items() if value and key not in ("source", "like")
         }
-        return toml_text(given)
+        return toml_text(fields)
 
     def option(self, name: str, default: Option) -> Option:
         """The option, or the default, which is of its kind."""

@@ -170,7 +170,7 @@ class Orientation:
             return [], "the tool vector is zero: give the direction from the tip to the spindle"
         unit = [value / length for value in axis]
         solutions, pole = machine.rotary_solutions(np.array([unit]))
-        within, asked = [], []
+        within, preferred = [], []
         for wanted in solutions[0].tolist():
             if bool(pole[0]):
                 wanted[0] = present[0]
@@ -179,8 +179,8 @@ class Orientation:
             turned = [near(value, here, *ends) for value, here, ends in zip(wanted, present, self.travel)]
             if None not in turned:
                 within.append([value for value in turned if value is not None])
-                asked.append(not sign or wanted[1] * sign >= -FREE)
-        choices = [each for each, wanted in zip(within, asked) if wanted] or (within if else_other else [])
+                preferred.append(not sign or wanted[1] * sign >= -FREE)
+        choices = [each for each, wanted in zip(within, preferred) if wanted] or (within if else_other else [])
         if not choices:
             shown = ", ".join(f"{value:.4g}" for value in unit)
             if within:

@@ -67,9 +67,9 @@ class Datum:
             self.zero[:3] = np.where(np.isfinite(ends), ends - INSIDE, 0.0).tolist()
         self._set(self.zero, setup.machine_zero)
 
-    def _set(self, values: list[float], given: Position) -> None:
+    def _set(self, values: list[float], position: Position) -> None:
         slots = self.poses.slots()
-        for letter, value in given.items():
+        for letter, value in position.items():
             if letter in slots:
                 values[slots[letter]] = value
 
@@ -102,12 +102,12 @@ class Datum:
 
     def origin(self, offset: str) -> list[float]:
         """Joint positions (3 + rotary) at the origin of a work offset, with the machine's own tool."""
-        given = self.setup.offsets.get(offset)
+        position = self.setup.offsets.get(offset)
         values = [*self.home, *[0.0] * len(self.poses.rotary)]
-        if given is not None:
+        if position is not None:
             lift = self.own_length * self.lift
             for letter, slot in self.poses.slots().items():
-                values[slot] = self.zero[slot] + given.get(letter, 0.0) + (lift[slot] if slot < 3 else 0.0)
+                values[slot] = self.zero[slot] + position.get(letter, 0.0) + (lift[slot] if slot < 3 else 0.0)
         return values
 
 
@@ -135,15 +135,15 @@ class Coordinates:
     """Whether the program ended the reckoning with a length (G49, D0), which tip mode may outlast."""
     oversize: float = 0.0
     """By how much longer than the table says the program calls the tool [m]."""
-    told: tuple[float, float, float] | None = None
+    programmed: tuple[float, float, float] | None = None
     """Offset of the tool that the program itself tells, in place of the table's: along X, Y, and its length [m]."""
     named_for: str | None = None
     """Tool that was in the spindle when the length was named; None where none was."""
 
     def tool_offset(self, tool: str) -> tuple[float, float, float]:
         """Along X, Y and Z [m], that the control reckons with."""
-        if self.told is not None:
-            return self.told
+        if self.programmed is not None:
+            return self.programmed
         return (0.0, 0.0, self.length(tool) if self.compensated else 0.0)
 
     def length(self, tool: str) -> float:
@@ -156,16 +156,16 @@ class Coordinates:
     @property
     def reckons(self) -> bool:
         """Whether where the tip is depends on the length of a tool that is in no word of the program."""
-        return (self.compensated or self.tip_mode or self.tilted) and self.told is None
+        return (self.compensated or self.tip_mode or self.tilted) and self.programmed is None
 
     def placement(self, tool: str) -> Placement:
         """Of words, with a tool in the spindle."""
-        length = self.length(tool) if self.told is None else self.told[2]
+        length = self.length(tool) if self.programmed is None else self.programmed[2]
         if (self.tip_mode or self.tilted) and self.datum.poses.machine is not None:
             # a plane lies on the part already: tip mode that begins in it does not turn it again
             return self._on_part(length, None if self.tilted else self.fixed_at)
         # a length that was named for the tool before stays in force, but tells nothing of where the tip is
-        another = (self.told is not None or self.length_of) and self.named_for != tool
+        another = (self.programmed is not None or self.length_of) and self.named_for != tool
         return self._of_joints(length, self.datum.length(tool) if another else length)
 
     def on_part(self) -> Placement:
@@ -180,8 +180,8 @@ class Coordinates:
         without = -datum.own_length if datum.setup.offsets else 0.0
         reckoned = datum.lift * (length - datum.own_length if self.compensated else without)
         linear = [a + float(b) for a, b in zip(origin, reckoned)]
-        if self.told is not None:
-            linear = [linear[0] + self.told[0], linear[1] + self.told[1], linear[2]]
+        if self.programmed is not None:
+            linear = [linear[0] + self.programmed[0], linear[1] + self.programmed[1], linear[2]]
         matrix = affine.product(affine.shift(linear), self.frame) if any(linear) else self.frame
         return Placement(False, matrix, self._shift(origin), tool_length)
 

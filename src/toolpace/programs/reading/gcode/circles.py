@@ -74,9 +74,9 @@ class ArcReader:
 
     def _plane(self, arc_words: dict[str, float]) -> int:
         """The plane in force; where centres are fitted, that of the two letters that are given."""
-        given = tuple(letter for letter in "IJK" if letter in arc_words)
-        if self.centres == "fitting" and len(given) == 2:
-            return (("I", "J"), ("I", "K"), ("J", "K")).index((given[0], given[1]))
+        letters = tuple(letter for letter in "IJK" if letter in arc_words)
+        if self.centres == "fitting" and len(letters) == 2:
+            return (("I", "J"), ("I", "K"), ("J", "K")).index((letters[0], letters[1]))
         return self.state.plane
 
     def _centre(

@@ -108,7 +108,7 @@ class Executor:
         """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
-        if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
+        if self.planes.blocks and not any(action.meaning in MEANINGS for action in actions):
             self.planes.need_whole()
         numbers = self._numbers(block)
         moves, corner = len(control.moves), self.motion.corners.waiting
@@ -309,10 +309,10 @@ class Macros:
 
     def _protected(self, missing: Missing) -> None:
         """Probing's way between its measurements: straight to X, Y, Z, at the feed F that it is given."""
-        state, control, given = self.state, self.control, missing.given
+        state, control, arguments = self.state, self.control, missing.given
         before = state.motion, control.feed.value, control.feed.turn
-        found = {letter: given.get(ARGUMENTS[letter]) for letter in "XYZ"}
-        feed = given.get(ARGUMENTS["F"])
+        found = {letter: arguments.get(ARGUMENTS[letter]) for letter in "XYZ"}
+        feed = arguments.get(ARGUMENTS["F"])
         if feed is not None:
             control.feed.set(feed, state.unit, control.line)
         state.motion = "feed"

@@ -43,11 +43,11 @@ class Functions:
 
     def orient(self, numbers: Numbers, word: str) -> None:
         """M19 R P Q: to an angle, by a direction, within a time."""
-        given = {letter: numbers.pop(letter) for letter in "RPQ" if letter in numbers}
+        words = {letter: numbers.pop(letter) for letter in "RPQ" if letter in numbers}
         self._refuse_cycle(numbers, word, arcs=True)
-        if not 0.0 <= given.get("R", 0.0) <= 360.0 or round(given.get("P", 0.0)) not in (0, 1, 2):
+        if not 0.0 <= words.get("R", 0.0) <= 360.0 or round(words.get("P", 0.0)) not in (0, 1, 2):
             raise WordError(f"{word} takes an angle R from 0 to 360 and a direction P of 0, 1 or 2: correct them")
-        if given.get("Q", 1.0) <= 0.0:
+        if words.get("Q", 1.0) <= 0.0:
             raise WordError(f"{word} Q is a time above zero: correct it")
         self.state.turning = ""
         self.control.stop()
@@ -55,14 +55,14 @@ class Functions:
     def wait(self, numbers: Numbers, word: str) -> None:
         """M66 P or E, L Q: for how long is not known, nor what is read."""
         shared = {"P": numbers["P"]} if self.state.arc_here and "P" in numbers else {}
-        given = {letter: numbers.pop(letter) for letter in "PELQ" if letter in numbers}
+        words = {letter: numbers.pop(letter) for letter in "PELQ" if letter in numbers}
         numbers |= shared  # of the turns of an arc too
         self._refuse_cycle(numbers, word)
-        inputs = [given[letter] for letter in "PE" if letter in given]
-        waits = round(given.get("L", 0.0))
+        inputs = [words[letter] for letter in "PE" if letter in words]
+        waits = round(words.get("L", 0.0))
         if len(inputs) != 1 or round(inputs[0]) < 0:
             raise WordError(f"{word} waits for one input: write its number as P, or as E where it is analog")
-        if waits and ("E" in given or given.get("Q", 0.0) <= 0.0):
+        if waits and ("E" in words or words.get("Q", 0.0) <= 0.0):
             raise WordError(f"{word} L{waits} waits for a digital input, Q seconds at most: write P, and Q above zero")
         self.variables.common.pop(RESULT, None)
         self.control.stop()
@@ -97,7 +97,7 @@ class SavedModes:
         feed, coordinates = control.feed, control.coordinates
         modes = {name: getattr(self.state, name) for name in MODES}
         rates = feed.mode, feed.value, feed.turn, feed.unit, feed.spindle
-        tool = coordinates.compensated, coordinates.length_of, coordinates.told
+        tool = coordinates.compensated, coordinates.length_of, coordinates.programmed
         offset, position_on = self.offsets.offset, self.frames.position_on
         joining = control.moves.joining
 
@@ -109,7 +109,7 @@ class SavedModes:
             if feed.unit != self.state.unit or abs(number - round(number, 1)) > 1e-9:
                 # its interpreter writes F anew, as a number of one decimal in the unit of the saved modes
                 feed.value = None
-            coordinates.compensated, coordinates.length_of, coordinates.told = tool
+            coordinates.compensated, coordinates.length_of, coordinates.programmed = tool
             control.moves.join(joining)
             if position_on != self.frames.position_on:
                 self.frames.put_position(position_on)

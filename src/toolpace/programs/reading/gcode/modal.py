@@ -160,7 +160,7 @@ class System:
         state, control = self.state, self.control
         inch = state.unit == INCH
         offset = control.coordinates.offset
-        known: dict[int, float | None] = {
+        values: dict[int, float | None] = {
             4001: _MOTIONS.get(state.motion or ""),
             4002: (17.0, 18.0, 19.0)[state.plane],
             4003: 90.0 if state.absolute else 91.0,
@@ -174,7 +174,7 @@ class System:
             4119: round(60.0 * control.feed.spindle, 9),
             4120: float(state.next_tool) if state.next_tool else 0.0,
         }
-        return known.get(key)
+        return values.get(key)
 
     def _by_name(self, name: str) -> float | None:
         if len(name) == 2 and name[0] == "_" and name[1] in _AXES:
@@ -183,7 +183,7 @@ class System:
         inch, feed = state.unit == INCH, control.feed
         offset = control.coordinates.offset
         moves = state.cycle is None
-        known = {
+        values = {
             "_METRIC": float(not inch),
             "_IMPERIAL": float(inch),
             "_ABSOLUTE": float(state.absolute),
@@ -208,7 +208,7 @@ class System:
             "_VALUE_RETURNED": 0.0,
             "_TASK": 0.0,
         }
-        return known.get(name)
+        return values.get(name)
 
     def _feed(self, unit: float | None = None) -> float | None:
         """F in force, in a unit [m], by default that in force."""

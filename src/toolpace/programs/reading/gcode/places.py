@@ -35,20 +35,20 @@ class Places:
     def _named(self, numbers: Numbers, word: str) -> Numbers:
         """Axis words, taken out of the block; the axes that the machine has. Raises RefusedError, ProgramError."""
         letters = [letter for letter in numbers if letter in "XYZABCUVW"]
-        given = {letter: numbers.pop(letter) for letter in letters}
+        axes = {letter: numbers.pop(letter) for letter in letters}
         for letter in "UVW":
-            if letter in given and not self._moves(letter):
+            if letter in axes and not self._moves(letter):
                 raise RefusedError(
                     f"{word} {letter}",
                     "the machine has no such axis; on lathes it counts on X or Z, and turning is not read: remove it",
                 )
         slots = self.control.slots
-        absent = [letter for letter, value in given.items() if letter not in slots]
+        absent = [letter for letter, value in axes.items() if letter not in slots]
         for letter in absent:
-            value = given.pop(letter)
+            value = axes.pop(letter)
             if value and letter != self.motion.along and self.control.poses.machine is not None:
                 self.control.slot(letter)
-        return given
+        return axes
 
     def _moves(self, letter: str) -> bool:
         """Whether the machine has an axis of this letter."""
@@ -68,21 +68,21 @@ class Places:
     def _reference(self, number: int, numbers: Numbers, word: str) -> None:
         control = self.control
         any_named = any(letter in numbers for letter in "XYZABCUVW")
-        given = self._named(numbers, word)
-        if not given and (any_named or not self.all_axes):
+        axes = self._named(numbers, word)
+        if not axes and (any_named or not self.all_axes):
             control.findings.ignored(f"{word} of axes that the machine lacks" if any_named else f"{word} without axes")
             return
-        if given:
-            target, named = self.motion.target(dict(given), alone=True)
+        if axes:
+            target, named = self.motion.target(dict(axes), alone=True)
             if not turned_alone(control, self.state, target, rapid=True) and target != control.words:
                 control.straight(target, named, rapid=True)
         self.state.between = list(control.words)
-        self.state.level_by_machine |= not given or "Z" in given
-        if self.rs274 and given and self.frames.offsets.turned.get(self.frames.offsets.offset):
-            self._reference_in_turned(number, list(given))
+        self.state.level_by_machine |= not axes or "Z" in axes
+        if self.rs274 and axes and self.frames.offsets.turned.get(self.frames.offsets.offset):
+            self._reference_in_turned(number, list(axes))
         else:
-            reference(control, number, list(given))
-        self.state.turned_in_plane |= not given or not given.keys().isdisjoint("ABC")
+            reference(control, number, list(axes))
+        self.state.turned_in_plane |= not axes or not axes.keys().isdisjoint("ABC")
         self.state.at_home = True
 
     def _reference_in_turned(self, number: int, letters: list[str]) -> None:
@@ -116,9 +116,9 @@ class Places:
         if self.fanuc and not self.state.absolute:
             numbers.clear()
             raise RefusedError("G53 under G91", "the control passes it over there: write G90 G53")
-        given = self._named(numbers, "G53")
+        axes = self._named(numbers, "G53")
         slots = control.slots
-        places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in given.items()}
+        places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in axes.items()}
         if places:
             self.state.along = 0.0
             self.state.level_by_machine |= "Z" in places

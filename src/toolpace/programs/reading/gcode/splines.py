@@ -75,12 +75,12 @@ class Splines:
 
     def _offset(self, numbers: Numbers, letters: str) -> tuple[float, float] | None:
         """Two distances in the plane [m]; None where neither is given."""
-        given = [numbers.pop(letter, None) for letter in letters]
-        if given == [None, None]:
+        values = [numbers.pop(letter, None) for letter in letters]
+        if values == [None, None]:
             return None
-        if None in given:
+        if None in values:
             raise WordError(f"of {letters[0]} and {letters[1]} one is missing: a spline takes both")
-        return (given[0] or 0.0) * self.state.unit, (given[1] or 0.0) * self.state.unit
+        return (values[0] or 0.0) * self.state.unit, (values[1] or 0.0) * self.state.unit
 
     def _need_plane(self) -> None:
         if self.state.plane:

@@ -121,15 +121,15 @@ class Tools:
 
     def _length(self, numbers: Numbers, word: str) -> None:
         control, state = self.control, self.state
-        given = numbers.pop("H", None)
-        if given is not None and not (given >= 0.0 and given == int(given)):
-            raise WordError(f"H{given:g} of {word} is no number of a tool: write a whole one, from 0")
-        if given == 0.0 and self.rs274:
-            given, state.length_word = None, None
-        if given is not None or not self.h_stays:
-            state.length_word = None if given is None else f"{given:g}"
+        words = numbers.pop("H", None)
+        if words is not None and not (words >= 0.0 and words == int(words)):
+            raise WordError(f"H{words:g} of {word} is no number of a tool: write a whole one, from 0")
+        if words == 0.0 and self.rs274:
+            words, state.length_word = None, None
+        if words is not None or not self.h_stays:
+            state.length_word = None if words is None else f"{words:g}"
         tool = state.length_word or control.tool or ""
-        if given is None and (not self.rs274):
+        if words is None and (not self.rs274):
             taken = f"that of H{state.length_word} before" if state.length_word else f"that of tool {tool}"
             taken = taken if tool else "that of the machine's own tool, since no T or H names one"
             control.findings.assumed(f"{word} without H: the length is {taken}")
@@ -141,8 +141,8 @@ class Tools:
         """G43.1: the offset of the axes that are named, in place of the present one."""
         self._need_tools(word)
         offset = list(self.control.coordinates.tool_offset(self.control.tool))
-        given = self._offset_words(numbers, word)
-        for slot, value in given.items():
+        words = self._offset_words(numbers, word)
+        for slot, value in words.items():
             offset[slot] = value
         self._offset(offset)
 
@@ -152,17 +152,17 @@ class Tools:
         control = self.control
         offset = list(control.coordinates.tool_offset(control.tool))
         tool = numbers.pop("H", None)
-        given = self._offset_words(numbers, word)
-        if tool is not None and given:
+        words = self._offset_words(numbers, word)
+        if tool is not None and words:
             raise WordError(f"{word} has the number of a tool as H, or axes: write one of both")
-        if tool is None and not given:
+        if tool is None and not words:
             raise WordError(f"{word} needs the number of a tool as H: write it like {word} H5")
         if tool:
             found = control.setup.tool(f"{tool:g}")
             if found is None:
                 raise WordError(f"{word} H{tool:g} is not on the set-up sheet: list the tool there")
             offset[2] += found.length
-        for slot, value in given.items():
+        for slot, value in words.items():
             offset[slot] += value
         self._offset(offset)
 

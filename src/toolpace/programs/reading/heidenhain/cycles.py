@@ -121,8 +121,8 @@ class Cycles:
         GLOBAL DEF. Raises BlockError, UnsetError."""
         found: Items = {}
         self.takes_general = PREDEF in items.values()
-        for number, given in items.items():
-            value = self.general.get(number) if given == PREDEF else given
+        for number, item in items.items():
+            value = self.general.get(number) if item == PREDEF else item
             if value is None:
                 raise BlockError(f"Q{number}=PREDEF takes the value of GLOBAL DEF, which tells none: write it there")
             found[number] = value if isinstance(value, str) else evaluate(value)

@@ -260,12 +260,12 @@ class Jumps:
         if number in MESSAGES:
             return lambda: self.control.findings.ignored(f"FN {number}")
         cure = "write the value that it gives as Q1 = .., or leave it out where nothing comes back"
-        given = re.search(r"Q[LR]?[0-9]+(?=\s*=)", rest)
+        parameter = re.search(r"Q[LR]?[0-9]+(?=\s*=)", rest)
 
         def refuse() -> None:
             self.control.findings.refused(f"FN {number}", self.control.line, cure)
-            if given:
-                self.parameters.forget(given[0])
+            if parameter:
+                self.parameters.forget(parameter[0])
 
         return refuse
 

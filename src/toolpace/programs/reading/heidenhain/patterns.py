@@ -116,7 +116,7 @@ class Patterns:
             if not self.parts:
                 raise BlockError("no pattern is defined here: write PATTERN DEF before its call")
             rapid = self.motion.set_feed(words)
-            places = [place for kind, given in self.parts for place in self.places(kind, given)]
+            places = [place for kind, figures in self.parts for place in self.places(kind, figures)]
             self.run(places, rapid=rapid, low=False, least=self.control.words[self.motion.state.tool_axis])
 
         return run
@@ -137,11 +137,11 @@ class Patterns:
 
         return run
 
-    def places(self, kind: str, given: dict[str, Value]) -> list[Place]:
+    def places(self, kind: str, figures: dict[str, Value]) -> list[Place]:
         """Places of one part of a pattern."""
 
         def figure(name: str, default: float | None = None) -> float:
-            found = given.get(name, default)
+            found = figures.get(name, default)
             if found is None:
                 raise BlockError(f"{kind} of PATTERN DEF lacks {name}: write it")
             return evaluate(found)

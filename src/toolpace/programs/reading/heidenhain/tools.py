@@ -119,11 +119,11 @@ class Tools:
         if tool and tool not in control.setup.tools and control.setup.tools:
             control.findings.assumed(NOT_LISTED.format(tool))
         control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
-        known = control.setup.tool(tool)
-        if known is None or known.radius is None:
+        listed = control.setup.tool(tool)
+        if listed is None or listed.radius is None:
             if "Q108" not in map(str.upper, control.setup.variables):
                 self.parameters.shared.pop("Q108", None)
         else:
             # "Q108: radius R of the tool table, plus DR of TOOL CALL" (Q parameters that the control assigns)
-            self.parameters.set("Q108", known.radius / self.state.unit + figures.get("DR", 0.0))
+            self.parameters.set("Q108", listed.radius / self.state.unit + figures.get("DR", 0.0))
         self.state.came_from = []

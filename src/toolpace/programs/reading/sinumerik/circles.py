@@ -20,7 +20,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates.affine import cross
 from toolpace.programs.reading.sinumerik.state import Point, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
-from toolpace.programs.reading.sinumerik.word_values import Given, Words, bounded, number
+from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, number
 
 MOST_TURNS = 999
 UNSAID = 5e-6
@@ -126,22 +126,22 @@ def _turns(control: Control, arc: Arc, turn: float) -> int:
 def _centre(control: Control, state: State, words: Words) -> list[float]:
     """Centre from I, J, K: distances from the start unless I=AC(...); what is left out is zero."""
     centre = control.words[:3]
-    told = False
+    named = False
     for slot, letter in enumerate("IJK"):
-        given = words.pop(letter, None)
-        if given is None:
+        word = words.pop(letter, None)
+        if word is None:
             continue
-        if given.form not in ("", "AC", "IC"):
-            raise ValueFault(f"{letter}={given.form}() has no meaning: write {letter}=AC() or {letter}=IC()")
+        if word.form not in ("", "AC", "IC"):
+            raise ValueFault(f"{letter}={word.form}() has no meaning: write {letter}=AC() or {letter}=IC()")
         if slot not in PLANE_AXES[state.plane]:
-            if bounded(given, letter):
+            if bounded(word, letter):
                 plane = ("G17", "G18", "G19")[state.plane]
                 raise ValueFault(f"{letter} has no meaning for an arc in the plane of {plane}: check the plane")
             continue
-        value = bounded(given, letter) * state.unit
-        centre[slot] = value if given.form == "AC" else centre[slot] + value
-        told = True
-    if not told:
+        value = bounded(word, letter) * state.unit
+        centre[slot] = value if word.form == "AC" else centre[slot] + value
+        named = True
+    if not named:
         raise ValueFault("the arc lacks its centre: write I, J or K, or CR=")
     return centre
 
@@ -188,10 +188,10 @@ def through(control: Control, state: State, words: Words, target: list[float]) -
     start = control.words[:3]
     between = list(start)
     for slot, letter in enumerate("IJK"):
-        given = words.pop(letter + "1", None)
-        if given is not None:
-            value = bounded(given, letter + "1") * state.unit
-            relative = given.form == "IC" or (not given.form and not state.absolute)
+        word = words.pop(letter + "1", None)
+        if word is not None:
+            value = bounded(word, letter + "1") * state.unit
+            relative = word.form == "IC" or (not word.form and not state.absolute)
             between[slot] = start[slot] + value if relative else value
     a = [between[i] - start[i] for i in range(3)]
     b = [target[i] - start[i] for i in range(3)]
@@ -241,16 +241,16 @@ def end_by_pole(state: State, words: Words, target: list[float]) -> int:
     if angle is not None:
         value = _angle(angle, "14210")
         if angle.form == "IC":
-            value += _known(state.polar_angle, "AP=IC() counts from an AP, and none")
+            value += _last_value(state.polar_angle, "AP=IC() counts from an AP, and none")
         state.polar_angle = value
-    reach = _known(state.polar_radius, "RP is missing, and none")
-    turn = _known(state.polar_angle, "AP is missing, and none") * DEGREE
+    reach = _last_value(state.polar_radius, "RP is missing, and none")
+    turn = _last_value(state.polar_angle, "AP is missing, and none") * DEGREE
     target[first] = pole[first] + reach * math.cos(turn)
     target[second] = pole[second] + reach * math.sin(turn)
     return 1 << first | 1 << second
 
 
-def _known(value: float | None, missing: str) -> float:
+def _last_value(value: float | None, missing: str) -> float:
     """AP lasts "until a new pole is defined or the working plane is changed", RP until another is written (NC
     Programming 12/2019, 2.9.3.2)."""
     if value is None:
@@ -277,8 +277,8 @@ def set_pole(state: State, present: list[float], code: str, words: Words) -> Non
     beyond = [letter for letter in LETTERS if letter in words and letter not in ("XYZ"[first], "XYZ"[second])]
     if "AP" in words or "RP" in words:
         beyond += [letter for letter in "XYZ" if letter in words]
-        given = words.pop("AP", None)
-        angle = (0.0 if given is None else _angle(given, "14260")) * DEGREE
+        word = words.pop("AP", None)
+        angle = (0.0 if word is None else _angle(word, "14260")) * DEGREE
         radius = (_radius(words, "14250") or 0.0) * state.unit
         pole[first] += radius * math.cos(angle)
         pole[second] += radius * math.sin(angle)
@@ -297,10 +297,10 @@ def _radius(words: Words, alarm: str) -> float | None:
     return radius
 
 
-def _angle(given: Given, alarm: str) -> float:
-    if given.form not in ("", "AC", "IC"):
-        raise ValueFault(f"AP={given.form}() has no meaning: write AP=AC() or AP=IC()")
-    angle = bounded(given, "AP")
+def _angle(word: WordValue, alarm: str) -> float:
+    if word.form not in ("", "AC", "IC"):
+        raise ValueFault(f"AP={word.form}() has no meaning: write AP=AC() or AP=IC()")
+    angle = bounded(word, "AP")
     if abs(angle) > 360.0:
         raise ValueFault(f"AP={angle:g} is beyond 360 (alarm {alarm}): correct it")
     return angle

@@ -56,9 +56,9 @@ class Tooling:
 
     def take(self, words: Words) -> None:
         """T, D and S of a block."""
-        given = words.pop("T", None)
-        if given is not None:
-            value = given.value
+        word = words.pop("T", None)
+        if word is not None:
+            value = word.value
             if isinstance(value, (tuple, bool, Axis)):
                 raise ValueFault(f'T is the number or the name of a tool, not {shown(value)}: write T5 or T="MILL"')
             self.selected = value.strip() if isinstance(value, str) else f"{value:g}"

@@ -21,7 +21,7 @@ from toolpace.programs.reading.sinumerik.run import Modal, Run
 from toolpace.programs.reading.sinumerik.state import MODES, TOLERANCES, apply, fault_of
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block, Call
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, real, shown
-from toolpace.programs.reading.sinumerik.word_values import Given, Words, bounded, check_settled, number
+from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, check_settled, number
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
@@ -159,7 +159,7 @@ class Executor:
     def _words(self, block: Block) -> Words:
         if block.plain:
             literals = self.memory.literals
-            return {word.address: Given(literals[word.literal]) for word in block.words}
+            return {word.address: WordValue(literals[word.literal]) for word in block.words}
         words: Words = {}
         memory = self.memory
         for word in block.words:
@@ -168,7 +168,7 @@ class Executor:
             if word.address in memory.local:
                 memory.assign(word.address, (), value)
             else:
-                words[word.address] = Given(value, word.form, tuple(index(memory) for index in word.indices))
+                words[word.address] = WordValue(value, word.form, tuple(index(memory) for index in word.indices))
         return words
 
     def _assign(self, block: Block) -> None:
@@ -280,8 +280,8 @@ class Executor:
                 moved = self.motion.execute(words, stop=stop)
         except (ArcError, CornerError) as error:
             raise ValueFault(str(error)) from None
-        for address, given in words.items():
-            self._left(address, given.value)
+        for address, word in words.items():
+            self._left(address, word.value)
         return moved
 
     def _ask(self, words: Words) -> None:

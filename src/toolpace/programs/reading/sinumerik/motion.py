@@ -19,7 +19,7 @@ from toolpace.programs.reading.sinumerik.orientation import ANGLES, VECTOR, Vect
 from toolpace.programs.reading.sinumerik.splines import BSplines
 from toolpace.programs.reading.sinumerik.state import GREAT_CIRCLE, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
-from toolpace.programs.reading.sinumerik.word_values import Given, Words, bounded, number
+from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, number
 
 OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
 """Addresses that only arcs take."""
@@ -119,7 +119,7 @@ class Motion:
     def _first(self, arcs: bool) -> None:
         """Before the first motion of a program."""
         control = self.control
-        if control.setup.offsets and not self.frames.told:
+        if control.setup.offsets and not self.frames.selected:
             control.findings.assumed("the program names no settable offset (G54) before it moves: it moves at the part")
         if arcs or not self.state.absolute:
             control.begin_here()
@@ -176,9 +176,9 @@ class Motion:
         self.unsure = unsure
         return target, named
 
-    def _coordinate(self, address: str, slot: int, given: Given) -> float:
-        value = bounded(given, address)
-        form = given.form
+    def _coordinate(self, address: str, slot: int, word: WordValue) -> float:
+        value = bounded(word, address)
+        form = word.form
         value *= self.state.unit if slot < 3 else DEGREE
         if form == "IC" or (not form and not self.state.absolute):
             if slot in self.unsure:
@@ -266,13 +266,13 @@ class Motion:
             raise ValueFault("machine coordinates (SUPA, G53) are reached with G0 or G1: write one of them")
         coordinates = {}
         for address in [address for address in words if len(address) == 1 and address in LETTERS]:
-            given = words.pop(address)
+            word = words.pop(address)
             slot = control.slot(address)
-            if given.form == "IC" or (not given.form and not self.state.absolute):
+            if word.form == "IC" or (not word.form and not self.state.absolute):
                 raise ValueFault(
                     f"{address} is a distance, but SUPA and G53 need a place: write G90, or {address}=AC()"
                 )
-            coordinates[address] = bounded(given, address) * (self.state.unit if slot < 3 else DEGREE)
+            coordinates[address] = bounded(word, address) * (self.state.unit if slot < 3 else DEGREE)
         if not coordinates:
             return False
         if control.coordinates.tip_mode and not coordinates.keys().isdisjoint("XYZ"):

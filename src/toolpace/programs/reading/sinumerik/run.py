@@ -36,11 +36,11 @@ class Vocabulary:
         self._beginnings = tuple(name[:-1] for name in self._refused if name.endswith("*"))
         self.base_unit = UNITS[controller.option("base_unit", "program")]
 
-    def check(self, known: tuple[str, ...]) -> None:
+    def check(self, meanings: tuple[str, ...]) -> None:
         """UsageError where the file gives a word a meaning that does not exist."""
         for word, meaning in self.controller.meanings.items():
-            if meaning not in known:
-                near = did_you_mean(meaning, known)
+            if meaning not in meanings:
+                near = did_you_mean(meaning, meanings)
                 raise UsageError(f"{self.controller.source}: {word} = '{meaning}' is no meaning: {near}")
 
     def meaning(self, word: str) -> str:

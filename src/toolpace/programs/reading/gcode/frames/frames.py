@@ -7,7 +7,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.gcode.frames.offsets import Offsets, given_axes
+from toolpace.programs.reading.gcode.frames.offsets import Offsets, axis_words
 from toolpace.programs.reading.gcode.frames.transforms import Transforms
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
@@ -92,7 +92,7 @@ class Frames:
             numbers.pop("L")
             numbers.pop("P")
             self._need_plain(word)
-            for letter, value in given_axes(self.control, self.state, numbers).items():
+            for letter, value in axis_words(self.control, self.state, numbers).items():
                 slot = self.control.slots[letter]
                 self.local[slot] = value if self.state.absolute else self.local[slot] + value
             self.apply()
@@ -102,7 +102,7 @@ class Frames:
     def local_shift(self, numbers: Numbers, word: str) -> None:
         """G52: in place of the one before, of the axes named; LinuxCNC has one shift for G52 and G92."""
         shift = list(self.position if self.one_shift else self.local)
-        for letter, value in self._given(numbers, word).items():
+        for letter, value in self._axes(numbers, word).items():
             shift[self.control.slots[letter]] = value
         if shift != (self.position if self.one_shift else self.local):
             self._need_plain(word)
@@ -113,11 +113,11 @@ class Frames:
             self.local = shift
         self.apply()
 
-    def _given(self, numbers: Numbers, word: str) -> Numbers:
+    def _axes(self, numbers: Numbers, word: str) -> Numbers:
         """Axis words, of which the controller may need one."""
         if self.one_shift and not any(letter in numbers for letter in "XYZABCUVW"):
             raise WordError(f"{word} names no axis: write it like {word} X0 Y0")
-        return given_axes(self.control, self.state, numbers)
+        return axis_words(self.control, self.state, numbers)
 
     def datum(self, numbers: Numbers, word: str) -> None:
         """MillPlus G93: the datum, in the coordinates of the work offset; axes that are not named keep theirs."""
@@ -126,17 +126,17 @@ class Frames:
 
     def datum_added(self, numbers: Numbers, word: str) -> None:
         """MillPlus G92: a shift of the datum from where it is."""
-        for letter, value in given_axes(self.control, self.state, numbers).items():
+        for letter, value in axis_words(self.control, self.state, numbers).items():
             self.local[self.control.slots[letter]] += value
         self.apply()
 
     def set_position(self, numbers: Numbers, word: str) -> None:
         """G92: the place where the machine is gets these words."""
-        given = self._given(numbers, word)
-        if given:
+        axes = self._axes(numbers, word)
+        if axes:
             self._need_plain(word)
         self.position = self.stored = list(self.position)
-        for letter, value in given.items():
+        for letter, value in axes.items():
             slot = self.control.slots[letter]
             self.position[slot] += self.control.words[slot] - value
         self.position_on = True

@@ -132,23 +132,23 @@ class Offsets:
     def _put(self, name: str, kind: float, numbers: Numbers, word: str) -> None:
         """Move an offset to the values of the axes given, or by kind 20 so that the place here has them."""
         moved = self.moved.setdefault(name, [0.0] * len(self.control.words))
-        given = given_axes(self.control, self.state, numbers)
+        axes = axis_words(self.control, self.state, numbers)
         if self.control.setup.offsets and name not in self.control.setup.offsets:
-            self._add(name, given, word)
+            self._add(name, axes, word)
         if kind == 20.0:
-            self._call_here(name, given)
+            self._call_here(name, axes)
         else:
-            for letter, value in given.items():
+            for letter, value in axes.items():
                 slot = self.control.slots[letter]
                 moved[slot] = self._moved_to(name, letter, value, moved[slot])
             if not self.control.setup.offsets:
                 self.control.findings.assumed(f"the first offsets that {word} L2 sets are where the part's origin is")
         self.changed()
 
-    def _add(self, name: str, given: Numbers, word: str) -> None:
+    def _add(self, name: str, axes: Numbers, word: str) -> None:
         """An offset that is not on the sheet, which tells others."""
         self.control.add_offset(name)
-        missing = [letter for letter in "XYZ" if letter not in given]
+        missing = [letter for letter in "XYZ" if letter not in axes]
         if missing:
             self.control.findings.assumed(
                 f"{name} is not on the set-up sheet: {', '.join(missing)}, which {word} does not set, "
@@ -158,7 +158,7 @@ class Offsets:
     def _move_all(self, numbers: Numbers, word: str) -> None:
         """P0: the offset that is added to all others; before, it is zero."""
         self.need_plain(word)
-        for letter, value in given_axes(self.control, self.state, numbers).items():
+        for letter, value in axis_words(self.control, self.state, numbers).items():
             slot = self.control.slots[letter]
             self.external[slot] = value if self.state.absolute else self.external[slot] + value
         self.control.findings.assumed(f"the external offset is zero until {word} L2 P0 sets it")
@@ -185,12 +185,12 @@ class Offsets:
         zero = sheet.get(letter, 0.0) if sheet is not None else self.base.setdefault(letter, value)
         return value - zero
 
-    def _call_here(self, name: str, given: Numbers) -> None:
+    def _call_here(self, name: str, axes: Numbers) -> None:
         """Move an offset, in force or not, so that the place where the machine is has the words given in it."""
         frame, turn = self.frame_of(name)
         present = self.control.words_in(name, frame, turn)
         off = [0.0] * len(present)
-        for letter, value in given.items():
+        for letter, value in axes.items():
             slot = self.control.slots[letter]
             off[slot] = present[slot] - value
         off[:3] = affine.direct(affine.rotation(2, self.turned.get(name, 0.0)), off[:3])
@@ -227,14 +227,14 @@ class Offsets:
         return ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")[number - 1]
 
 
-def given_axes(control: Control, state: Modal, numbers: Numbers) -> Numbers:
+def axis_words(control: Control, state: Modal, numbers: Numbers) -> Numbers:
     """Axis words, taken out of the block, in SI units."""
     slots, unit = control.slots, state.unit
-    given: Numbers = {}
+    found: Numbers = {}
     for letter in [letter for letter in numbers if letter in slots or letter in "ABCUVW"]:
         value = numbers.pop(letter)
         if letter in slots:
-            given[letter] = value * (unit if slots[letter] < 3 else DEGREE)
+            found[letter] = value * (unit if slots[letter] < 3 else DEGREE)
         elif letter in "ABC" and value:
             control.slot(letter)
-    return given
+    return found

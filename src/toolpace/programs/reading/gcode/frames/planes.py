@@ -32,7 +32,7 @@ class Planes:
         self.control, self.state, self.frames, self.variables = control, state, frames, variables
         self.roll: str = by.option("roll_pitch_yaw", "")
         """About which axes P1 turns: those that stand ("fixed"), those of the plane ("moving"); "": not known."""
-        self.told: dict[float, Numbers] = {}
+        self.blocks: dict[float, Numbers] = {}
         """What the blocks of a plane that is not whole have told, by their Q: X, Y, Z, R, I, J, K."""
         self.kind = 0.0
         """P of that plane."""
@@ -52,8 +52,8 @@ class Planes:
 
     def need_whole(self) -> None:
         """Raise WordError where a plane has been begun, and its other blocks do not follow."""
-        if self.told:
-            missing = [f"Q{q:g}" for q in STEPS[self.kind] if q and q not in self.told]
+        if self.blocks:
+            missing = [f"Q{q:g}" for q in STEPS[self.kind] if q and q not in self.blocks]
             raise WordError(
                 f"the plane of G68.2 P{self.kind:g} is not whole here: write its blocks one behind the other, "
                 f"{' and '.join(missing)} too"
@@ -121,21 +121,21 @@ class Planes:
 
     def _of_blocks(self, kind: float, numbers: Numbers, word: str) -> Matrix | None:
         """P2 and P3: a block for each point or vector, told apart by Q."""
-        if self.told and kind != self.kind:
+        if self.blocks and kind != self.kind:
             self.need_whole()
         step = numbers.pop("Q", math.nan)
-        if step not in STEPS[kind] or step in self.told:
+        if step not in STEPS[kind] or step in self.blocks:
             raise WordError(f"{word} P{kind:g} takes Q{' and Q'.join(f'{q:g}' for q in STEPS[kind])}, each once")
         self.kind = kind
-        self.told[step] = {letter: numbers.pop(letter) for letter in [*"XYZRIJK"] if letter in numbers}
+        self.blocks[step] = {letter: numbers.pop(letter) for letter in [*"XYZRIJK"] if letter in numbers}
         wanted = [q for q in STEPS[kind] if q]
-        if any(q not in self.told for q in wanted):
+        if any(q not in self.blocks for q in wanted):
             return None
-        told, self.told = self.told, {}
+        blocks, self.blocks = self.blocks, {}
         if kind == 3.0:
-            return self._of_vectors(told, word)
-        made = plane_of_points([self._place(told[q]) for q in wanted], word)
-        beside = told.get(0.0, {})
+            return self._of_vectors(blocks, word)
+        made = plane_of_points([self._place(blocks[q]) for q in wanted], word)
+        beside = blocks.get(0.0, {})
         turn, shift = beside.pop("R", 0.0), self._place(beside)
         if any(shift) or turn:
             self.control.findings.assumed(
@@ -144,12 +144,12 @@ class Planes:
             )
         return affine.product(affine.product(made, affine.shift(shift)), affine.rotation(2, turn * DEGREE))
 
-    def _of_vectors(self, told: dict[float, Numbers], word: str) -> Matrix:
+    def _of_vectors(self, blocks: dict[float, Numbers], word: str) -> Matrix:
         """P3: Q1 tells the origin and the direction of X, Q2 that of Z."""
-        if any("R" in words for words in told.values()):
+        if any("R" in words for words in blocks.values()):
             raise RefusedError(f"{word} P3 with R", "write the direction of X so that no turn is needed")
-        x, z = ([told[q].get(letter, 0.0) for letter in "IJK"] for q in STEPS[3.0])
-        return plane_of_vectors(self._place(told[1.0]), x, z, word)
+        x, z = ([blocks[q].get(letter, 0.0) for letter in "IJK"] for q in STEPS[3.0])
+        return plane_of_vectors(self._place(blocks[1.0]), x, z, word)
 
     def plane_of_tool(self, numbers: Numbers, word: str) -> None:
         """G68.3 X Y Z R: the plane on which the tool stands upright (A-79976E)."""
@@ -199,13 +199,13 @@ class Planes:
         control = self.control
         angles = [numbers.pop(letter, 0.0) * DEGREE for letter in ("A5", "B5", "C5")]
         turns_axes = numbers.pop("L1", 0.0) == 1.0
-        told = [letter for letter in ("A", "B", "C") if f"{letter}7" in numbers]
+        letters = [letter for letter in ("A", "B", "C") if f"{letter}7" in numbers]
         if any(angles):
             self._need_machine(word)
         self.frames.tilt(_turned(angles, "123", fixed=True) if any(angles) else None, word)
-        if told:
+        if letters:
             wanted = rotary_for(control, plane_axis(control))
-            for letter in told:
+            for letter in letters:
                 key = round(numbers.pop(f"{letter}7"))
                 self.variables.set(key, wanted[control.slot(letter) - 3] / DEGREE)
         if turns_axes and control.poses.machine is not None:

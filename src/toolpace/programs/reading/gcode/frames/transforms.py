@@ -175,12 +175,12 @@ class Transforms:
         back = affine.shift([-value for value in about])
         self.scaled = affine.product(affine.shift(about), affine.product(affine.scaling(chosen), back))
 
-    def _factor(self, letter: str, given: float | None, word: str) -> float:
-        if given is None:
+    def _factor(self, letter: str, factor: float | None, word: str) -> float:
+        if factor is None:
             return 1.0
-        if self.factor_of_whole != 1.0 and given and letter not in self.state.whole | self.state.reckoned:
+        if self.factor_of_whole != 1.0 and factor and letter not in self.state.whole | self.state.reckoned:
             raise RefusedError(f"{word} {letter} with a point", "it counts thousandths: write 1000 for life size")
-        return given * self.factor_of_whole
+        return factor * self.factor_of_whole
 
     def scale_off(self, numbers: Numbers, word: str) -> None:
         """G50; with S it limits the spindle of a lathe."""

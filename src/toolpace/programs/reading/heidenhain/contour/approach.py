@@ -230,10 +230,10 @@ class Approaches:
         """LEN and R [m], CCA [rad]."""
         found = {}
         for name in NEEDS[form]:
-            given: Value | None = words.others.get(name)
-            if given is None:
+            length: Value | None = words.others.get(name)
+            if length is None:
                 raise BlockError(f"{name} is missing: {form} takes {' and '.join(NEEDS[form])}")
-            value = self.circles.limited(evaluate(given)) * (DEGREE if name == "CCA" else self.state.unit)
+            value = self.circles.limited(evaluate(length)) * (DEGREE if name == "CCA" else self.state.unit)
             if abs(value) < ROUNDING or (name == "CCA" and not 0.0 < value < 2.0 * math.pi):
                 raise BlockError(f"{name} of {form} is none that can be: correct it")
             found[name] = value

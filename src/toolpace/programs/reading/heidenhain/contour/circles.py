@@ -125,15 +125,15 @@ class Circles:
         """CR: to a point with a radius; a negative one asks for the longer way."""
         axes = self.motion.resolved(words)
         self.motion.only(words, "CR", ("R",))
-        sense, given = self.sense(words), words.others.get("R")
-        if given is None:
+        sense, size = self.sense(words), words.others.get("R")
+        if size is None:
             raise BlockError("CR needs its radius R: write one")
 
         def run() -> None:
             rapid = self.begin(words)
             target, named = self.motion.target(axes)
             start, plane = self.control.words, PLANE_ACROSS[self.state.tool_axis]
-            radius = self.limited(evaluate(given)) * self.state.unit
+            radius = self.limited(evaluate(size)) * self.state.unit
             first, second = OF_AXIS[self.state.tool_axis]
             half = 0.5 * math.hypot(target[first] - start[first], target[second] - start[second])
             if half - abs(radius) > SPIRAL_SAID:

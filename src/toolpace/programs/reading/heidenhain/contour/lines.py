@@ -34,9 +34,9 @@ class SurfaceLines:
         motion = self.motion
         axes = motion.resolved(words)
         motion.only(words, "LN", ("NX", "NY", "NZ", "TX", "TY", "TZ"))
-        given = [words.others.get(name) for name in ("TX", "TY", "TZ")]
+        tools = [words.others.get(name) for name in ("TX", "TY", "TZ")]
         normals = [words.others.get(name) for name in ("NX", "NY", "NZ")]
-        has_tool, has_normal = (any(value is not None for value in vector) for vector in (given, normals))
+        has_tool, has_normal = (any(value is not None for value in vector) for vector in (tools, normals))
 
         def run() -> None:
             control = self.control
@@ -59,7 +59,7 @@ class SurfaceLines:
                     "FUNCTION PROG PATH IS OFF",
                 )  # fmt: skip
             target, named = motion.target(axes)
-            normal, tool = direction_of("NX NY NZ", normals), direction_of("TX TY TZ", given)
+            normal, tool = direction_of("NX NY NZ", normals), direction_of("TX TY TZ", tools)
             upright = tool if has_tool else normal
             if upright and self.state.tip_mode:
                 target[3:] = rotary_for(control, direction_on_part(control, upright))
@@ -75,11 +75,11 @@ class SurfaceLines:
         return run
 
 
-def direction_of(name: str, given: Sequence[Value | None]) -> list[float]:
+def direction_of(name: str, components: Sequence[Value | None]) -> list[float]:
     """Unit vector (3,) of components, where any is given; else empty. Raises BlockError where it has no length."""
-    if all(value is None for value in given):
+    if all(value is None for value in components):
         return []
-    vector = [0.0 if value is None else evaluate(value) for value in given]
+    vector = [0.0 if value is None else evaluate(value) for value in components]
     length = math.hypot(*vector)
     if not 1e-6 < length < 1e6:
         raise BlockError(f"{name} is no direction: its length is {length:g}, write the components of a unit vector")

@@ -96,11 +96,11 @@ class Compensation:
         if self.as_programmed:
             control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
             return 0.0
-        known = control.setup.tool(control.tool)
-        if known is None or known.radius is None:
+        tool = control.setup.tool(control.tool)
+        if tool is None or tool.radius is None:
             control.findings.refused(side, control.line, UNKNOWN)
             return 0.0
-        found = known.radius + self.state.radius_oversize
+        found = tool.radius + self.state.radius_oversize
         if found < 0.0:
             raise BlockError(f"the radius of the tool and DR come to {found * 1e3:.6g} mm: correct them")
         return found
@@ -261,15 +261,15 @@ class Motion:
 
     def rotary_of_angles(self, angles: Sequence[tuple[str, bool, Value]]) -> list[float]:
         """Rotary words of spatial angles; one that the block leaves out is that of the last. Raises BlockError."""
-        told = list(self.state.spatial_angles)
+        spatial_angles = list(self.state.spatial_angles)
         for letter, incremental, value in angles:
             figure = (value if isinstance(value, float) else value()) * DEGREE
-            before = told["ABC".index(letter)] if incremental else 0.0
-            told["ABC".index(letter)] = None if before is None else before + figure
-        self.state.spatial_angles = told
-        a, b, c = told
+            before = spatial_angles["ABC".index(letter)] if incremental else 0.0
+            spatial_angles["ABC".index(letter)] = None if before is None else before + figure
+        self.state.spatial_angles = spatial_angles
+        a, b, c = spatial_angles
         if a is None or b is None or c is None:
-            missing = ", ".join(letter for letter, angle in zip("ABC", told) if angle is None)
+            missing = ", ".join(letter for letter, angle in zip("ABC", spatial_angles) if angle is None)
             raise BlockError(
                 f"under AXIS SPAT the block tells no {missing}, and the tool did not stand upright where TCPM was "
                 "switched on: write A, B and C in the first block that turns"

@@ -118,14 +118,14 @@ class Holes:
     def _along(self, levels: Levels) -> Along:
         return Along(self.control, self.state, self.axis, levels)
 
-    def _dwell(self, given: float) -> float:
+    def _dwell(self, time: float) -> float:
         """Seconds of a dwell; negative values are turns of the spindle."""
-        if given >= 0.0:
-            return given
+        if time >= 0.0:
+            return time
         spindle = self.control.feed.spindle
         if spindle <= 0.0:
             raise ValueFault(f"{self.name} dwells for turns of the spindle: write S before it")
-        return -given / spindle
+        return -time / spindle
 
     def _hole(self, levels: Levels) -> Drilling:
         return Drilling(levels.top, levels.bottom, levels.back, axis=self.axis)
@@ -243,12 +243,12 @@ class Holes:
         strokes = self._tapping_strokes(arguments, levels)
         self._tap(levels, pitch * speed / MINUTE, pitch * back / MINUTE, self._dwell(arguments.number(5)), strokes)
 
-    def _spindle(self, arguments: Arguments, place: int, known: tuple[int, ...], name: str) -> None:
+    def _spindle(self, arguments: Arguments, place: int, allowed: tuple[int, ...], name: str) -> None:
         """Tolerate a direction of the spindle that is none: it moves nothing."""
-        if arguments.code(place) not in known:
+        if arguments.code(place) not in allowed:
             self._tolerate(
                 f"{name} {arguments.code(place)}",
-                f"alarm 61102: write {' or '.join(map(str, known))}",
+                f"alarm 61102: write {' or '.join(map(str, allowed))}",
                 f"{self.name} without a direction of the spindle ({name}) moves as with one",
             )
 
