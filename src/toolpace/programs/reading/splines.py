@@ -133,10 +133,6 @@ def _check(order: int, u: Floats, points: Sequence[Sequence[float]], weights: Se
         raise CurveError("weights of a spline are from 1e-6 to 1e6, and above zero: correct them")
 
 
-class SplineError(ValueError):
-    """A spline that cannot be; the message says why and what to write."""
-
-
 class Spline(NamedTuple):
     """A cubic B-spline from its first control point to its last."""
 
@@ -147,20 +143,20 @@ class Spline(NamedTuple):
 
     @staticmethod
     def clamped(inner: Floats, points: Floats) -> Spline:
-        """Spline of control points (n, 3) with knots (n - 4,) between 0 and 1; SplineError where they do not fit."""
+        """Spline of control points (n, 3) with knots (n - 4,) between 0 and 1; CurveError where they do not fit."""
         inner = np.round(np.asarray(inner, dtype=float), KNOT_DECIMALS)
         if len(points) != len(inner) + DEGREE + 1:
-            raise SplineError(
+            raise CurveError(
                 f"{len(points)} control points need {len(points) - DEGREE - 1} inner knots, and there are "
                 f"{len(inner)}: is the program complete?"
             )
         knots = np.concatenate((np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)))
         if (np.diff(knots) < 0).any():
-            raise SplineError("the knots do not rise from 0 to 1: correct them")
+            raise CurveError("the knots do not rise from 0 to 1: correct them")
         if len(inner) >= DEGREE + 1 and (inner[DEGREE:] - inner[:-DEGREE] <= 0).any():
-            raise SplineError("a knot stands more than three times, where the curve breaks: write two curves")
+            raise CurveError("a knot stands more than three times, where the curve breaks: write two curves")
         if len(inner) and (inner[0] <= 0 or inner[-1] >= 1):
-            raise SplineError("an inner knot is 0 or 1, where the curve begins and ends: leave it out")
+            raise CurveError("an inner knot is 0 or 1, where the curve begins and ends: leave it out")
         return Spline(knots, np.asarray(points, dtype=float))
 
     def pieces(self) -> int:

@@ -12,7 +12,7 @@ from toolpace.programs.reading.arcs import MOST_TURNS, Arc, ArcError, Vector, ar
 from toolpace.programs.reading.cldata.words import NUMBER, Statement, figure, numbers
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.source import Source
-from toolpace.programs.reading.splines import Spline, SplineError
+from toolpace.programs.reading.splines import CurveError, Spline
 
 BARE_NUMBERS, CREO_NUMBERS, NX_NUMBERS = 6, 7, 11
 """How many numbers a CIRCLE has: centre, direction; with radius; NX adds two of tolerance and two of the tool."""
@@ -183,5 +183,5 @@ class NurbsRecord:
             self.source.fail(f"the last KNOT of NURBS is {self._knots[-1]:g}, not 1: correct it", self.line)
         try:
             return Spline.clamped(np.array(self._knots[:-1]), np.array([start, *self._points]))
-        except SplineError as error:
+        except CurveError as error:
             self.source.fail(f"NURBS: {error}", self.line)

@@ -11,6 +11,7 @@ from toolpace.common.units import INCH
 from toolpace.programs.reading.cldata.state import PER_MINUTE, PER_REVOLUTION, ClFeed, Feed
 from toolpace.programs.reading.cldata.track import RAPID, Point, Track
 from toolpace.programs.reading.cldata.words import CANCELLED_BY, NUMBER, Statement, numbers
+from toolpace.programs.reading.control.cycles import MOST_PECKS
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.source import Source
 
@@ -19,8 +20,6 @@ GAP = 0.01 * INCH
 
 LinuxCNC's is 0.010 inch (G73, G83).
 """
-MOST_PECKS = 10_000
-"""Of one hole."""
 TYPES = frozenset(("DRILL", "DEEP", "DEEP2", "BRKCHP", "FACE", "TAP", "BORE", "REAM", "CSINK", "CBORE", "DRAG"))
 VALUES = frozenset(
     ("RAPTO", "FEDTO", "RTRCTO", "STEP", "DWELL", "DEPTH", "CLEAR", "RETURN", "BACK", "REV", "TIMES", "AUTO")

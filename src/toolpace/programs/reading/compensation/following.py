@@ -31,8 +31,6 @@ BESIDE = (
 
 STAYS = "behind the end of a compensation the tool's centre stays beside the contour until a block moves in its plane"
 
-SCALE = 1e-9
-"""By what a scale may differ from 1."""
 
 
 class Follower(Corners):
@@ -227,7 +225,7 @@ def follow(control: Control, side: int, radius: float, plane: int, rules: Rules)
 def is_scaled(control: Control) -> bool:
     """Whether a length of the program is another one on the part, where the tool's radius is what it is."""
     matrix = control.placement.matrix
-    return any(abs(math.hypot(*(row[k] for row in matrix)) - 1.0) > SCALE for k in range(3))
+    return any(abs(math.hypot(*(row[k] for row in matrix)) - 1.0) > ROUNDING for k in range(3))
 
 
 def leave(follower: Follower) -> None:
