@@ -151,7 +151,7 @@ def arc_about(
     )
     sweep = math.atan2(_dot(b, w), _dot(b, u)) % (2 * math.pi)
     beside = r0 * r0 * math.sin(sweep) if sweep < 1.0 else math.inf
-    if math.dist(a, b) < 1e-9 or (full and beside < ONE_RAY_MM):
+    if math.dist(a, b) < ROUNDING or (full and beside < ONE_RAY_MM):
         sweep = 2 * math.pi
     elif beside < ONE_RAY_INCH if full else sweep < ONE_RAY:
         raise ArcError(
@@ -181,7 +181,7 @@ def centre_of_radius(
     first, second = PLANE_AXES[plane]
     dx, dy = end[first] - start[first], end[second] - start[second]
     chord = math.hypot(dx, dy)
-    if chord < 1e-9:
+    if chord < ROUNDING:
         raise ArcError("a full circle cannot be written with R: give its centre with I, J, K")
     if chord > 2 * abs(radius) and not reach.allows(chord / 2, abs(radius)):
         raise ArcError(

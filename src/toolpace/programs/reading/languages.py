@@ -7,7 +7,7 @@ import importlib
 import re
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from toolpace.common.errors import ProgramError, UsageError, printable
 from toolpace.programs.reading.control.control import Control
@@ -68,35 +68,37 @@ READERS = {
 _DIN_ISO = re.compile(r"%\s*\S.*\sG7[01]\s*\*?", re.IGNORECASE)
 
 
-class Dialect(NamedTuple):
-    """What a program is written in, and why it is taken for that."""
+@dataclass(frozen=True)
+class Recognised:
+    """What a program is, and why it is taken for that."""
 
     dialect: str
-    """`gcode`, `cldata` or `csv`."""
+    """`gcode`, `cldata` or `csv`; gcode is every language of controllers."""
+    controller: Controller | None
+    """None for cutter-location data and tables, which are for no controller."""
     reason: str
+    others: tuple[Controller, ...] = ()
+    """Controllers that it may be for as well."""
 
 
-def dialect_of(source: Source, wanted: str | None = None) -> Dialect:
+def dialect_of(source: Source, wanted: str | None = None) -> Recognised:
     """The dialect: as wanted, else by the file's suffix, else by its first lines. Raises ProgramError, UsageError."""
     if wanted is not None:
         if wanted.lower() not in DIALECTS:
             raise UsageError(f"dialect '{wanted}' is not known: use gcode, apt or csv")
-        return Dialect(DIALECTS[wanted.lower()], "named")
+        return Recognised(DIALECTS[wanted.lower()], None, "named")
     head = "\n".join(source.lines[:HEAD])
     if _OSP.match(head):
-        source.fail(
-            f"this header is of Okuma's OSP, {OSP}",
-            1,
-        )
+        source.fail(f"this header is of Okuma's OSP, {OSP}", 1)
     if is_conversational(source):
-        return Dialect(CONTROLS, "it has blocks of Heidenhain conversational code")
+        return Recognised(CONTROLS, None, "it has blocks of Heidenhain conversational code")
     suffix = PurePath(source.name).suffix.lower()
     if suffix in SUFFIXES:
-        return Dialect(SUFFIXES[suffix], f"its name ends in {suffix}")
+        return Recognised(SUFFIXES[suffix], None, f"its name ends in {suffix}")
     for dialect, pattern in (("cldata", _CLDATA), ("csv", _TABLE), (CONTROLS, _GCODE)):
         if found := pattern.search(head):
             line = head[: found.end()].rpartition("\n")[2].strip()
-            return Dialect(dialect, f"it has lines like '{printable(line[:30])}'")
+            return Recognised(dialect, None, f"it has lines like '{printable(line[:30])}'")
     source.fail(
         "neither a program for a controller nor APT, CLSF or CSV can be recognised here: name it with --dialect gcode, "
         "apt or csv",
@@ -116,19 +118,6 @@ class Reader(Protocol):
         """The control, with all of it executed. Raises ProgramError."""
 
 
-@dataclass(frozen=True)
-class Recognised:
-    """What a program is, and why it is taken for that."""
-
-    dialect: str
-    """`gcode`, `cldata` or `csv`; gcode is every language of controllers."""
-    controller: Controller | None
-    """None for cutter-location data and tables, which are for no controller."""
-    reason: str
-    others: tuple[Controller, ...] = ()
-    """Controllers that it may be for as well."""
-
-
 def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Recognised:
     """What a program is: as named, else by its content. Raises ProgramError, UsageError."""
     if options.columns or options.units:
@@ -144,7 +133,7 @@ def recognised(source: Source, dialect: str | None, options: ReadOptions) -> Rec
         return Recognised(CONTROLS, options.controller, "named", options.others)
     found = dialect_of(source, dialect)
     if found.dialect != CONTROLS:
-        return Recognised(found.dialect, None, found.reason)
+        return found
     from toolpace.programs.reading.controllers.recognise import recognise
 
     controller, reason, others = recognise(source)
@@ -160,7 +149,7 @@ def _table(source: Source, dialect: str | None, options: ReadOptions) -> Recogni
         # rows of numbers alone cannot be told from anything
         if not options.columns:
             raise
-        found = Dialect("csv", "its columns are given")
+        found = Recognised("csv", None, "its columns are given")
     if options.controller is not None:
         what = f"for {options.controller.name}"
     elif found.dialect != "csv":
@@ -168,7 +157,7 @@ def _table(source: Source, dialect: str | None, options: ReadOptions) -> Recogni
     if what:
         cure = "leave it out, or give --dialect csv"
         raise UsageError(f"{named} is of a table (csv), and {source.name} is {what}: {cure}")
-    return Recognised("csv", None, found.reason)
+    return found
 
 
 def reader_of(

@@ -51,7 +51,7 @@ def lay(control: Control, corner: Corner, target: list[float], plane: int) -> bo
     along, ahead = ((b[first] - a[first], b[second] - a[second]) for a, b in ((before, at), (at, target)))
     lengths = math.hypot(*along), math.hypot(*ahead)
     turn = math.atan2(along[0] * ahead[1] - along[1] * ahead[0], along[0] * ahead[0] + along[1] * ahead[1])
-    if min(lengths) < ROUNDING or abs(turn) < 1e-9 or not corner.size:
+    if min(lengths) < ROUNDING or abs(turn) < ROUNDING or not corner.size:
         return True
     cut = _cut(corner, abs(turn) / 2.0)
     if cut > min(lengths) + ROUNDING:

@@ -125,7 +125,7 @@ def keeps_circle(frame: Matrix, arc: Arc) -> bool:
     u, w = direct(frame, arc.u), direct(frame, arc.w)
     size = math.hypot(*u) * math.hypot(*w)
     across = math.fsum(a * b for a, b in zip(u, w))
-    return abs(math.hypot(*u) - math.hypot(*w)) < 1e-9 * math.sqrt(size) and abs(across) < 1e-9 * size
+    return abs(math.hypot(*u) - math.hypot(*w)) < ROUNDING * math.sqrt(size) and abs(across) < ROUNDING * size
 
 
 def _frozen(rows: Sequence[Sequence[float]]) -> Matrix:
@@ -141,7 +141,7 @@ def carried(frame: Matrix, arc: Arc) -> Arc:
     """An arc in the coordinates that the frame stands in; its radii grow where the frame scales."""
     u, w = direct(frame, arc.u), direct(frame, arc.w)
     grown = max(math.hypot(*u), math.hypot(*w))
-    if abs(grown - 1.0) < 1e-9:
+    if abs(grown - 1.0) < ROUNDING:
         grown = 1.0
     return Arc(
         apply(frame, arc.centre),

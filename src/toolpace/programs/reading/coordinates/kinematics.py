@@ -11,6 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 
 TURN = 2.0 * math.pi
+"""Of a rotary joint [rad]."""
 FREE = 1e-6
 """Angle to the pole within which the first rotary joint stays where it is [rad]."""
 

@@ -27,11 +27,11 @@ from toolpace.programs.reading.control.machine_moves import (
 )
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
+from toolpace.programs.reading.coordinates.kinematics import TURN
 from toolpace.programs.reading.gcode.circles import ArcReader
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
 from toolpace.programs.reading.gcode.program.words import NO_EXPONENT, RefusedError, WordError
 
-HALF, TURN = 180 * DEGREE, 360 * DEGREE
 TOOL_VECTOR = ("I1", "J1", "K1")
 """The tool's direction under G141 of MillPlus."""
 RAPID = (
@@ -166,7 +166,7 @@ class MotionReader:
             else:
                 present = target[slot]
                 turned = value * DEGREE if absolute else present + value * DEGREE
-                if absolute and abs(turned - present) > HALF:
+                if absolute and abs(turned - present) > 0.5 * TURN:
                     turned = self._rotary(turned, present, value)
                 target[slot] = turned
         if named & 4:

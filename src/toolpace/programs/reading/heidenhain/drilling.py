@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from toolpace.common.units import DEGREE, MINUTE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
@@ -228,7 +229,7 @@ class Holes:
         if not step or step >= hole.peck:
             return hole
         strokes = round(hole.peck / step)
-        if hole.peck_less or abs(strokes * step - hole.peck) > 1e-9:
+        if hole.peck_less or abs(strokes * step - hole.peck) > ROUNDING:
             raise Refusal(
                 "CYCL DEF 205 with Q257 that does not divide Q202", "write Q212=0 and Q202 as a multiple of Q257"
             )

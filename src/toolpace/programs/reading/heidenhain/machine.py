@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
-from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.control.machine_moves import direction_on_part, retract, straight_in_machine
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.coordinates.kinematics import TURN
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.programs.reading.heidenhain.drilling import Holes
 from toolpace.programs.reading.heidenhain.flow import Flow
@@ -25,7 +26,6 @@ UNTILTED = (
     "M130: X, Y and Z are the linear axes as without the plane (under M128 the tip), and what was programmed in the "
     "plane does not count"
 )
-FULL_TURN = 360.0 * DEGREE
 MOST_FUNCTIONS = 4
 """Of a block (TNC 640 Klartext, "Entering miscellaneous functions M"; iTNC 530 takes two)."""
 
@@ -150,7 +150,7 @@ class MachineFunctions:
         self.state.tip_mode = on
         if not on:
             self.state.spatial = False
-        elif any(abs(value) > 1e-9 for value in self.control.words[3:]):
+        elif any(abs(value) > ROUNDING for value in self.control.words[3:]):
             where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
             self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
         self.control.set_tip_mode(on)
@@ -184,7 +184,7 @@ class MachineFunctions:
             control.findings.refused("AXIS SPAT over a mirror of rotary axes", control.line, "mirror X, Y and Z only")
         state.spatial = on
         upright = direction_on_part(control, (0.0, 0.0, 1.0)) if on else []
-        stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < 1e-9
+        stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < ROUNDING
         state.spatial_angles = [0.0 if stands else None] * 3
 
     def shortest(self, on: bool) -> None:
@@ -222,7 +222,7 @@ class MachineFunctions:
             if self.frames.mirrored:
                 control.findings.refused("M94 of mirrored axes", control.line, "end the mirror before (CYCL DEF 8)")
                 return
-            wanted = {letter: control.words[control.slot(letter)] % FULL_TURN for letter in letters}
+            wanted = {letter: control.words[control.slot(letter)] % TURN for letter in letters}
             control.set_position(wanted)
             self.frames.rotary = list(control.coordinates.turn)
 

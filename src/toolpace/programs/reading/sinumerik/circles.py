@@ -111,7 +111,7 @@ def _turns(control: Control, arc: Arc, turn: float) -> int:
     """
     if not 0.0 <= turn <= MOST_TURNS:
         raise ValueFault(f"{_ENDLESS}, not {turn:g}")
-    circle_whole = arc.sweep > 2.0 * math.pi - 1e-9
+    circle_whole = arc.sweep > 2.0 * math.pi - ROUNDING
     if turn == int(turn):
         if circle_whole and turn:
             control.findings.assumed("TURN=n of a full circle is n circles in all")
@@ -197,7 +197,7 @@ def through(control: Control, state: State, words: Words, target: list[float]) -
     b = [target[i] - start[i] for i in range(3)]
     normal = cross(a, b)
     size = math.hypot(*normal)
-    if size < 1e-9 * max(math.hypot(*a) * math.hypot(*b), 1e-12):
+    if size < ROUNDING * max(math.hypot(*a) * math.hypot(*b), 1e-12):
         if 0.0 < sum(x * y for x, y in zip(a, b)) < sum(y * y for y in b) and "TURN" not in words:
             return None
         raise ArcError("the three points of CIP lie on a line: correct I1, J1, K1 or the end")
@@ -216,7 +216,7 @@ def tangent(control: Control, state: State, target: list[float]) -> Arc | None:
     t, u = state.tangent[first], state.tangent[second]
     size = math.hypot(t, u)
     c, d = target[first] - start[first], target[second] - start[second]
-    if size < 1e-9 or math.hypot(c, d) < 1e-9:
+    if size < ROUNDING or math.hypot(c, d) < ROUNDING:
         raise ValueFault("CT needs a motion before it in its plane, and an end that is not its start: correct it")
     found = tangent_centre(start, target, (t / size, u / size), state.plane)
     if found is None:

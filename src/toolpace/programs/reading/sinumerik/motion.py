@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from toolpace.common.units import DEGREE
-from toolpace.programs.reading.arcs import PLANE_AXES
+from toolpace.programs.reading.arcs import PLANE_AXES, ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, Corners
 from toolpace.programs.reading.control.feed import INVERSE
@@ -57,7 +57,7 @@ class Motion:
 
     def shifted(self) -> set[int]:
         """Slots whose words a frame has changed since the last motion."""
-        return {slot for slot, value in enumerate(self.control.words) if abs(self.programmed[slot] - value) > 1e-9}
+        return {slot for slot, value in enumerate(self.control.words) if abs(self.programmed[slot] - value) > ROUNDING}
 
     def has_axes(self, words: Words) -> bool:
         """Whether words ask for motion."""
@@ -199,7 +199,7 @@ class Motion:
         if form == "DC":
             return present + math.remainder(value - present, turn)
         ahead = (value - present) % turn
-        ahead = 0.0 if turn - ahead < 1e-9 else ahead
+        ahead = 0.0 if turn - ahead < ROUNDING else ahead
         return present + (ahead if form == "ACP" or ahead == 0.0 else ahead - turn)
 
     # How

@@ -118,7 +118,7 @@ class Vectors:
         """
         control = self.control
         shift = control.placement.shift or (0.0,) * len(rotary)
-        if sum(x * y for x, y in zip(first, last)) < -1.0 + 1e-9:
+        if sum(x * y for x, y in zip(first, last)) < -1.0 + ROUNDING:
             raise ValueFault("the tool vector is opposite to the one before: no plane holds its way; write one between")
         done: list[tuple[float, list[float]]] = []
         begin, here = 0.0, list(rotary)
@@ -154,7 +154,7 @@ class Vectors:
 def between(a: list[float], b: list[float], share: float) -> list[float]:
     """The unit vector at a share of the great circle from a to b (Shoemake 1985, slerp)."""
     angle = 2.0 * math.asin(min(math.dist(a, b) / 2.0, 1.0))
-    if angle < 1e-9:
+    if angle < ROUNDING:
         return [x + share * (y - x) for x, y in zip(a, b)]
     sine = math.sin(angle)
     first, second = math.sin((1.0 - share) * angle) / sine, math.sin(share * angle) / sine

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import plane_axis, rotary_for, turn_about, turn_to_plane
 from toolpace.programs.reading.controllers.controller import Controller
@@ -160,7 +161,7 @@ class Planes:
             numbers.clear()
             raise RefusedError(f"{word} without X, Y and Z", "name the origin of the plane")
         rotary = control.placement.place(control.words)[3:]
-        if any(abs(turned) > 1e-9 for turned in control.poses.carried(rotary)):
+        if any(abs(turned) > ROUNDING for turned in control.poses.carried(rotary)):
             numbers.clear()
             raise RefusedError(
                 f"{word} while a rotary axis of the table is not at zero",

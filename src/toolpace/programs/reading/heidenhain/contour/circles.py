@@ -260,7 +260,7 @@ class Polar:
                 raise BlockError("CP needs its sense: write DR+ or DR-")
             if turned * sense < 0.0:
                 raise BlockError("IPA and DR of CP have different signs: correct one")
-            if abs(turned) > MOST_TURNS * 2.0 * math.pi + 1e-9:
+            if abs(turned) > MOST_TURNS * 2.0 * math.pi + ROUNDING:
                 raise BlockError("IPA is more than 5400 degrees: divide the helix")
             axis = self.circles.pole_axis
             normal = [float(sense) if k == axis else 0.0 for k in range(3)]
