@@ -18,6 +18,8 @@ from toolpace.programs.toolpath import Operation, ToolPath, no_normals
 
 SAME = 1e-12
 """ProgramPoints closer than this [m, rad] are the same point."""
+FARTHEST = 1e3
+"""Most of a coordinate [m]: more is a slip of units."""
 AXIS_ROUNDING = 0.02
 """How far the length of a tool axis may be from 1: programs round it to three to six decimals."""
 NOT_LISTED = "tool {} is not on the set-up sheet: it is as long as the machine's own"

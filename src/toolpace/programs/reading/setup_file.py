@@ -28,12 +28,13 @@ from toolpace.programs.reading.coordinates.setup import (
     tool_name,
 )
 from toolpace.programs.reading.findings import Used
+from toolpace.programs.reading.points import FARTHEST
 
 FILE = TableFile("set-up sheet", longest=1_000_000)
 LETTERS = "XYZABCUVW"
 TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times")
-FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
-"""Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
+LONGEST_TOOL, MOST_TURN = 10.0, 1e6
+"""Most of a tool [m], of an angle [rad]: more is a slip of units."""
 MOST_REFERENCES = 4
 LONGEST_NAME = 100
 """Characters of a heading or a variable."""

@@ -11,14 +11,12 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import FeedMissingError, UsageError
 from toolpace.common.units import FEEDS, LENGTHS, TIMES
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.points import ProgramFacts, ProgramPoints, ToolLengths, assemble
+from toolpace.programs.reading.points import FARTHEST, ProgramFacts, ProgramPoints, ToolLengths, assemble
 from toolpace.programs.reading.source import Source
 from toolpace.programs.toolpath import Operation, ToolPath
 
 EXAMPLE = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]"
 POINT, AXIS, OPTIONAL = ("x", "y", "z"), ("i", "j", "k"), ("feed", "rapid", "stop", "dwell")
-FARTHEST = 1e3
-"""Most of a coordinate [m]."""
 # Nothing that was matched is given back: a cell is read once, however long it is.
 _COLUMN = re.compile(r"\s*+\"?+\s*+([A-Za-z]++)\s*+(?:[\[(]([^\])]*+)[\])]\s*+)?+\"?+\s*+")
 

@@ -11,6 +11,7 @@ import numpy as np
 from toolpace.programs.reading.arcs import MOST_TURNS, Arc, ArcError, Vector, arc_about
 from toolpace.programs.reading.cldata.words import NUMBER, Statement, figure, numbers
 from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.points import FARTHEST
 from toolpace.programs.reading.source import Source
 from toolpace.programs.reading.splines import CurveError, Spline
 
@@ -170,7 +171,7 @@ class NurbsRecord:
         if statement.major != "CNTRL" or len(values) != 3:
             self.refused = True
             return False
-        if max(map(abs, values)) * unit > 1e3:
+        if max(map(abs, values)) * unit > FARTHEST:
             self.source.fail("this control point is more than a kilometre away: check the numbers", statement.line)
         self._points.append([value * unit for value in values])
         return True
