@@ -14,6 +14,9 @@ from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, WordError
 
+LETTERS = ("X", "Y", "Z", "B", "I", "J", "K", "K1", "I1", "F2")
+"""Words of a cycle that is defined."""
+
 
 class SurfaceHoles:
     """The cycle that is defined, and the surface."""
@@ -25,43 +28,30 @@ class SurfaceHoles:
         self.surface: float | None = None
 
     def handlers(self) -> dict[str, Handler]:
-        """What carries out each meaning."""
+        """What carries out each meaning: G81 drills, G84 taps (J is the pitch, by which the feed follows the spindle),
+        G85 feeds in and out (F2= is the feed out), and G86 stops the spindle below."""
         return {
-            "define drill": self.drill,
+            "define drill": self._define(),
             "define peck": self.peck,
-            "define tap": self.tap,
-            "define bore": self.bore,
-            "define bore and stop": self.bore_and_stop,
+            "define tap": self._define(stops=True, out=FEED_OUT),
+            "define bore": self._define(out=FEED_OUT),
+            "define bore and stop": self._define(stops=True),
             "run cycle": self.run,
         }
 
-    def _define(self, numbers: Numbers, *, stops: bool = False, out: str = RAPID_OUT) -> None:
-        letters = [letter for letter in ("X", "Y", "Z", "B", "I", "J", "K", "K1", "I1", "F2") if letter in numbers]
-        self.words = {letter: numbers.pop(letter) for letter in letters}
-        self.stops, self.out = stops, out
+    def _define(self, *, stops: bool = False, out: str = RAPID_OUT) -> Handler:
+        def define(numbers: Numbers, word: str) -> None:
+            self.words = {letter: numbers.pop(letter) for letter in LETTERS if letter in numbers}
+            self.stops, self.out = stops, out
 
-    def drill(self, numbers: Numbers, word: str) -> None:
-        """G81: in at feed, out at rapid."""
-        self._define(numbers)
+        return define
 
     def peck(self, numbers: Numbers, word: str) -> None:
         """G83: I first peck (K on older ones), J less each time, back to the clearance after each."""
-        self._define(numbers)
+        self._define()(numbers, word)
         self.words["peck"] = self.words.pop("K", 0.0)
         self.words["less"] = self.words.pop("I", 0.0)
         self.words["break"] = self.words.pop("J", 0.0)
-
-    def tap(self, numbers: Numbers, word: str) -> None:
-        """G84: in, reverse, out; J is the pitch, by which the feed follows the spindle."""
-        self._define(numbers, stops=True, out=FEED_OUT)
-
-    def bore(self, numbers: Numbers, word: str) -> None:
-        """G85: in and out at feed; F2= is that of the way out."""
-        self._define(numbers, out=FEED_OUT)
-
-    def bore_and_stop(self, numbers: Numbers, word: str) -> None:
-        """G86: in at feed, the spindle stops, out at rapid."""
-        self._define(numbers, stops=True)
 
     def run(self, numbers: Numbers, word: str) -> None:
         """G79: the cycle at X, Y; Z is the surface, and stays."""
@@ -69,11 +59,9 @@ class SurfaceHoles:
         if "Z" not in words or "Y" not in words:
             raise WordError(f"{word} runs a cycle, and none is defined: write G81 Y.. Z.. before it")
         target, _ = self.motion.target(numbers)
-        numbers_have_surface = "Z" in numbers
-        if numbers_have_surface or self.surface is None:
+        if "Z" in numbers or self.surface is None:
             self.surface = target[2]
-        for letter in list(numbers):
-            numbers.pop(letter)
+        numbers.clear()
         top = self.surface + words["Y"] * unit
         cycle = Drilling(
             top=top,
