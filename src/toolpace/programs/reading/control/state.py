@@ -130,6 +130,10 @@ class ControlState:
             self.line = 1  # lines count from there; no block leads to the start
             self.begin_here()
 
+    def refuse(self, word: str, cure: str) -> None:
+        """Note a word of the block at hand that is not read, and what to write instead."""
+        self.findings.refused(word, self.line, cure)
+
     def begin_block(self, line: int) -> None:
         """Execute a block of this line next; ProgramError where there have been too many."""
         self.line = line

@@ -109,7 +109,7 @@ class Compensation:
         try:
             self._begin(1 if word == "G41" else -1, self._radius(number, word), word)
         except RefusedError as error:  # the motion of the block is still read
-            self.control.findings.refused(error.word, self.control.line, error.cure)
+            self.control.refuse(error.word, error.cure)
 
     def _as_programmed(self) -> bool:
         if self.as_programmed:

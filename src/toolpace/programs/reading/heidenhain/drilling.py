@@ -80,7 +80,7 @@ class Holes:
             made = self._drilling()
         except Refusal as refusal:
             word, cure = refusal.args
-            self.control.findings.refused(word, self.control.line, cure)
+            self.control.refuse(word, cure)
             return
         made = made._replace(
             axis=self.state.tool_axis,

@@ -210,7 +210,7 @@ class Jumps:
         found = _CALL.fullmatch(text) if text.startswith("LBL") else None
         if found is None:
             cure = "write CALL LBL with a label, or CALL PGM with the name of a file"
-            return lambda: self.control.findings.refused(f"CALL {text[:20]}", self.control.line, cure)
+            return lambda: self.control.refuse(f"CALL {text[:20]}", cure)
         times = found[5]
         if times is None:
             return lambda: self.flow.call(self.target(found), self.control.line)
@@ -228,7 +228,7 @@ class Jumps:
         """SEL PGM: the program that CALL SELECTED PGM runs; other tables are refused."""
         name = text[3:].strip()
         if not text.startswith("PGM") or not name:
-            return lambda: self.control.findings.refused(f"SEL {text[:20]}", self.control.line, SELECTS)
+            return lambda: self.control.refuse(f"SEL {text[:20]}", SELECTS)
 
         def run() -> None:
             self.selected = name
@@ -263,7 +263,7 @@ class Jumps:
         parameter = re.search(r"Q[LR]?[0-9]+(?=\s*=)", rest)
 
         def refuse() -> None:
-            self.control.findings.refused(f"FN {number}", self.control.line, cure)
+            self.control.refuse(f"FN {number}", cure)
             if parameter:
                 self.parameters.forget(parameter[0])
 
@@ -273,7 +273,7 @@ class Jumps:
         """FN 14: ERROR = 1000; the control stops with it."""
 
         def run() -> None:
-            self.control.findings.refused(f"FN {ALARM}: {text[:20]}", self.control.line, RAISED)
+            self.control.refuse(f"FN {ALARM}: {text[:20]}", RAISED)
             self.flow.state.ended = True
 
         return run

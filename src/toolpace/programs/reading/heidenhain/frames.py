@@ -116,7 +116,7 @@ class Frames:
             slot = self.control.slot(letter)
             if slot in self.mirrored and value:
                 cure = "shift it before, and end the shift after the mirror"
-                self.control.findings.refused("a shift of a mirrored rotary axis", self.control.line, cure)
+                self.control.refuse("a shift of a mirrored rotary axis", cure)
             elif slot < 3:
                 level.shifts[slot] = value + (level.shifts[slot] if adds else 0.0)
             else:
@@ -129,7 +129,7 @@ class Frames:
         """No shift of any axis; refused in a plane over one before it, of which no manual says whether it ends."""
         if self.plane is not None and "shift" in self.before.steps:
             cure = "write PLANE RESET before, or CYCL DEF 7 with zeros in the plane"
-            self.control.findings.refused("TRANS DATUM RESET in a plane over a shift", self.control.line, cure)
+            self.control.refuse("TRANS DATUM RESET in a plane over a shift", cure)
         for level in (self.before, self.within):
             level.shifts = [0.0, 0.0, 0.0]
             level.put("shift", affine.IDENTITY)
@@ -141,10 +141,10 @@ class Frames:
         """Mirror the axes of these letters, and no others; of rotary axes the words count the other way."""
         rotary = frozenset(self.control.slot(letter) for letter in letters if letter not in "XYZ")
         if rotary and (self.plane is not None or any(self.rotary[slot - 3] for slot in rotary)):
-            self.control.findings.refused(
-                "a mirror of a rotary axis in a tilted plane, or over its shift", self.control.line,
+            self.control.refuse(
+                "a mirror of a rotary axis in a tilted plane, or over its shift",
                 "mirror it without both, or let the CAM system mirror the path",
-            )  # fmt: skip
+            )
             return
         self.mirrored = rotary
         self.level.put("mirror", affine.scaling([-1.0 if letter in letters else 1.0 for letter in "XYZ"]))

@@ -127,13 +127,13 @@ class MachineFunctions:
         """M97 and M98, which change corners of a compensated contour, and nothing else."""
         if self.motion.compensation.follower is not None:
             cure = "corners of a compensated contour are read as they are without it: remove it"
-            self.control.findings.refused(word, self.control.line, cure)
+            self.control.refuse(word, cure)
         else:
             self.control.findings.ignored(word)
 
     def refused(self, word: str, cure: str) -> Step:
         """A step that notes a refused word."""
-        return lambda: self.control.findings.refused(word, self.control.line, cure)
+        return lambda: self.control.refuse(word, cure)
 
     def noted(self, function: Function) -> Step:
         """A function that is taken in a certain way, which the controller's file tells under `options`."""
@@ -171,17 +171,17 @@ class MachineFunctions:
             return
         offset = control.datum.origin(control.coordinates.offset)[3:]
         if any(offset) and any(control.poses.carried(offset)):
-            control.findings.refused(
-                "M128 with a preset that shifts a rotary axis of the table", control.line,
+            control.refuse(
+                "M128 with a preset that shifts a rotary axis of the table",
                 "parameters of the machine tell whether X and Y turn with it: set the shift to zero, and turn the part "
                 "by CYCL DEF 10",
-            )  # fmt: skip
+            )
 
     def spatial_angles(self, on: bool) -> None:
         """AXIS SPAT: A, B and C are angles in space; they are zero to begin with where the tool stands upright."""
         control, state = self.control, self.state
         if on and self.frames.mirrored:
-            control.findings.refused("AXIS SPAT over a mirror of rotary axes", control.line, "mirror X, Y and Z only")
+            control.refuse("AXIS SPAT over a mirror of rotary axes", "mirror X, Y and Z only")
         state.spatial = on
         upright = direction_on_part(control, (0.0, 0.0, 1.0)) if on else []
         stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < ROUNDING
@@ -220,7 +220,7 @@ class MachineFunctions:
 
         def run() -> None:
             if self.frames.mirrored:
-                control.findings.refused("M94 of mirrored axes", control.line, "end the mirror before (CYCL DEF 8)")
+                control.refuse("M94 of mirrored axes", "end the mirror before (CYCL DEF 8)")
                 return
             wanted = {letter: control.words[control.slot(letter)] % TURN for letter in letters}
             control.set_position(wanted)
@@ -263,10 +263,10 @@ class MachineFunctions:
             if self.state.tip_mode:
                 # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")
                 cure = "write M129 or FUNCTION RESET TCPM before"
-                self.control.findings.refused("M91 and M92 under M128", self.control.line, cure)
+                self.control.refuse("M91 and M92 under M128", cure)
                 return
             if any(axis[1] for axis in axes):
-                self.control.findings.refused("incremental words with M91", self.control.line, "write absolute ones")
+                self.control.refuse("incremental words with M91", "write absolute ones")
                 return
             target, _ = self.motion.target(
                 [(slot, False, value, unit) for slot, _, value, unit in axes], of_program=False
@@ -306,6 +306,6 @@ def tilting_axes(control: Control, letters: Collection[str]) -> None:
     own = {name.upper() for name in control.poses.rotary_names}
     if letters and own - set(letters):
         cure = "leave it out: planes and M128 are read with all rotary axes of the machine"
-        control.findings.refused("M138 with some of the rotary axes", control.line, cure)
+        control.refuse("M138 with some of the rotary axes", cure)
     else:
         control.findings.ignored("M138")

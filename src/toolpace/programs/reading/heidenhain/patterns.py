@@ -33,7 +33,7 @@ class Patterns:
         """220: the last cycle on a circle."""
         if items.get(365, 0.0) != 0.0:
             cure = "write Q365=0: the way from hole to hole on the circle is not read"
-            self.control.findings.refused("CYCL DEF 220 with Q365=1", self.control.line, cure)
+            self.control.refuse("CYCL DEF 220 with Q365=1", cure)
         figures = self.figures(items, (216, 217, 244, 245, 246, 241))
         x, y, diameter, start, end, count = figures
         holes = self.count(count)
@@ -153,7 +153,7 @@ class Patterns:
             found = self.on_grid(x, y, figure("D"), 0.0, self.count(figure("NUM")), 1, figure("ROT", 0.0))
         elif kind in ("PAT", "FRAME"):
             if figure("ROTX", 0.0) or figure("ROTY", 0.0):
-                self.control.findings.refused("ROTX ROTY of PATTERN DEF", self.control.line, "write the places as POS")
+                self.control.refuse("ROTX ROTY of PATTERN DEF", "write the places as POS")
                 return []
             counts = self.count(figure("NUMX")), self.count(figure("NUMY"))
             found = self.on_grid(

@@ -78,7 +78,7 @@ class Tilting:
         form, _, rest = text.partition(" ")
         if form not in FORMS:
             cure = PROJECTED if form == "PROJECTED" else "write PLANE SPATIAL with its angles"
-            return lambda: self.control.findings.refused(f"PLANE {form}", self.control.line, cure)
+            return lambda: self.control.refuse(f"PLANE {form}", cure)
         block = self.words(rest)
         if form != "RESET" and not block.words & {"MOVE", "TURN", "STAY"}:
             raise BlockError(f"PLANE {form} does not say how the axes turn: write MOVE, TURN or STAY")
@@ -128,7 +128,7 @@ class Tilting:
         found = self.frames.hindrance(by_axes=by_axes)
         if found is not None:
             word, cure = found
-            self.control.findings.refused(word, self.control.line, cure)
+            self.control.refuse(word, cure)
         return found is not None
 
     def matrix(self, form: str, block: PlaneBlock) -> Matrix | None:
@@ -161,7 +161,7 @@ class Tilting:
         self.positions = self.axes.take(angles)
         made = self.axes.plane(self.positions)
         if made is None:
-            self.control.findings.refused("PLANE AXIAL", self.control.line, HEAD)
+            self.control.refuse("PLANE AXIAL", HEAD)
         return made
 
     def turn(self, block: PlaneBlock, *, reset: bool) -> None:
@@ -186,7 +186,7 @@ class Tilting:
             turned = self.axes.turning_to(self.frames.plane or affine.IDENTITY)
             if turned is None:
                 cure = "no table of the machine turns about the tool: write COORD ROT"
-                control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, cure)
+                control.refuse("TABLE ROT of a plane that is not tilted", cure)
         if straight or turned is not None:
             wanted = turned or [0.0] * len(control.poses.rotary)
         elif self.positions is not None:
@@ -198,7 +198,7 @@ class Tilting:
             return
         if "TURN" in words and self.machine.state.tip_mode:
             cure = "write MOVE, or M129 before: whether the tip stays or the linear axes do is not known here"
-            control.findings.refused("PLANE .. TURN under M128", control.line, cure)
+            control.refuse("PLANE .. TURN under M128", cure)
             return
         feed = self.feed(block)
         rapid = feed is None

@@ -59,7 +59,7 @@ class Tools:
                 self.state.oversize = any(deltas)
                 self.change(tool or self.control.tool, figures)
             if "VC" in figures:
-                self.control.findings.refused("VC of TOOL CALL", self.control.line, "write the spindle speed S")
+                self.control.refuse("VC of TOOL CALL", "write the spindle speed S")
             if "S" in figures:
                 self.control.feed.spindle = max(figures["S"], 0.0) / MINUTE
             if figures.get("F"):
@@ -78,7 +78,7 @@ class Tools:
         """The tool axis; it sets the plane of arcs, turns and cycles."""
         if letter not in "XYZ":
             cure = "write X, Y or Z for the tool axis"
-            self.control.findings.refused(f"TOOL CALL with tool axis {letter}", self.control.line, cure)
+            self.control.refuse(f"TOOL CALL with tool axis {letter}", cure)
             return
         axis = "XYZ".index(letter)
         if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - ROUNDING:
@@ -109,7 +109,7 @@ class Tools:
         if self.state.tip_mode:
             # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128"
             cure = "write M129 or FUNCTION RESET TCPM before, and switch it on again behind"
-            control.findings.refused("TOOL CALL of a tool under M128", control.line, cure)
+            control.refuse("TOOL CALL of a tool under M128", cure)
             return
         self.state.radius_oversize = figures.get("DR", 0.0) * self.state.unit
         table = {name.upper(): name for name in control.setup.tools}

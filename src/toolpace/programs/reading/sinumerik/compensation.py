@@ -132,7 +132,7 @@ class Compensation:
             return
         radius = self.tooling.radius
         if radius is None:
-            control.findings.refused(code, control.line, _CURE)
+            control.refuse(code, _CURE)
         elif self.tooling.as_programmed:
             control.findings.assumed("G41 and G42: the tool follows the programmed contour")
         elif follower is None:
@@ -201,12 +201,12 @@ class Compensation:
         control, state = self.control, self.state
         if state.approach not in ("NORM", "KONT"):
             cure = "NORM and KONT are read: write one of them in its place"
-            control.findings.refused(f"{code} with {state.approach}", control.line, cure)
+            control.refuse(f"{code} with {state.approach}", cure)
         if state.overshoot and state.outside == "G450":  # "DISC only applies with call of G450"
-            control.findings.refused(f"{code} with DISC", control.line, "arcs are read without it: write DISC=0")
+            control.refuse(f"{code} with DISC", "arcs are read without it: write DISC=0")
         if not state.in_frame and not self._in_machine_plane():
             cure = "its plane is that of the machine: write CUT2DF"
-            control.findings.refused(f"{code} in a tilted frame", control.line, cure)
+            control.refuse(f"{code} in a tilted frame", cure)
 
     def _in_machine_plane(self) -> bool:
         """Whether the plane of the program is parallel to that of the axes, as the rotary axes stand.

@@ -161,7 +161,7 @@ class Circles:
         first, second = OF_AXIS[self.state.tool_axis]
         if self.control.moved_in != self.control.placement:
             cure = "write C or CR: whether the control keeps the direction of the element before is not known here"
-            self.control.findings.refused("a tangent arc behind a change of coordinates", self.control.line, cure)
+            self.control.refuse("a tangent arc behind a change of coordinates", cure)
             self.motion.straight(target, named, rapid)
             return
         u, v = self.direction()

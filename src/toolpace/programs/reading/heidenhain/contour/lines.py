@@ -45,19 +45,19 @@ class SurfaceLines:
                 raise BlockError("LN under RL or RR, compensation in space, is not read: let the CAM system compensate")
             rapid = motion.set_feed(words)
             if has_normal and self.state.oversize:
-                control.findings.refused(
-                    "NX NY NZ with an oversize of TOOL CALL", control.line,
+                control.refuse(
+                    "NX NY NZ with an oversize of TOOL CALL",
                     "the control moves the tool along the normal by DL, DR and DR2: let the CAM system do that, and "
                     "call the tool without them",
-                )  # fmt: skip
+                )
             if has_normal and self.state.path_is_contour:
                 # "the control references the 3-D radius compensation to the entire tool radius R + DR and the corner
                 # radius R2 + DR2" (TNC 640 Klartext, "Interpretation of the programmed path")
-                control.findings.refused(
-                    "NX NY NZ under FUNCTION PROG PATH IS CONTOUR", control.line,
+                control.refuse(
+                    "NX NY NZ under FUNCTION PROG PATH IS CONTOUR",
                     "the control moves the tool along the normal by its radii: let the CAM system do that, and write "
                     "FUNCTION PROG PATH IS OFF",
-                )  # fmt: skip
+                )
             target, named = motion.target(axes)
             normal, tool = direction_of("NX NY NZ", normals), direction_of("TX TY TZ", tools)
             upright = tool if has_tool else normal

@@ -98,7 +98,7 @@ class Compensation:
             return 0.0
         tool = control.setup.tool(control.tool)
         if tool is None or tool.radius is None:
-            control.findings.refused(side, control.line, UNKNOWN)
+            control.refuse(side, UNKNOWN)
             return 0.0
         found = tool.radius + self.state.radius_oversize
         if found < 0.0:
@@ -198,7 +198,7 @@ class Motion:
         if not word or word == "FMAX":
             return word == "FMAX"
         if word in OTHER_FEEDS:
-            self.control.findings.refused(word, self.control.line, OTHER_FEEDS[word])
+            self.control.refuse(word, OTHER_FEEDS[word])
             return False
         if word == "FAUTO":
             self.feed(self.automatic())
