@@ -157,8 +157,7 @@ class ClFeed:
                 inverse = True
             else:
                 allowed = ", ".join((*PER_MINUTE, *PER_REVOLUTION))
-                cure = f"give one number and one of {allowed}"
-                self.findings.refused(f"FEDRAT/{word[:20]}", statement.line, cure)
+                self.findings.refused(f"FEDRAT/{word[:20]}", statement.line, f"give one number and one of {allowed}")
                 # What is refused is told at the end, and no motion before it shall be told to have no feed.
                 self.feed = self.feed or Feed(math.inf, "time")
         if value is None and inverse:

@@ -76,9 +76,7 @@ class LinuxcncStage(OffsetStage):
 
     # The first element
 
-    def _enter(
-        self, start: list[float], end: list[float], path: Line | Turn | None, rate: Rate, kind: float
-    ) -> None:
+    def _enter(self, start: list[float], end: list[float], path: Line | Turn | None, rate: Rate, kind: float) -> None:
         goal = self.point(end)
         if abs(goal - self.at) <= self.radius:
             self.fail(

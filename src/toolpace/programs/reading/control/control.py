@@ -76,9 +76,7 @@ class Control(ControlState):
             place = placement.place(self.words)
             self.moves.add(place, part, self.line, FEED, placement.tip_mode, self.named, placement.tool_length)
 
-    def _move(
-        self, words: list[float], named: int, rapid: bool, number: float | None, arc: Arc | None = None
-    ) -> None:
+    def _move(self, words: list[float], named: int, rapid: bool, number: float | None, arc: Arc | None = None) -> None:
         if not self.placement.tip_mode:
             self.need_linear_joints()
         kind = RAPID if rapid else FEED

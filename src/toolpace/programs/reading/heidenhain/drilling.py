@@ -180,10 +180,7 @@ class Holes:
 
     def drilling(self) -> Drilling:
         """200: pecks, out of the hole between them."""
-        return self.pecked()._replace(
-            top_dwell=self.seconds(210),
-            clearance=max(self.length(200), 0.0),
-        )
+        return self.pecked()._replace(top_dwell=self.seconds(210), clearance=max(self.length(200), 0.0))
 
     def reaming(self) -> Drilling:
         """201: in and out at feed."""

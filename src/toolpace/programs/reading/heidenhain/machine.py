@@ -126,8 +126,7 @@ class MachineFunctions:
     def corner(self, word: str) -> None:
         """M97 and M98, which change corners of a compensated contour, and nothing else."""
         if self.motion.compensation.follower is not None:
-            cure = "corners of a compensated contour are read as they are without it: remove it"
-            self.control.refuse(word, cure)
+            self.control.refuse(word, "corners of a compensated contour are read as they are without it: remove it")
         else:
             self.control.findings.ignored(word)
 
@@ -262,8 +261,7 @@ class MachineFunctions:
             rapid = self.motion.set_feed(words)
             if self.state.tip_mode:
                 # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")
-                cure = "write M129 or FUNCTION RESET TCPM before"
-                self.control.refuse("M91 and M92 under M128", cure)
+                self.control.refuse("M91 and M92 under M128", "write M129 or FUNCTION RESET TCPM before")
                 return
             if any(axis[1] for axis in axes):
                 self.control.refuse("incremental words with M91", "write absolute ones")

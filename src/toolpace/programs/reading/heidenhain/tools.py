@@ -77,8 +77,7 @@ class Tools:
     def axis(self, letter: str) -> None:
         """The tool axis; it sets the plane of arcs, turns and cycles."""
         if letter not in "XYZ":
-            cure = "write X, Y or Z for the tool axis"
-            self.control.refuse(f"TOOL CALL with tool axis {letter}", cure)
+            self.control.refuse(f"TOOL CALL with tool axis {letter}", "write X, Y or Z for the tool axis")
             return
         axis = "XYZ".index(letter)
         if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - ROUNDING:

@@ -65,9 +65,7 @@ def circle(
             _end_of_opening(start, target, centre, opening * DEGREE, plane, clockwise)
     made = plane_arc(start, target, centre, plane, clockwise, tolerance=_radii(control))
     if abs(made.r1 - made.r0) > ROUNDING:
-        made = plane_arc(
-            start, target, _moved_centre(control, made, (start, target), centre, plane), plane, clockwise
-        )
+        made = plane_arc(start, target, _moved_centre(control, made, (start, target), centre, plane), plane, clockwise)
     turns = _turns(control, made, turn)
     return made._replace(sweep=made.sweep + 2.0 * math.pi * (turns - 1))
 

@@ -200,13 +200,11 @@ class Compensation:
     def _refuse_unread(self, code: str) -> None:
         control, state = self.control, self.state
         if state.approach not in ("NORM", "KONT"):
-            cure = "NORM and KONT are read: write one of them in its place"
-            control.refuse(f"{code} with {state.approach}", cure)
+            control.refuse(f"{code} with {state.approach}", "NORM and KONT are read: write one of them in its place")
         if state.overshoot and state.outside == "G450":  # "DISC only applies with call of G450"
             control.refuse(f"{code} with DISC", "arcs are read without it: write DISC=0")
         if not state.in_frame and not self._in_machine_plane():
-            cure = "its plane is that of the machine: write CUT2DF"
-            control.refuse(f"{code} in a tilted frame", cure)
+            control.refuse(f"{code} in a tilted frame", "its plane is that of the machine: write CUT2DF")
 
     def _in_machine_plane(self) -> bool:
         """Whether the plane of the program is parallel to that of the axes, as the rotary axes stand.

@@ -57,9 +57,7 @@ OTHER_FEEDS = {
 class Compensation:
     """Begins and ends compensation as the words of blocks say."""
 
-    def __init__(
-        self, control: Control, state: State, as_programmed: bool, approach_waits: Callable[[], bool]
-    ) -> None:
+    def __init__(self, control: Control, state: State, as_programmed: bool, approach_waits: Callable[[], bool]) -> None:
         """as_programmed: whether the contour is the way. approach_waits: whether APPR waits for its contour."""
         self.control, self.state = control, state
         self.as_programmed, self.approach_waits = as_programmed, approach_waits
