@@ -33,7 +33,10 @@ class Stroke(NamedTuple):
 
 
 class StrokeTable(NamedTuple):
-    """Strokes of a hole as arrays: the motions that one row of moves stands for."""
+    """Strokes of a hole as arrays: the motions that one row of moves stands for.
+
+    A hole takes ten of them, and a program has thousands of holes that are alike: what they share is kept once.
+    """
 
     offset: Floats
     """(k, 3) from the row's position to the end of each [m]."""
