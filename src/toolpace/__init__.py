@@ -225,7 +225,7 @@ _HOME = {
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
     "TimeLaw": "motion.laws.law",
-    "Tolerances": "programs.tolerances.tolerances",
+    "Tolerances": "programs.tolerances",
     "Tool": "programs.reading.coordinates.setup",
     "ToolPath": "programs.toolpath",
     "ToolpaceError": "common.errors",
