@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from toolpace.programs.reading import Kinematics, apply_feed, read, read_text
     from toolpace.programs.reading.controllers.controller import Controller, Sign
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import Operation, ToolPath
     from toolpace.results.report import report
     from toolpace.results.write.set_up_folder import write_set_up
@@ -221,7 +221,7 @@ _HOME = {
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
     "TimeLaw": "motion.laws.law",
-    "Tolerances": "programs.tolerances.tolerances",
+    "Tolerances": "programs.tolerances",
     "Tool": "programs.reading.coordinates.setup",
     "ToolPath": "programs.toolpath",
     "ToolpaceError": "common.errors",

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.program_plan import FittedProgram, ProgramPlan
     from toolpace.programs.reading import Source
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult
 
@@ -79,7 +79,7 @@ class Job:
 
 def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
     from toolpace.results import write
 
     job = loaded(job)

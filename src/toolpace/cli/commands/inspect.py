@@ -78,7 +78,7 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     """A sheet with all that the programs use, on the machine that they were read for."""
     from toolpace.common.files import write_text
     from toolpace.programs.reading.findings import Used
-    from toolpace.programs.reading.setup_sheet import setup_sheet
+    from toolpace.programs.reading.setup_file import setup_sheet
 
     used = Used()
     for each in found:

@@ -24,7 +24,7 @@ from toolpace.common.files import is_folder
 from toolpace.common.files.tables import TableFile, Tables
 from toolpace.jobs.batch.job import BatchJob
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.dialect import SUFFIXES
+from toolpace.programs.reading.languages import SUFFIXES
 
 FILE = TableFile("file of jobs", longest=10_000_000)
 MOST = 1_000_000
