@@ -27,9 +27,17 @@ from toolpace.programs.reading.gcode.program.blocks import Block
 from toolpace.programs.reading.gcode.program.calls import Calls
 from toolpace.programs.reading.gcode.program.expressions import value_of
 from toolpace.programs.reading.gcode.program.flow import Flow
-from toolpace.programs.reading.gcode.program.increments import LENGTHS, increment
 from toolpace.programs.reading.gcode.program.meanings import GROUP_OF
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
+from toolpace.programs.reading.gcode.program.words import (
+    LENGTHS,
+    Handler,
+    Numbers,
+    RefusedError,
+    WordError,
+    bounded,
+    increment,
+    near_whole,
+)
 from toolpace.programs.reading.gcode.whole_numbers import count_increments, round_values
 from toolpace.programs.reading.options import ReadOptions
 

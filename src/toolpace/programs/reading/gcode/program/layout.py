@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections import defaultdict
 
 from toolpace.programs.reading.gcode.program.statements import O_WORD
-from toolpace.programs.reading.gcode.program.words import WordError
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.source import Source
 
 _LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")
@@ -137,11 +137,11 @@ class Layout:
     def partner_of(self, line: int) -> int:
         """The end of a loop or subprogram that begins in a line, or the beginning of one that ends there.
 
-        Raises WordError where it is not there.
+        Raises BlockError where it is not there.
         """
         found = self.partner.get(line)
         if found is None:
-            raise WordError(
+            raise BlockError(
                 "a loop or subprogram lacks its beginning or its end: write both, with the same number or name"
             )
         return found

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import NoReturn
 
 from toolpace.programs.reading.gcode.program.files import Text
-from toolpace.programs.reading.gcode.program.words import WordError
+from toolpace.programs.reading.language.expressions import BlockError
 
 MOST_REPEATS = 1_000_000
 
@@ -29,7 +29,7 @@ class Loops:
     def following(self, kind: str, text: Text, line: int, value: float) -> int:
         """Index of the line behind an O-word in a line (index), whose condition or count comes to a value.
 
-        Raises WordError.
+        Raises BlockError.
         """
         layout = text.layout
         if kind in ("break", "continue"):
@@ -58,11 +58,11 @@ class Loops:
 
     def _begin_repeat(self, text: Text, line: int, value: float) -> int:
         for _, kind in text.layout.left.get(line, []):
-            raise WordError(f"a {kind.lower()} of a repeat loop stands in it: they are of while and do loops")
+            raise BlockError(f"a {kind.lower()} of a repeat loop stands in it: they are of while and do loops")
         if (text, line) in self.rounds:
             _other("repeat has the rounds that were left when it was left, or called, in its middle")
         if not -MOST_REPEATS <= value <= MOST_REPEATS:
-            raise WordError(f"repeat [{value:g}]: {MOST_REPEATS} rounds are the most")
+            raise BlockError(f"repeat [{value:g}]: {MOST_REPEATS} rounds are the most")
         times = round(value)  # halves to the even one, as LinuxCNC's `round_to_int`
         if times > 0:
             self.rounds[text, line] = times
@@ -83,7 +83,7 @@ class Loops:
         layout = text.layout
         loop = layout.end.get(line)
         if loop is None:
-            raise WordError(f"{kind} stands in no loop of its name: write the loop around it")
+            raise BlockError(f"{kind} stands in no loop of its name: write the loop around it")
         end, of_do = layout.partner_of(loop), loop in layout.do
         if kind == "continue":
             self.continued = line + 1 if of_do else 0
@@ -101,5 +101,5 @@ class Loops:
 
 
 def _other(what: str) -> NoReturn:
-    """Raise WordError where the interpreter goes another way than its manual says."""
-    raise WordError(f"in LinuxCNC's interpreter this {what}: leave loops by their conditions, not in their middle")
+    """Raise BlockError where the interpreter goes another way than its manual says."""
+    raise BlockError(f"in LinuxCNC's interpreter this {what}: leave loops by their conditions, not in their middle")

@@ -1,10 +1,17 @@
-"""Words of a line: comments removed, letters and value texts."""
+"""Words of a line, without its comments: letters, the texts of their numbers, and the least increments of these.
+
+What numbers without a point may count, and what values of expressions are rounded to, are the least increments of the
+increment system IS-B, which both Fanuc ("Increment system") and Haas ("ROUND") have by default.
+"""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Callable
+
+from toolpace.common.units import INCH
+from toolpace.programs.reading.language.expressions import BlockError
 
 NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)"
 _WORD = re.compile(rf"([A-Z])[ \t]*({NUMBER})")
@@ -14,6 +21,7 @@ _COMMENT = re.compile(r"\([^()]*\)")
 _NAME = re.compile(r"[A-Z_][A-Z_]+")
 
 
+WordError = BlockError
 Numbers = dict[str, float]
 """Values of the words of a block, by letter."""
 Handler = Callable[[Numbers, str], None]
@@ -32,11 +40,19 @@ LARGEST = 1e21
 """Most of a number: more is a slip, and would end as infinity; the tangent of 90 degrees is less."""
 
 
-class WordError(ValueError):
-    """A block that cannot be read; the message says where and what to write."""
+LENGTHS = frozenset("XYZABCUVWIJRQ")
+"""Letters whose numbers are lengths or angles, and may count least increments where they have no point."""
+ROUNDED = frozenset("XYZABCUVW")
+"""Axis words: "the value of a variable referenced is automatically rounded according to the least input increment of
+the address" (B-63944EN, "Variables"; Haas has its own example, "ROUND")."""
+OF_ARCS = frozenset("IJKR")
+"""Those of an arc, which count as axis words do."""
+_ANGLE, _IN_INCHES = 0.001, 0.0001
+_HALF = 0.5 + 1e-9
+"""Decimal halves are rounded up, though their binary numbers lie a little below."""
 
 
-class RefusedError(WordError):
+class RefusedError(BlockError):
     """A word that may move something and is not read: the rest of the program can be."""
 
     def __init__(self, word: str, cure: str) -> None:
@@ -48,7 +64,7 @@ def without_comments(line: str, nested: bool = False, closed: bool = False) -> s
     """The block in capitals, without `( )` and `;` comments and outer blanks.
 
     nested: comments may hold comments, and one that is open at the end of the line ends there.
-    closed: that one is an error. Raises WordError.
+    closed: that one is an error. Raises BlockError.
     """
     if "(" in line or ")" in line or ";" in line:
         semicolon = line.find(";")
@@ -60,7 +76,7 @@ def without_comments(line: str, nested: bool = False, closed: bool = False) -> s
             line = _COMMENT.sub(" ", line)
         line = line.split(";", 1)[0]
         if "(" in line or ")" in line:
-            raise WordError("a comment's bracket has no partner: close the comment on its line, and do not nest them")
+            raise BlockError("a comment's bracket has no partner: close the comment on its line, and do not nest them")
     return line.upper().strip()
 
 
@@ -78,14 +94,14 @@ def _outside(line: str, closed: bool) -> str:
         elif not depth:
             kept.append(piece)
     if opened and closed:
-        raise WordError("the comment is open at the end of its line, and may hide all up to the next ): close it")
+        raise BlockError("the comment is open at the end of its line, and may hide all up to the next ): close it")
     return "".join(kept)
 
 
 def bounded(value: float) -> float:
-    """The value; WordError where it is no number, or too large for one."""
+    """The value; BlockError where it is no number, or too large for one."""
     if not -LARGEST <= value <= LARGEST:
-        raise WordError(f"the number {value:g} is too large for any meaning: correct it")
+        raise BlockError(f"the number {value:g} is too large for any meaning: correct it")
     return value
 
 
@@ -132,3 +148,19 @@ def fault(block: str) -> str:
     if rest.strip() == "*":
         return "'*' ends blocks of Heidenhain's DIN/ISO, which is not read: convert it to Klartext on the control"
     return f"'{rest[:1]}' has no meaning in G-code: remove it, or write it as a comment in ( )"
+
+
+def increment(letter: str, unit: float) -> float:
+    """Least increment of a word, in the unit it is written in: mm or inch (`unit` [m]), degrees, mm or inch a minute;
+    of all that count something 1."""
+    inch = unit == INCH
+    if letter in "ABC":
+        return _ANGLE
+    if letter in LENGTHS or letter == "K":
+        return _IN_INCHES if inch else 0.001
+    return 0.01 if letter == "F" and inch else 1.0
+
+
+def rounded(value: float, step: float) -> float:
+    """The multiple of `step` next to a value, of two as near the one farther from zero."""
+    return math.copysign(math.floor(abs(value) / step + _HALF), value) * step

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.flow.memory import Store, Variable
 from toolpace.programs.reading.sinumerik.syntax.blocks import Call
 from toolpace.programs.reading.sinumerik.syntax.expressions import Named
-from toolpace.programs.reading.sinumerik.syntax.values import Value, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Value
 
 
 def values_of(call: Call, memory: Store, *, arrays: bool) -> list[Value | None]:
@@ -24,10 +25,10 @@ def values_of(call: Call, memory: Store, *, arrays: bool) -> list[Value | None]:
 def referred(handed: Variable | None, kind: str, name: str) -> Variable:
     """The variable that a parameter of VAR stands for (Programming Manual Job Planning, "Call by reference").
 
-    Raises ValueFault where something else is handed over, or one of another type.
+    Raises BlockError where something else is handed over, or one of another type.
     """
     if handed is None:
-        raise ValueFault(f"{name} is a parameter of VAR: hand over a variable of DEF, and no value or expression")
+        raise BlockError(f"{name} is a parameter of VAR: hand over a variable of DEF, and no value or expression")
     if handed.kind != kind:
-        raise ValueFault(f"{name} is of type {kind} and stands for a variable of type {handed.kind}: correct one")
+        raise BlockError(f"{name} is of type {kind} and stands for a variable of type {handed.kind}: correct one")
     return handed

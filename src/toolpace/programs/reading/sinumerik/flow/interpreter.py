@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.flow.arguments import referred, values_of
 from toolpace.programs.reading.sinumerik.flow.jumps import Jumps
 from toolpace.programs.reading.sinumerik.flow.memory import Store
@@ -17,7 +18,7 @@ from toolpace.programs.reading.sinumerik.flow.routines import Library, Routine, 
 from toolpace.programs.reading.sinumerik.flow.stack import Frame, Stack, times_of
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block, Call, Flow
 from toolpace.programs.reading.sinumerik.syntax.expressions import Named
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, whole
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, whole
 from toolpace.programs.reading.source import Source
 
 SKIPPED = "/"
@@ -32,10 +33,10 @@ class Actions(Protocol):
         """A block of this line comes next."""
 
     def execute(self, block: Block) -> bool:
-        """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""
+        """Do what a block says; whether it programmed an axis of the path. Raises Unread, BlockError."""
 
     def perform(self, call: Call, arguments: list[Value | None]) -> bool:
-        """Do a cycle or a command with arguments; False where it is none. Raises Unread, ValueFault."""
+        """Do a cycle or a command with arguments; False where it is none. Raises Unread, BlockError."""
 
     modal: tuple[Call, list[Value | None]] | None
     """What MCALL asked for, with its arguments."""
@@ -96,7 +97,7 @@ class Interpreter:
             self.actions.begin(line)
             try:
                 if block.fault:
-                    raise ValueFault(block.fault)
+                    raise BlockError(block.fault)
                 if block.flow is None or block.flow.kind not in DECLARATIONS:
                     frame.begun = frame.begun or bool(head.rest)
                 elif frame.begun and block.flow.kind == "DEF":
@@ -106,7 +107,7 @@ class Interpreter:
                         self._call_of(block.flow)
                 elif self.actions.execute(block) and self.actions.modal is not None and not frame.modal:
                     self._modal_call()
-            except ValueFault as error:
+            except BlockError as error:
                 where = f"{frame.routine.file} line {index + 1}: " if frame.routine.file else ""
                 self.source.fail(where + str(error), line)
             except Unread as error:
@@ -181,13 +182,13 @@ class Interpreter:
         flow = said.block.flow
         if flow is None or flow.kind != "PROC":
             if arguments:
-                raise ValueFault(f"{routine.name} takes no arguments, it has no PROC with parameters: remove them")
+                raise BlockError(f"{routine.name} takes no arguments, it has no PROC with parameters: remove them")
             return
         names = flow.names
         if names[-1] == "SAVE" and len(names) % 2 == 0:
             frame.restore, names = self.actions.saved(), names[:-1]
         if len(arguments) > len(names) // 2:
-            raise ValueFault(f"{routine.name} takes {len(names) // 2} arguments, not {len(arguments)}: correct them")
+            raise BlockError(f"{routine.name} takes {len(names) // 2} arguments, not {len(arguments)}: correct them")
         for k, (kind, name) in enumerate(zip(names[1::2], names[2::2])):
             named = call.arguments[k] if k < len(call.arguments) else None
             handed = (frame.local or {}).get(named.name) if isinstance(named, Named) else None
@@ -195,7 +196,7 @@ class Interpreter:
                 self.memory.local[name] = referred(handed, kind.removeprefix("VAR "), name)
                 continue
             if handed is not None and handed.sizes:
-                raise ValueFault(f"{name} is one value, and is handed an array: write VAR before its type in PROC")
+                raise BlockError(f"{name} is one value, and is handed an array: write VAR before its type in PROC")
             variable = self.memory.define(name, kind.removeprefix("VAR "))
             given = arguments[k] if k < len(arguments) else None
             default = flow.values[k]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.flow.memory import Store
 from toolpace.programs.reading.sinumerik.flow.routines import Routine
 from toolpace.programs.reading.sinumerik.flow.stack import Frame, Stack, times_of
@@ -10,7 +11,6 @@ from toolpace.programs.reading.sinumerik.syntax.values import (
     Compiled,
     Row,
     Value,
-    ValueFault,
     above,
     equal,
     real,
@@ -25,7 +25,7 @@ class Jumps:
         self.stack, self.memory = stack, memory
 
     def apply(self, flow: Flow, frame: Frame, index: int) -> bool:
-        """Carry out a block of flow; False where it is none of these. Raises ValueFault, StructureFault, Unread."""
+        """Carry out a block of flow; False where it is none of these. Raises BlockError, StructureFault, Unread."""
         kind = flow.kind
         if kind in ("GOTOF", "GOTOB", "GOTO", "GOTOC"):
             if self._holds(flow.values):
@@ -60,7 +60,7 @@ class Jumps:
             self._go(target, frame)
         elif kind != "GOTOC":
             direction = {"GOTOF": " below", "GOTOB": " above"}.get(kind, "")
-            raise ValueFault(f"there is no label {label}{direction} to jump to: write it, or correct its name")
+            raise BlockError(f"there is no label {label}{direction} to jump to: write it, or correct its name")
 
     def _go(self, target: int, frame: Frame) -> None:
         while not frame.start <= target < frame.end:
@@ -116,12 +116,12 @@ class Jumps:
         first = frame.routine.target("GOTO" if flow.kind == "CALL BLOCK" else "GOTOB", flow.names[0], index)
         first = frame.routine.target("GOTO", flow.names[0], index) if first is None else first
         if first is None:
-            raise ValueFault(f"there is no label {flow.names[0]} to repeat from: write it, or correct its name")
+            raise BlockError(f"there is no label {flow.names[0]} to repeat from: write it, or correct its name")
         end = first + 1 if flow.kind == "REPEATB label" else index
         if len(flow.names) > 1:
             last = frame.routine.target("GOTOF", flow.names[1], first - 1)
             if last is None:
-                raise ValueFault(f"there is no label {flow.names[1]} behind {flow.names[0]}: write it, or correct it")
+                raise BlockError(f"there is no label {flow.names[1]} behind {flow.names[0]}: write it, or correct it")
             end = last + 1
         elif flow.kind == "REPEAT label":
             end = self._to_end_label(frame.routine, first, index)
@@ -133,7 +133,7 @@ class Jumps:
     def _to_end_label(routine: Routine, first: int, index: int) -> int:
         ends = [place for place in routine.labels.get("ENDLABEL", []) if place > first]
         if ends and routine.read(ends[0])[0].rest.strip():
-            raise ValueFault(
+            raise BlockError(
                 "ENDLABEL: beside other words: whether they are repeated is not told; write it in a block of its own"
             )
         return ends[0] if ends else max(index, first)
@@ -145,10 +145,10 @@ class Jumps:
             sizes = [values.pop(0) for _ in range(int(count))]
             start = values.pop(0)
             if frame.defined.setdefault(name, index) != index:
-                raise ValueFault(f"{name} is defined twice (alarm 12170): remove one DEF of it")
+                raise BlockError(f"{name} is defined twice (alarm 12170): remove one DEF of it")
             made = self.memory.define(name, kind, tuple(whole(size(self.memory)) for size in sizes if size is not None))
             if start is not None:
                 value = start(self.memory)
                 if sizes and not isinstance(value, Row):
-                    raise ValueFault(f"is the value of {name} for all elements, or for the first? Write REP() or SET()")
+                    raise BlockError(f"is the value of {name} for all elements, or for the first? Write REP() or SET()")
                 made.set((0,) * len(sizes), value, name)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.flow.memory import Local
 from toolpace.programs.reading.sinumerik.flow.routines import Routine
-from toolpace.programs.reading.sinumerik.syntax.values import ValueFault
 
 DEEPEST = 60
 """Levels of calls and repetitions."""
@@ -44,19 +44,19 @@ class Stack(list[Frame]):
     """Frames, the one that is executed last."""
 
     def push(self, frame: Frame) -> None:
-        """Go one level deeper. Raises ValueFault."""
+        """Go one level deeper. Raises BlockError."""
         calls = 1 + sum(each.local is not None for each in self)
         if frame.local is not None and calls >= DEEPEST_CALL:
-            raise ValueFault(
+            raise BlockError(
                 f"calls are more than {DEEPEST_CALL} levels deep (alarm 14012): does {frame.routine.name} call itself?"
             )
         if len(self) >= DEEPEST:
-            raise ValueFault(f"calls are more than {DEEPEST} levels deep: does {frame.routine.name} call itself?")
+            raise BlockError(f"calls are more than {DEEPEST} levels deep: does {frame.routine.name} call itself?")
         self.append(frame)
 
 
 def times_of(value: int, name: str) -> int:
     """How often a subprogram or a part is executed."""
     if not 1 <= value <= MOST_TIMES:
-        raise ValueFault(f"{name} P={value}: it can be executed 1 to {MOST_TIMES} times (alarm 14013)")
+        raise BlockError(f"{name} P={value}: it can be executed 1 to {MOST_TIMES} times (alarm 14013)")
     return value

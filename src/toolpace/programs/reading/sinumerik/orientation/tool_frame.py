@@ -10,8 +10,7 @@ from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.frame_functions import cross
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault, cross
 
 BOTH, X_IN_ZX, Y_IN_YZ = "2000", "2001", "2002"
 """Values of $SC_TOFRAME_MODE (SD42980): the new X axis is as far from the old ZX plane as the new Y axis from the old
