@@ -12,8 +12,7 @@ from toolpace.programs.reading.sinumerik.commands import STILL, Commands
 from toolpace.programs.reading.sinumerik.compensation import SUPPRESSION
 from toolpace.programs.reading.sinumerik.contour.polar import set_pole
 from toolpace.programs.reading.sinumerik.feed_words import FeedWords
-from toolpace.programs.reading.sinumerik.flow.arguments import values_of
-from toolpace.programs.reading.sinumerik.flow.interpreter import Interpreter
+from toolpace.programs.reading.sinumerik.flow.interpreter import Interpreter, values_of
 from toolpace.programs.reading.sinumerik.frames import PROGRAMMED
 from toolpace.programs.reading.sinumerik.groups import fault_of
 from toolpace.programs.reading.sinumerik.motion import AXES, OF_ARCS
