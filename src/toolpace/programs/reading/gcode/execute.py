@@ -27,8 +27,8 @@ from toolpace.programs.reading.gcode.program.blocks import Block
 from toolpace.programs.reading.gcode.program.calls import Calls
 from toolpace.programs.reading.gcode.program.expressions import value_of
 from toolpace.programs.reading.gcode.program.flow import Flow
-from toolpace.programs.reading.gcode.program.meanings import GROUP_OF
 from toolpace.programs.reading.gcode.program.words import (
+    GROUP_OF,
     LENGTHS,
     Handler,
     Numbers,

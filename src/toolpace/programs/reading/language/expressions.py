@@ -242,7 +242,14 @@ def remainder(a: float, b: float) -> float:
 
 
 _remainder = checked("the remainder", math.fmod)
-power = checked("the power", math.pow)
+
+
+def power(a: float, b: float) -> float:
+    """a to the power of b. Raises BlockError."""
+    try:
+        return math.pow(a, b)
+    except (ArithmeticError, ValueError):
+        raise BlockError(f"{a:g} to the power of {b:g} is no number: check the expression and its variables") from None
 
 
 def half_away_from_zero(value: float) -> float:

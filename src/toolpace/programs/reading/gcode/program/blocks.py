@@ -10,13 +10,17 @@ from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.program import alarms
 from toolpace.programs.reading.gcode.program.alarms import Alarm
 from toolpace.programs.reading.gcode.program.expressions import Grammar, Node, Parser, Reference
-from toolpace.programs.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict, last_of_groups
 from toolpace.programs.reading.gcode.program.statements import Statement, refuse_unknown_o_word, statement
 from toolpace.programs.reading.gcode.program.words import (
+    ORDER,
     ROUND_HANDED_OVER,
+    Action,
+    Vocabulary,
     bounded,
+    conflict,
     decimal_comma,
     fault,
+    last_of_groups,
     near_whole,
     plain_words,
     without_comments,

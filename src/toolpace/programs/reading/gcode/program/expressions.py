@@ -291,7 +291,7 @@ class Parser(TextParser[Node]):
     def _arc_tangent(self, arguments: list[Node]) -> Node:
         """ATAN[a]/[b], ATAN[a]; Fanuc has ATAN[a,b] too (B-64304EN, "Arithmetic and logic operation")."""
         if not self.grammar.bits or len(arguments) != 2:
-            if not self.grammar.strict and self.symbol() != "/":
+            if len(arguments) != 1 or (not self.grammar.strict and self.symbol() != "/"):
                 return self.call("ATAN", arguments)
             self.need("/")
             self.need("[")
