@@ -21,9 +21,10 @@ from typing import ClassVar, Generic, TypeVar, cast
 
 from toolpace.common.units import DEGREE
 
-Node = TypeVar("Node")
-"""A number, or a function of what holds the variables."""
 Function = Callable[..., object]
+Node = TypeVar("Node", bound=float | Function)
+"""A number, or a function of what holds the variables."""
+NONE: tuple[int, Function] = (0, lambda: None)
 
 
 class BlockError(ValueError):
@@ -39,90 +40,87 @@ class ExpressionParser(ABC, Generic[Node]):
     """How many arguments each takes, and what it makes of them."""
     signs: Mapping[str, Function | None] = {"-": operator.neg, "+": None}
     """What stands before a value; None where the value stays as it is."""
-    brackets: ClassVar[tuple[str, str]] = ("(", ")")
+    bracketed: ClassVar[frozenset[str]] = frozenset()
+    """Operators that need brackets behind a sign, a function or themselves: which goes first is not said."""
+    opening, closing = "(", ")"
     deepest: ClassVar[int] = 60
     """Brackets, functions and signs within each other: more is no expression that anybody wrote."""
     longest: ClassVar[int] = 500
     """Operators that one parser reads, since values of long sums are worked out from within."""
     cure: ClassVar[str] = "write a number, a variable or an expression"
     """Where a value is missing."""
-
-    def __init__(self) -> None:
-        self.depth = self.length = 0
-
-    @abstractmethod
-    def symbol(self) -> str:
-        """The next token where it can be a mark or the name of an operator, without taking it; else empty."""
+    symbol: str
+    """The next token where it can be a mark or the name of an operator, else empty."""
+    depth = length = 0
+    """Of what is being read."""
 
     @abstractmethod
     def step(self) -> None:
-        """Go past the symbol."""
+        """Go past the next token."""
 
     @abstractmethod
     def found(self) -> str:
-        """What comes next, in messages."""
+        """The next token, in messages."""
 
     @abstractmethod
     def operand(self) -> Node:
         """A value that begins with neither sign nor bracket: a number, a variable, a function."""
 
-    def operator(self) -> str:
-        """The symbol behind a value."""
-        return self.symbol()
-
-    def go_past(self, name: str) -> None:
-        """Go past an operator. Raises BlockError where there are too many."""
-        self.length += 1
-        if self.length > self.longest:
-            raise BlockError(f"more than {self.longest} operators in an expression: split it")
-        self.step()
-
-    def joined(self, name: str, left: Node, right: Node) -> Node:
-        """The node of an operator."""
-        return joined(self.operators[name][1], left, right)
-
     def expression(self, least: int = 0) -> Node:
         """Values joined by operators that bind more than `least`. Raises BlockError."""
+        before = self.symbol
         left = self.value()
         while True:
-            name = self.operator()
-            binding = self.operators[name][0] if name in self.operators else 0
+            name = self.symbol
+            binding, function = self.operators.get(name, NONE)
             if binding <= least:
                 return left
-            self.go_past(name)
-            left = self.joined(name, left, self.expression(binding))
+            if name in self.bracketed and (before == name or before in self.signs or before in self.functions):
+                raise BlockError(f"{name} needs brackets here: which part goes first is not said")
+            self.length += 1
+            if self.length > self.longest:
+                raise BlockError(f"more than {self.longest} operators in an expression: split it")
+            self.step()
+            left = self.joined(name, function, left, self.expression(binding))
+            before = name
 
     def value(self) -> Node:
         """An operand or an expression in brackets, with signs before it. Raises BlockError."""
         self.depth += 1
         if self.depth > self.deepest:
             raise BlockError(f"more than {self.deepest} brackets and signs within each other: split the expression")
-        symbol = self.symbol()
-        if symbol in self.signs:
+        symbol = self.symbol
+        if symbol == self.opening:
+            self.step()
+            made = self.expression()
+            self.need(self.closing)
+        elif symbol in self.signs:
             self.step()
             function, made = self.signs[symbol], self.value()
             if function is not None:
-                made = applied(function, made)
-        elif symbol == self.brackets[0]:
-            self.step()
-            made = self.expression()
-            self.need(self.brackets[1])
+                made = cast(Node, compiled(function, made))
         else:
             made = self.operand()
         self.depth -= 1
         return made
 
-    def passes(self, mark: str) -> bool:
-        """Go past this mark, if it is next."""
-        if self.symbol() != mark:
-            return False
-        self.step()
-        return True
+    def joined(self, name: str, function: Function, left: Node, right: Node) -> Node:
+        """The node of an operator."""
+        if isinstance(left, float):
+            if isinstance(right, float):
+                return cast(Node, function(left, right))
+            return cast(Node, lambda variables: function(left, right(variables)))
+        if isinstance(right, float):
+            return cast(Node, lambda variables: function(left(variables), right))
+        return cast(Node, lambda variables: function(left(variables), right(variables)))
 
-    def need(self, mark: str) -> None:
-        """Go past this mark. Raises BlockError where another token is next."""
-        if not self.passes(mark):
-            raise BlockError(f"'{mark}' is missing before {self.found()}: write it there")
+    def call(self, name: str, arguments: list[Node]) -> Node:
+        """The node of a function. Raises BlockError where it takes another number of arguments."""
+        count, function = self.functions[name]
+        if len(arguments) != count:
+            plural = "" if count == 1 else "s"
+            raise BlockError(f"{name} takes {count} argument{plural}, not {len(arguments)}: correct them")
+        return cast(Node, compiled(function, *arguments))
 
     def enumerated(self, closing: str) -> list[Node]:
         """Expressions between commas, up to the closing mark, which is passed. Raises BlockError."""
@@ -132,13 +130,17 @@ class ExpressionParser(ABC, Generic[Node]):
         self.need(closing)
         return made
 
-    def call(self, name: str, arguments: list[Node]) -> Node:
-        """The node of a function. Raises BlockError where it takes another number of arguments."""
-        count, function = self.functions[name]
-        if len(arguments) != count:
-            plural = "" if count == 1 else "s"
-            raise BlockError(f"{name} takes {count} argument{plural}, not {len(arguments)}: correct them")
-        return applied(function, *arguments)
+    def passes(self, mark: str) -> bool:
+        """Go past this mark, if it is next."""
+        if self.symbol != mark:
+            return False
+        self.step()
+        return True
+
+    def need(self, mark: str) -> None:
+        """Go past this mark. Raises BlockError where another token is next."""
+        if not self.passes(mark):
+            raise BlockError(f"'{mark}' is missing before {self.found()}: write it there")
 
     def missing(self) -> BlockError:
         """The error where no value begins."""
@@ -146,34 +148,29 @@ class ExpressionParser(ABC, Generic[Node]):
 
 
 class TextParser(ExpressionParser[Node]):
-    """Takes its tokens out of a text, as they are asked for."""
+    """Takes its tokens out of a text, one ahead."""
 
     token: ClassVar[re.Pattern[str]]
-    """One token, as a group with the name of its kind; those of the kind `number` and `name` are no symbols."""
+    """One token, as a group with the name of its kind."""
 
     def __init__(self, text: str, at: int = 0) -> None:
-        super().__init__()
-        self.text, self.at = text, at
+        self.text = text
+        self.go_to(at)
+
+    def go_to(self, at: int) -> None:
+        """Look at the token behind a place; kind and symbol are empty where there is none."""
         self.end = at
-        """Where the token that was looked at last ends."""
-
-    def peek(self) -> tuple[str, str]:
-        """Kind and text of the next token, without taking it; both are empty where none is."""
-        match = self.token.match(self.text, self.at)
-        if match is None:
-            return "", ""
-        self.end = match.end()
-        kind = cast(str, match.lastgroup)
-        return kind, match[kind]
-
-    def symbol(self) -> str:
-        """Any token but numbers."""
-        kind, text = self.peek()
-        return "" if kind == "number" else text
+        self.step()
 
     def step(self) -> None:
-        """Go behind the token that was looked at last."""
-        self.at = self.end
+        """Go past the next token."""
+        self.at = at = self.end
+        match = self.token.match(self.text, at)
+        if match is None:
+            self.kind = self.symbol = ""
+        else:
+            self.kind = kind = match.lastgroup or ""
+            self.symbol, self.end = match[kind], match.end()
 
     def found(self) -> str:
         """The text that is left."""
@@ -181,29 +178,15 @@ class TextParser(ExpressionParser[Node]):
         return f"'{rest}'" if rest else "the end of the block"
 
 
-def joined(function: Function, left: Node, right: Node) -> Node:
-    """The node of a function of two nodes; a number where both are."""
-    first, second = cast(Function, left), cast(Function, right)
-    if isinstance(left, float):
-        if isinstance(right, float):
-            return cast(Node, function(left, right))
-        return cast(Node, lambda variables: function(left, second(variables)))
-    if isinstance(right, float):
-        return cast(Node, lambda variables: function(first(variables), right))
-    return cast(Node, lambda variables: function(first(variables), second(variables)))
-
-
-def applied(function: Function, *nodes: Node) -> Node:
+def compiled(function: Function, *nodes: float | Function) -> object:
     """The node of a function of nodes; a number where all of them are."""
-    if len(nodes) == 2:
-        return joined(function, *nodes)
-    if all(isinstance(node, float) for node in nodes):
-        return cast(Node, function(*nodes))
     if len(nodes) == 1:
-        inner = cast(Function, nodes[0])
-        return cast(Node, lambda variables: function(inner(variables)))
-    values = [cast(Function, constant(node) if isinstance(node, float) else node) for node in nodes]
-    return cast(Node, lambda variables: function(*[value(variables) for value in values]))
+        node = nodes[0]
+        return function(node) if isinstance(node, float) else lambda variables: function(node(variables))
+    if all(isinstance(node, float) for node in nodes):
+        return function(*nodes)
+    values = [constant(node) if isinstance(node, float) else node for node in nodes]
+    return lambda variables: function(*[value(variables) for value in values])
 
 
 def constant(value: object) -> Callable[[object], object]:
@@ -214,15 +197,14 @@ def constant(value: object) -> Callable[[object], object]:
 # What numbers come to
 
 
-def checked(name: str, function: Callable[..., float]) -> Callable[..., float]:
-    """A function that raises BlockError where it has no value."""
+def checked(name: str, function: Callable[[float], float]) -> Callable[[float], float]:
+    """A function of one number that raises BlockError where it has no value."""
 
-    def run(*values: float) -> float:
+    def run(value: float) -> float:
         try:
-            return float(function(*values))
+            return function(value)
         except (ArithmeticError, ValueError):
-            shown = " and ".join(f"{value:g}" for value in values)
-            raise BlockError(f"{name} of {shown} is no number: check the expression and its variables") from None
+            raise BlockError(f"{name} of {value:g} is no number: check the expression and its variables") from None
 
     return run
 
@@ -238,10 +220,9 @@ def remainder(a: float, b: float) -> float:
     """What is left of a behind whole times b, with the sign of a. Raises BlockError."""
     if b == 0.0:
         raise BlockError("a remainder of a division by zero: check the expression and its variables")
-    return _remainder(a, b)
-
-
-_remainder = checked("the remainder", math.fmod)
+    if math.isinf(a):
+        raise BlockError(f"a remainder of {a:g} is no number: check the expression and its variables")
+    return math.fmod(a, b)
 
 
 def power(a: float, b: float) -> float:
@@ -262,7 +243,7 @@ def away_from_zero(value: float) -> float:
     return math.copysign(math.ceil(abs(value)), value)
 
 
-_OF_ONE: Mapping[str, Callable[..., float]] = {
+_OF_ONE: Mapping[str, Callable[[float], float]] = {
     "SIN": lambda x: math.sin(x * DEGREE),
     "COS": lambda x: math.cos(x * DEGREE),
     "TAN": lambda x: math.tan(x * DEGREE),

@@ -243,7 +243,7 @@ class Compiler:
             if letter == "#" or (indexed and letter == self.letter and indexed[2]):
                 self._assignment(block, parser)
             elif letter == ",":
-                parser.at = at + 2
+                parser.go_to(at + 2)
                 self._corner(block, text[at : at + 2], parser.value())
                 if text[at + 2 : parser.at].strip().isdigit():
                     whole.append(text[at : at + 2])
@@ -251,7 +251,7 @@ class Compiler:
                 raise BlockError(fault(text[at:]))
             else:
                 key = letter if indexed is None else indexed[1] + indexed[2]
-                parser.at = at + 1 if indexed is None else indexed.end()
+                parser.go_to(at + 1 if indexed is None else indexed.end())
                 if indexed is None and parser.lacks_value():
                     raise BlockError(fault(text[at:]))
                 parser.address = "" if (macro := block.calls_macro) else key
@@ -278,12 +278,12 @@ class Compiler:
         equals = _EQUALS.match(parser.text, parser.at)
         if equals is None:
             raise BlockError("a variable at the beginning of a block is set: write = and a value behind it")
-        parser.at = equals.end()
+        parser.go_to(equals.end())
         if not self.rs274:
             block.assignments.append((reference, parser.expression()))
             return
         block.assignments.append((reference, parser.value()))
-        if parser.symbol() in parser.operators:
+        if parser.symbol in parser.operators:
             raise BlockError(f"'{parser.text[parser.at :].strip()[:20]}' stands behind a value: write sums in [ ]")
 
     def _word(self, block: Block, key: str, node: Node, *, reckoned: bool = False) -> None:

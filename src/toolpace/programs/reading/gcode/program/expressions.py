@@ -25,7 +25,6 @@ from toolpace.programs.reading.language.expressions import (
     checked,
     divided,
     half_away_from_zero,
-    joined,
     power,
     remainder,
 )
@@ -124,8 +123,8 @@ def _round_of_integers(value: float) -> float:
 FUNCTIONS: Functions = {
     **expressions.FUNCTIONS,
     "SQR": (1, checked("SQR", math.sqrt)),
-    "FIX": (1, checked("FIX", math.floor)),
-    "FUP": (1, checked("FUP", math.ceil)),
+    "FIX": (1, checked("FIX", lambda a: float(math.floor(a)))),
+    "FUP": (1, checked("FUP", lambda a: float(math.ceil(a)))),
     "ROUND": (1, checked("ROUND", half_away_from_zero)),
     OF_TWO: (2, lambda a, b: math.atan2(a, b) / DEGREE),
 }
@@ -141,7 +140,7 @@ LONG: Functions = {
 }
 """As LinuxCNC's interpreter reckons them, with its long number pi: the cosine of 90 degrees has another sign."""
 MACRO_B: Functions = {
-    "FIX": (1, checked("FIX", math.trunc)),
+    "FIX": (1, checked("FIX", lambda a: float(math.trunc(a)))),
     "FUP": (1, checked("FUP", away_from_zero)),
     "POW": (2, power),
 }
@@ -215,9 +214,10 @@ class Parser(TextParser[Node]):
     """Reads values and expressions of one block from a place on."""
 
     token = re.compile(
-        r"[ \t]*+(?:(?P<number>[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|(?P<name>[A-Z]++)|(?P<mark>\*\*|[-+*/\[\]#<,]))"
+        r"[ \t]*+(?:(?P<number>[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)|(?P<operator>AND|OR|XOR|MOD|EQ|NE|G[TE]|L[TE])"
+        r"|(?P<name>[A-Z]++)|(?P<mark>\*\*|[-+*/\[\]#<,]))"
     )
-    brackets = ("[", "]")
+    opening, closing = "[", "]"
     cure = "write a number, # or [ ]"
 
     def __init__(self, text: str, at: int = 0, *, grammar: Grammar) -> None:
@@ -227,46 +227,31 @@ class Parser(TextParser[Node]):
         self.address = ""
         """The letter of the word whose value is read, to whose least increment ROUND then rounds (Custom Macro B)."""
 
-    def operator(self) -> str:
-        """The symbol; of letters that begin with an operator that operator, since no blank need follow it."""
-        kind, text = self.peek()
-        if kind == "name" and text not in self.operators:
-            for name in self.operators:
-                if text.startswith(name) and name.isalpha():
-                    self.end -= len(text) - len(name)
-                    return name
-        return text
-
     def lacks_value(self) -> bool:
         """Whether no value begins here."""
-        kind, text = self.peek()
-        if kind == "name":
-            return "[" not in self.text[self.end : self.end + 3] and text != self.grammar.letter
-        return not kind or text in ("]", "/", "*", "**", "<")
+        if self.kind in ("name", "operator"):
+            return "[" not in self.text[self.end : self.end + 3] and self.symbol != self.grammar.letter
+        return not self.kind or self.symbol in ("]", "/", "*", "**", "<")
 
     def operand(self) -> Node:
         """A number, a variable, or a function of values in brackets."""
-        kind, text = self.peek()
-        if kind == "number":
-            self.step()
-            return bounded(float(text))
-        if kind == "name":
-            self.step()
-            return self._named(text)
-        if text != "#":
+        kind, symbol = self.kind, self.symbol
+        if kind != "number" and kind != "name" and symbol != "#":
             raise self.missing()
         self.step()
-        return self._reference()
+        if kind == "number":
+            return bounded(float(symbol))
+        return self._named(symbol) if kind == "name" else self._reference()
 
-    def joined(self, name: str, left: Node, right: Node) -> Node:
+    def joined(self, name: str, function: Callable[..., object], left: Node, right: Node) -> Node:
         """The node of an operator; to Fanuc an empty variable is equal to an empty one only, not to zero."""
         if not self.grammar.bits or name not in ("EQ", "NE"):
-            return joined(self.operators[name][1], left, right)
+            return super().joined(name, function, left, right)
         wanted = name == "EQ"
         return lambda variables: float((value_of(left, variables) == value_of(right, variables)) == wanted)
 
     def _named(self, name: str) -> Node:
-        if name == self.grammar.letter and self.peek()[0] == "number":
+        if name == self.grammar.letter and self.kind == "number":
             number = self.value()
             assert isinstance(number, float)
             return Reference(whole(number, f"the number behind {name}"))
@@ -291,7 +276,7 @@ class Parser(TextParser[Node]):
     def _arc_tangent(self, arguments: list[Node]) -> Node:
         """ATAN[a]/[b], ATAN[a]; Fanuc has ATAN[a,b] too (B-64304EN, "Arithmetic and logic operation")."""
         if not self.grammar.bits or len(arguments) != 2:
-            if len(arguments) != 1 or (not self.grammar.strict and self.symbol() != "/"):
+            if len(arguments) != 1 or (not self.grammar.strict and self.symbol != "/"):
                 return self.call("ATAN", arguments)
             self.need("/")
             self.need("[")
@@ -315,11 +300,11 @@ class Parser(TextParser[Node]):
 
     def _reference(self) -> Reference:
         """What stands behind #."""
-        if self.symbol() == "<":
+        if self.symbol == "<":
             match = _NAME.match(self.text, self.end)
             if match is None:
                 raise BlockError("the name of a variable must end with '>': write it like #<depth>")
-            self.at = match.end()
+            self.go_to(match.end())
             return Reference("".join(match[0][:-1].split()))
         inner = self.value()
         if isinstance(inner, float):

@@ -73,7 +73,7 @@ def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assi
 
 def _o_word(name: str, kind: str, parser: Parser) -> Statement:
     values: list[Node] = []
-    while parser.peek()[1] == "[":
+    while parser.symbol == "[":
         values.append(parser.value())
     if kind in _CONDITIONS and len(values) != 1:
         raise BlockError(f"{kind} takes one value in [ ]: write it like o100 {kind} [#1 LT 5]")
@@ -92,7 +92,7 @@ def _computed_call(parser: Parser) -> Statement:
     match = _CALL.match(parser.text, parser.at)
     if match is None:
         raise BlockError("a label that is reckoned can be called, and nothing else: write a number or a name behind O")
-    parser.at = match.end()
+    parser.go_to(match.end())
     return _o_word("", "call", parser)._replace(number=number)
 
 
@@ -112,14 +112,14 @@ def _macro(kind: str, text: str, parser: Parser, assignments: Assignments) -> St
     condition = parser.expression()
     parser.need("]")
     rest = text[parser.at :].lstrip()
-    parser.at = len(text) - len(rest)
+    parser.go_to(len(text) - len(rest))
     if kind == "WHILE":
         if not rest.startswith("DO"):
             raise BlockError("DO is missing behind WHILE [ ]: write it like WHILE [#1 LT 5] DO1")
-        parser.at += 2
+        parser.go_to(parser.at + 2)
         return Statement("while do", str(_loop(parser)), condition)
     if rest.startswith("GOTO"):
-        parser.at += 4
+        parser.go_to(parser.at + 4)
         return Statement("if goto", value=condition, label=_last(parser))
     if rest.startswith("THEN"):
         return Statement("if then", value=condition, assignments=tuple(assignments(rest[4:].strip())))

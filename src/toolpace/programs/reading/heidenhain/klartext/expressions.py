@@ -20,7 +20,6 @@ from toolpace.programs.reading.language.expressions import (
     TextParser,
     checked,
     divided,
-    joined,
     power,
     remainder,
 )
@@ -46,7 +45,7 @@ FUNCTIONS = {
             "COS": lambda x: _sine(x + 90.0) if x % 90.0 == 0.0 else math.cos(x * DEGREE),
             "LOG": math.log10,
             "NEG": operator.neg,
-            "INT": math.trunc,
+            "INT": lambda x: float(math.trunc(x)),
             "FRAC": lambda x: x - math.trunc(x),
             "SGN": lambda x: float((x > 0.0) - (x < 0.0)),
         }.items()
@@ -70,15 +69,16 @@ def formula(text: str, parameters: Parameters) -> Value:
     """A formula as a number, or as a function of none. Raises BlockError; so does the function, and UnsetError."""
     parser = _Parser(text)
     made = parser.expression()
-    parser.end_here()
+    if parser.at < len(text) and text[parser.at :].strip():
+        raise BlockError(f"{parser.found()} stands where the formula should end: check its brackets and spelling")
     if isinstance(made, float):
         return made
-    value, shown = made, text.strip()[:40]
+    value = made
 
     def run() -> float:
         found = value(parameters)
         if not math.isfinite(found):
-            raise BlockError(f"the formula {shown} grows without end: check its figures")
+            raise BlockError(f"the formula {text.strip()[:40]} grows without end: check its figures")
         return found
 
     return run
@@ -94,46 +94,20 @@ class _Parser(TextParser[Node]):
         r"\s*(?:(?P<number>[0-9]+[.,]?[0-9]*|[.,][0-9]+)|(?P<name>Q[LR]?[0-9]+)|(?P<mark>[-+*/^%()])"
         r"|(?P<word>[A-Z]+?(?=Q[LR]?[0-9]|[^A-Z]|$)))"
     )
-    operators, functions = OPERATORS, FUNCTIONS
+    operators, functions, bracketed = OPERATORS, FUNCTIONS, frozenset("^")
     longest = 200
     cure = "write a number, a Q parameter or a function"
 
-    def __init__(self, text: str) -> None:
-        super().__init__(text)
-        self.open = False
-        """Whether a sign, a function or `^` is the outermost part of what was read last."""
-
-    def end_here(self) -> None:
-        """Raise BlockError where anything follows."""
-        if self.text[self.at :].strip():
-            raise BlockError(f"{self.found()} stands where the formula should end: check its brackets and spelling")
-
-    def go_past(self, name: str) -> None:
-        """Go past an operator."""
-        if name == "^" and self.open:
-            raise BlockError("^ needs brackets here: which part goes first is not said")
-        super().go_past(name)
-
-    def joined(self, name: str, left: Node, right: Node) -> Node:
-        """The node of an operator."""
-        self.open = name == "^"
-        return joined(self.operators[name][1], left, right)
-
-    def value(self) -> Node:
-        """An operand or an expression in brackets, with signs before it."""
-        symbol = self.symbol()
-        made = super().value()
-        self.open = symbol in self.signs or symbol in self.functions
-        return made
-
     def operand(self) -> Node:
         """A number, a parameter, or a function of what stands behind its name."""
-        kind, text = self.peek()
-        if kind not in ("number", "name") and text != "PI" and text not in self.functions:
+        kind, symbol = self.kind, self.symbol
+        if kind == "number":
+            self.step()
+            return number(symbol)
+        if kind == "name":
+            self.step()
+            return lambda parameters: parameters.get(symbol)
+        if symbol != "PI" and symbol not in self.functions:
             raise self.missing()
         self.step()
-        if kind == "number":
-            return number(text)
-        if kind == "name":
-            return lambda parameters: parameters.get(text)
-        return math.pi if text == "PI" else self.call(text, [self.value()])
+        return math.pi if symbol == "PI" else self.call(symbol, [self.value()])

@@ -108,7 +108,7 @@ def flow_block(parser: Parser) -> Flow | None:
         return None
     kind = token.text
     if kind in SYNCHRONOUS and (kind not in ("ID", "IDS") or parser.tokens[1].text == "="):
-        parser.at = len(parser.tokens) - 1
+        parser.go_to(len(parser.tokens) - 1)
         return Flow("synchronous action")
     reading = _READERS.get(kind)
     if reading is None:
@@ -284,7 +284,7 @@ def _sizes(parser: Parser) -> None:
 
 
 def _passed(parser: Parser, kind: str) -> Flow:
-    parser.at = len(parser.tokens) - 1
+    parser.go_to(len(parser.tokens) - 1)
     return Flow(kind)
 
 

@@ -23,7 +23,6 @@ from toolpace.programs.reading.sinumerik.syntax.lexer import (
     NAME,
     NUMBER,
     SIGN,
-    SYSTEM,
     TEXT,
     WORD,
     Token,
@@ -44,13 +43,9 @@ from toolpace.programs.reading.sinumerik.syntax.values import (
 )
 
 
-def _number_function(function: Callable[..., float]) -> Callable[..., float]:
-    """Of values, which have to be numbers."""
-    return lambda *values: function(*map(real, values))
-
-
-def _quotient(a: Value, b: Value) -> float:
-    return divided(real(a), real(b))
+def _of_reals(count: int, function: Callable[..., float]) -> Callable[..., float]:
+    """A function of values, which have to be numbers."""
+    return (lambda value: function(real(value))) if count == 1 else (lambda *values: function(*map(real, values)))
 
 
 def _chain(a: Value, b: Value) -> Value:
@@ -61,8 +56,8 @@ def _chain(a: Value, b: Value) -> Value:
 
 OPERATIONS: dict[str, tuple[int, Callable[[Value, Value], Value]]] = {
     "*": (90, lambda a, b: real(a) * real(b)),
-    "/": (90, _quotient),
-    "DIV": (90, lambda a, b: math.trunc(real(_quotient(a, b)))),
+    "/": (90, lambda a, b: divided(real(a), real(b))),
+    "DIV": (90, lambda a, b: math.trunc(real(divided(real(a), real(b))))),
     "MOD": (90, lambda a, b: remainder(real(a), real(b))),
     ":": (90, _chain),
     "+": (80, lambda a, b: real(a) + real(b)),
@@ -100,7 +95,7 @@ _OF_NUMBERS: dict[str, tuple[int, Callable[..., float]]] = {
     "MAXVAL": (2, max),
     "BOUND": (3, lambda low, high, x: min(max(x, low), high)),
 }
-FUNCTIONS = {name: (count, _number_function(function)) for name, (count, function) in _OF_NUMBERS.items()}
+FUNCTIONS = {name: (count, _of_reals(count, function)) for name, (count, function) in _OF_NUMBERS.items()}
 """How many arguments each function takes, and what it is; angles are in degrees (NC Programming, 2.15)."""
 CONSTANTS: dict[str, Value] = {
     "TRUE": True,
@@ -140,28 +135,24 @@ class Parser(ExpressionParser[Compiled]):
     deepest = 40
 
     def __init__(self, tokens: list[Token]) -> None:
-        super().__init__()
-        self.tokens, self.at = tokens, 0
+        self.tokens = tokens
+        self.go_to(0)
 
-    @property
-    def token(self) -> Token:
-        """The next token."""
-        return self.tokens[self.at]
+    def go_to(self, at: int) -> None:
+        """Let this token be the next."""
+        self.at, self.token = at, self.tokens[at]
+        self.symbol = "" if self.token.kind == TEXT else self.token.text
+
+    def step(self) -> None:
+        """Go past the next token."""
+        self.go_to(self.at + 1)
 
     def take(self) -> Token:
         """The next token, which is passed."""
-        token = self.tokens[self.at]
-        self.at += token.kind != END
+        token = self.token
+        if token.kind != END:
+            self.step()
         return token
-
-    def symbol(self) -> str:
-        """A sign or a name."""
-        token = self.tokens[self.at]
-        return token.text if token.kind in (SIGN, NAME) else ""
-
-    def step(self) -> None:
-        """Go past the token."""
-        self.at += 1
 
     def found(self) -> str:
         """The next token, in messages."""
@@ -198,7 +189,10 @@ class Parser(ExpressionParser[Compiled]):
 
     def operand(self) -> Compiled:
         """A number, a text, a variable, or a function."""
-        token = self.take()
+        token = self.token
+        if token.kind in (SIGN, END):
+            raise self.missing()
+        self.step()
         if token.kind == NUMBER:
             return literal(int(token.value)) if token.marked else constant(token.value)
         if token.kind == TEXT:
@@ -207,10 +201,7 @@ class Parser(ExpressionParser[Compiled]):
             return self._parameter(token)
         if token.kind == NAME:
             return self._named(token.text)
-        if token.kind == SYSTEM:
-            return _system(token.text, self.enumerated("]") if self.passes("[") else [])
-        self.at -= token.kind != END
-        raise self.missing()
+        return _system(token.text, self.enumerated("]") if self.passes("[") else [])
 
     def _parameter(self, token: Token) -> Compiled:
         if token.text == "R" and self.passes("["):
