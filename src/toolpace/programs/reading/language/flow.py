@@ -149,5 +149,5 @@ class CallStack(list[SomeFrame]):
 def times(value: float, word: str, most: int, note: str = "", least: int = 1) -> int:
     """How often something is executed. Raises BlockError."""
     if not least <= value <= most or value != int(value):
-        raise BlockError(f"{word}{value:g} counts how often: write a whole number from {least} to {most}{note}")
+        raise BlockError(f"{word}{value:g} is no number of times: write a whole number from {least} to {most}{note}")
     return int(value)

@@ -12,7 +12,7 @@ from toolpace.programs.reading.sinumerik.flow.routines import Routine
 from toolpace.programs.reading.sinumerik.syntax.blocks import Flow
 from toolpace.programs.reading.sinumerik.syntax.values import Compiled, Row, Value, above, equal, real, whole
 
-DEEPEST = {CALL: (15, " (alarm 14012: 16 levels with the main program)"), "": (59, "")}
+DEEPEST = {CALL: (15, " (alarm 14012: 16 levels with the main program)"), "": (59, " (60 levels with the main program)")}
 """Calls within each other (Job Planning, "Subprogram nesting"), and with repetitions."""
 MOST_TIMES, TIMES_ALARM = 9999, " (alarm 14013)"
 """Of P."""
@@ -147,7 +147,7 @@ class Jumps:
         if first < end:
             part = Frame(kind=PART, next=first, begin=first, end=end, again=again, routine=frame.routine)
             part.modal, part.called_at = frame.modal, frame.called_at
-            self.stack.enter(part, frame.routine.name)
+            self.stack.enter(part, frame.routine.name or "the program")
 
     @staticmethod
     def _to_end_label(routine: Routine, first: int, index: int) -> int:
