@@ -12,8 +12,8 @@ from toolpace.programs.reading.sinumerik.flow.routines import Routine
 from toolpace.programs.reading.sinumerik.syntax.blocks import Flow
 from toolpace.programs.reading.sinumerik.syntax.values import Compiled, Row, Value, above, equal, real, whole
 
-DEEPEST = {CALL: (15, " (alarm 14012: 16 levels with the main program)"), "": (59, " (60 levels with the main program)")}
-"""Calls within each other (Job Planning, "Subprogram nesting"), and with repetitions."""
+DEEPEST = {CALL: (15, " (alarm 14012)"), "": (59, "")}
+"""Calls within each other (Job Planning, "Subprogram nesting": 16 levels with the main program), and with repetitions."""
 MOST_TIMES, TIMES_ALARM = 9999, " (alarm 14013)"
 """Of P."""
 
