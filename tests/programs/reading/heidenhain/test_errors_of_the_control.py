@@ -18,7 +18,7 @@ ENDED = {
     "Label number allocated": ("LBL 1\nL X+1\nLBL 0\nLBL 1\nL X+2\nLBL 0", "stands twice"),
     "Label number not found": ("CALL LBL 7", "no LBL 7"),
     "Jump to label 0 not permitted": ("CALL LBL 0", "no LBL 0"),
-    "Excessive subprogramming": (CHAIN + "LBL 20\nL IX+1\nLBL 0", "more than 19 calls of subprograms"),
+    "Excessive subprogramming": (CHAIN + "LBL 20\nL IX+1\nLBL 0", "more than 19 deep"),
     "Angle reference missing": ("CC X+5 Y+0\nCP DR+", "CP needs the angle"),
     "Circle centre undefined": ("C X+10 Y+10 DR+", "no CC before"),
     "Pole undefined": ("LP PR+5 PA+10", "no CC before"),
