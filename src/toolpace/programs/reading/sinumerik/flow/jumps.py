@@ -13,7 +13,7 @@ from toolpace.programs.reading.sinumerik.syntax.blocks import Flow
 from toolpace.programs.reading.sinumerik.syntax.values import Compiled, Row, Value, above, equal, real, whole
 
 DEEPEST = {CALL: (15, " (alarm 14012)"), "": (59, "")}
-"""Calls within each other (Job Planning, "Subprogram nesting": 16 levels with the main program), and with repetitions."""
+"""Calls within each other (Job Planning, "Subprogram nesting": 16 levels with the main program), and repetitions."""
 MOST_TIMES, TIMES_ALARM = 9999, " (alarm 14013)"
 """Of P."""
 
