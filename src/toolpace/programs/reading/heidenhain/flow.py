@@ -61,20 +61,6 @@ class Flow:
         """The one whose blocks are executed."""
         return self.frames[-1].program
 
-    @property
-    def at(self) -> int:
-        """Index of the next block."""
-        return self.frames[-1].next
-
-    @at.setter
-    def at(self, index: int) -> None:
-        self.frames[-1].next = index
-
-    @property
-    def calls(self) -> list[Part]:
-        """The calls that are under way."""
-        return self.frames[1:]
-
     def line(self, line: int) -> int:
         """The line of the main program at which a block of this line is executed."""
         return self.frames[-1].called_at or line
@@ -88,7 +74,7 @@ class Flow:
 
     def undecided(self) -> None:
         """A jump hangs on a parameter without a value: go on behind it once, to find what else is not read."""
-        place = self.program.source.name, self.at
+        place = self.program.source.name, self.frames[-1].next
         self.state.ended = self.state.ended or place in self.passed
         self.passed.add(place)
 
@@ -98,31 +84,31 @@ class Flow:
         if index < len(self.program.blocks) and self.program.blocks[index].text.startswith("END"):
             # shops leave a program so: whether the control ends it or stops with an alarm, nothing moves any more
             self.findings.assumed(f"CALL LBL {label}, which stands before END PGM, ends the program")
-            self.at = index
+            self.frames[-1].next = index
             return
         part = Part(program=self.program, next=index, called_at=self.frames[-1].called_at)
         self.frames.enter(part, f"LBL {label}")
 
     def repeat(self, label: str, times: int) -> None:
         """Go back to a label `times` more times, then go on."""
-        repeats = self.frames[-1].repeats
-        block = self.at - 1
-        section = repeats.get(block) or Section(times)
+        part = self.frames[-1]
+        block = part.next - 1
+        section = part.repeats.get(block) or Section(times)
         if section.left_early:
             self.findings.assumed(GOES_ON_COUNTING)
         if section.left > 0:
-            self.at = self.behind(label)
-            repeats[block] = Section(section.left - 1, self.at)
+            part.next = self.behind(label)
+            part.repeats[block] = Section(section.left - 1, part.next)
         else:
-            repeats.pop(block, None)
+            part.repeats.pop(block, None)
 
     def jump(self, label: str) -> None:
         """Go on behind a label, also out of sections that are not repeated to their end. Raises BlockError."""
-        self.at = self.behind(label)
-        repeats = self.frames[-1].repeats
-        for block, section in repeats.items():
-            if not section.first <= self.at <= block:
-                repeats[block] = section._replace(left_early=True)
+        part = self.frames[-1]
+        part.next = self.behind(label)
+        for block, section in part.repeats.items():
+            if not section.first <= part.next <= block:
+                part.repeats[block] = section._replace(left_early=True)
 
     def call_program(self, name: str, line: int) -> None:
         """Run another file, and come back. Raises BlockError, ProgramError."""
