@@ -18,7 +18,7 @@ import importlib
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from toolpace.common.version import __version__
+from toolpace.common import __version__
 
 if TYPE_CHECKING:
     from toolpace import deflection

@@ -12,8 +12,8 @@ from toolpace.cli.follow import run as live
 from toolpace.cli.setup import command as placing
 from toolpace.cli.steps import Steps, new_console
 from toolpace.cli.tolerance import command as tolerance
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError
-from toolpace.common.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 

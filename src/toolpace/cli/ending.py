@@ -10,7 +10,7 @@ from types import FrameType
 from typing import NoReturn
 
 from toolpace.common.files import finished
-from toolpace.common.files.signals import ENDING
+from toolpace.common.files.atomic import ENDING
 from toolpace.common.workers import interrupted
 
 _WORDS = {signal.SIGINT: "interrupted"}

@@ -13,9 +13,9 @@ from rich.text import Text
 
 from toolpace.cli.names import short_names
 from toolpace.cli.steps import new_console
-from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.jobs.following import follow_as_planned
 from toolpace.jobs.inspected import inspection_record
 from toolpace.programs.reading.inspection import Inspection, inspect_source, unreadable

@@ -25,10 +25,9 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, number, numbers
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import FASTEST_FEED, METRES_PER_SECOND, refuse_other_unit
+from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.cutting_tool import FORCES, Cut, Force
 
 LAG = math.radians(1.5)

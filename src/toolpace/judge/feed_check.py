@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.common.description import counted
+from toolpace.common.value_objects import counted
 from toolpace.judge.matching.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow

@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 import msgspec
 
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
-from toolpace.common.files.tables import TableFile
+from toolpace.common.files.toml import TableFile
 from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
 from toolpace.machine.figures import (
     LONGEST_NOTE,

@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, numbers
-from toolpace.common.description import named, one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import UsageError
 from toolpace.common.units import ask_about_unit
+from toolpace.common.value_objects import ByValue, named, one_line
 
 KINDS = ("velocity", "acceleration", "jerk")
 

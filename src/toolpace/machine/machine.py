@@ -12,11 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Bools, Floats, Ints, integers, number, numbers
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import toml_text
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
+from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.branch_continuation import rotary_between, turn_between
 from toolpace.machine.figures import ask_about, check_chain, is_usual
 from toolpace.machine.file import FILE, MachineFile, read_machine

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints, number, numbers
-from toolpace.common.description import counted, named, one_line
 from toolpace.common.errors import UsageError
 from toolpace.common.units import SECONDS, ask_about_unit
+from toolpace.common.value_objects import counted, named, one_line
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
 from toolpace.motion.laws.law import TimeLaw

@@ -8,8 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
+from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.path.axispath.run import AxisRun

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints, frozen, gate_methods
-from toolpace.common.description import counted, one_line
+from toolpace.common.value_objects import counted, one_line
 from toolpace.path.control_points import second_derivative_bounds
 
 

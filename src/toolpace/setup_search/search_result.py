@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import msgspec
 
-from toolpace.common.description import one_line
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import one_line
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.setup_file import setup_in, setup_text

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import one_line
 from toolpace.common.errors import ReachError
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import one_line
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.toolpath import ToolPath

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from toolpace.common.errors import ToolpaceError
-from toolpace.common.files.tables import TableFile
+from toolpace.common.files.toml import TableFile
 from toolpace.cutting.tool_file import load_tool
 from toolpace.jobs.batch.jobs_file import jobs_of_file
 from toolpace.machine.machine import Machine

@@ -17,9 +17,9 @@ from rich.text import Text
 from toolpace.cli.names import named_error, short_names
 from toolpace.cli.steps import new_console
 from toolpace.cli.summary import limit_in_words
-from toolpace.common.description import counted
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.results.report.words import at_most
 
 if TYPE_CHECKING:

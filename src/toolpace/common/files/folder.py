@@ -12,10 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from toolpace.common.errors import UsageError
+from toolpace.common.files.atomic import TRIES, Temporary, held, reason, sweep, temporary_name, uninterrupted
 from toolpace.common.files.seal import foreign, read_seal, write_seal
-from toolpace.common.files.signals import uninterrupted
-from toolpace.common.files.temporary import TRIES, Temporary, held, sweep, temporary_name
-from toolpace.common.files.whole import reason
 
 finished: list[Path] = []
 """Folders that this process has put in their places, for whoever must say after an interrupt what was written."""

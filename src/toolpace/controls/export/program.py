@@ -12,9 +12,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.controls.export.feeds.block_splitting import cut
 from toolpace.controls.export.feeds.comparison import largest_change_of_kept, strays
 from toolpace.controls.export.feeds.job import Job

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from toolpace.common import __version__
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
-from toolpace.common.version import __version__
 from toolpace.controls.export.motion import PlannedMotion
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import msgspec
 
+from toolpace.common import __version__
 from toolpace.common.errors import printable
-from toolpace.common.version import __version__
 from toolpace.controls.export.motion import PlannedMotion
 from toolpace.controls.export.target import ReadBack, Target, Written
 

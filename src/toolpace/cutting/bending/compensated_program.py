@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import one_line
 from toolpace.common.errors import PathError, UsageError
 from toolpace.common.units import format_length, format_time
+from toolpace.common.value_objects import one_line
 from toolpace.cutting.bending.bent_tip_speed import GRACE, excess_of_feed, keeping_feed
 from toolpace.cutting.bending.cuts import cut_of_way
 from toolpace.cutting.bending.inserted_points import Places, places_of

@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, number, numbers
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import UsageError
 from toolpace.common.units import LONGEST_TOOL, METRES, WIDEST_TOOL, refuse_other_unit
+from toolpace.common.value_objects import ByValue, one_line
 from toolpace.cutting.bending.frames import to_workpiece
 from toolpace.machine.machine import Machine, check_machine
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import one_line
 from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.common.value_objects import one_line
 from toolpace.deflection.following.figures import Figures
 from toolpace.deflection.following.followed_joints import FollowedJoints, followed_joints_of
 from toolpace.deflection.following.law import law_of

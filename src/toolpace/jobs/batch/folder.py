@@ -10,9 +10,9 @@ from pathlib import Path
 
 import msgspec
 
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
-from toolpace.common.version import __version__
 from toolpace.jobs.batch.result_row import BatchRow
 from toolpace.jobs.batch.work import MARK, Place
 from toolpace.kernels.lock import FileLock

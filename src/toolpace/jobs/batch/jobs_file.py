@@ -17,7 +17,7 @@ from typing import Any
 
 from toolpace.common import units
 from toolpace.common.errors import ToolpaceError, UsageError
-from toolpace.common.files.tables import TableFile, Tables
+from toolpace.common.files.toml import TableFile, Tables
 from toolpace.jobs.batch.job import BatchJob
 from toolpace.jobs.batch.programs import programs_in
 

@@ -8,8 +8,8 @@ from html import escape
 from typing import TypeVar
 from urllib.parse import quote
 
-from toolpace.common.description import counted
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.jobs.batch.result_row import BAD, ERROR, GOOD, WAITING, BatchRow
 from toolpace.jobs.batch.work import INSPECTED, TIMED
 from toolpace.results.report.shell import whole_page

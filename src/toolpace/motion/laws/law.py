@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.common.arrays import Floats, gate_methods, number
-from toolpace.common.description import one_line
+from toolpace.common.value_objects import one_line
 from toolpace.path.fit.speed_weights import SpeedWeights
 
 PROBES = 20_000

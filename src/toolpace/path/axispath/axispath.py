@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, number, numbers
-from toolpace.common.description import counted, named, one_line
 from toolpace.common.errors import UsageError
+from toolpace.common.value_objects import counted, named, one_line
 from toolpace.path.axispath.callable import CallableRun
 from toolpace.path.axispath.follow import FollowRun, branches_of
 from toolpace.path.axispath.run import AxisRun

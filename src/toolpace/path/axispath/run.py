@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints, gate_methods
-from toolpace.common.description import counted, one_line
+from toolpace.common.value_objects import counted, one_line
 
 PLACED = ("evaluate", "speed_cap", "with_cap", "block_at")
 """Methods of a run that take parameters (n,)."""

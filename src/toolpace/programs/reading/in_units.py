@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from toolpace.common.files.tables import Tables
+from toolpace.common.files.toml import Tables
 from toolpace.common.units import DEGREE, INCH, MILLIMETRE
 
 LENGTHS = {"mm": MILLIMETRE, "m": 1.0, "in": INCH}

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from toolpace.common.errors import UsageError
-from toolpace.common.files.tables import TableFile
-from toolpace.common.files.toml import toml_text
+from toolpace.common.files.toml import TableFile, toml_text
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.programs.reading.coordinates.setup import Position, SetUp, Tool, tool_name
 from toolpace.programs.reading.in_units import ANGLES, LENGTHS, TablesInUnits

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.common.description import counted
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.machine.limits import KINDS
 from toolpace.motion.setpoints import SetPoints
 from toolpace.results.report.figures import PlanFigures

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
+from toolpace.common import __version__
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
-from toolpace.common.version import __version__
 from toolpace.results.report.place_map import map_svg
 from toolpace.results.report.shell import framed
 from toolpace.results.report.words import NEUTRAL, at_most, colours, limit_words, percent

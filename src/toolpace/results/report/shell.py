@@ -7,7 +7,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from toolpace.common.version import __version__
+from toolpace.common import __version__
 from toolpace.results.report.policy import with_policy
 
 

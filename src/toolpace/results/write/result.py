@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
-from toolpace.common.version import __version__
 from toolpace.cutting.bending.compensated_program import BendingCompensation
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
 from toolpace.machine.cutting_tool import CuttingTool

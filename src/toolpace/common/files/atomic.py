@@ -1,4 +1,4 @@
-"""Temporary names for unfinished files, locked by their process and removed after it died.
+"""Files written under a temporary name, then renamed: written completely or not at all.
 
 A temporary file or folder is called `.toolpace-new-...` and lies beside what it will become, so that moving it is a
 rename on one disk. Its maker holds a lock on it, which the system lets go when the process ends, however it ends. So
@@ -12,23 +12,86 @@ import os
 import re
 import secrets
 import shutil
+import signal
 import stat
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 
 if sys.platform != "win32":
     import fcntl
 
+from toolpace.common.errors import UsageError
 from toolpace.common.files.seal import foreign, read_seal
 
+ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Signals that ask a process to end and leave it the time to clean up."""
 _OURS = re.compile(r"\.toolpace-(?P<kind>new|old)-(?P<target>[0-9a-f]{8})-[0-9a-f]{8}(?:\.[A-Za-z0-9]{1,8})?")
 TRIES = 100
 """Names that are tried before something else must be wrong."""
 PATIENCE = 10.0
 """How long the lock on a folder of results is waited for [s]: a run holds it while it puts its own in the place."""
+
+
+def reason(error: OSError | ValueError) -> str:
+    """What the system says about a failed file operation, in lower case and without a number."""
+    return (getattr(error, "strerror", None) or str(error)).lower()
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary name beside `path`; rename it to `path` when the block ends well, remove it when
+    not."""
+    target = Path(path)
+    try:
+        if "\0" in str(target):
+            raise ValueError("no name of a file has a zero byte")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        sweep(target)
+        with uninterrupted():
+            temporary = Temporary(target, folder=False)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{target}: cannot write: {reason(error)}") from None
+    try:
+        yield temporary.path
+        temporary.path.replace(target)
+    except OSError as error:
+        raise UsageError(f"{target}: cannot write: {reason(error)}") from None
+    finally:
+        with uninterrupted():
+            temporary.remove()
+
+
+def file_to_write(path: str | os.PathLike[str]) -> Path:
+    """The place for a new file, found fit for it before any work is done: its folder is there and can be written to,
+    and nothing is in the place but perhaps an empty file. Raises UsageError with the reason and the cure."""
+    given, target = os.fspath(path), Path(path)
+    try:
+        if not given:
+            raise UsageError("the name of the file is empty; give one")
+        if target.is_dir():
+            raise UsageError(f"{given}: is a folder; give the name of a file in it")
+        if not target.parent.is_dir():
+            raise UsageError(f"{given}: there is no folder {target.parent}; make it, or give another place")
+        if os.path.lexists(target) and not (target.is_file() and target.stat().st_size == 0):
+            raise UsageError(f"{given}: is there already; give another name")
+        target.exists()
+        # Only by making one is it known: rights, disks that take no writing.
+        with uninterrupted():
+            Temporary(target, folder=False).remove()
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{given}: cannot be written: {reason(error)}; give another place") from None
+    return target
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def temporary_name(target: Path, kind: str = "new", suffix: str = "") -> Path:
@@ -174,3 +237,33 @@ def _remove(path: Path) -> None:
         shutil.rmtree(path, ignore_errors=True)
     else:
         path.unlink(missing_ok=True)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Run the block to its end; a signal that came meanwhile is raised again behind it.
+
+    Python runs handlers in the main thread only: in others there is nothing to put off.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+
+    def note(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+
+    before = {}
+    try:
+        for number in ENDING:
+            handler = signal.getsignal(number)
+            # None: a handler that Python did not set, and could not put back.
+            if handler is not None:
+                before[number] = handler
+                signal.signal(number, note)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
