@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 INSIDE = 7
 

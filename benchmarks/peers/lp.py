@@ -16,7 +16,7 @@ from testbed.ipopt import ends
 from testbed.mesh_problem import mesh_problem, objective
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.optimal.solve import start_from
 
 FLOOR = 1e-3

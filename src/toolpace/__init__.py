@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from toolpace.controls.export import Exported, ReadBack, export
     from toolpace.controls.timing.program import program_time
     from toolpace.controls.timing.program_time import PartTime, ProgramTime
-    from toolpace.cutting.bending.compensated_program import BendingCompensation, compensate_bending
-    from toolpace.cutting.bending.compliance import Bending
+    from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
+    from toolpace.cutting.compliance import Bending
     from toolpace.cutting.forces import CuttingForces
     from toolpace.cutting.tool_file import load_tool
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from toolpace.motion.laws.law import Probe, TimeLaw
     from toolpace.motion.setpoints import SetPoints
     from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
-    from toolpace.path.axispath.axispath import AxisPath
-    from toolpace.path.axispath.run import AxisRun
+    from toolpace.path.axis_path import AxisPath
+    from toolpace.path.axis_run import AxisRun
     from toolpace.path.fit.speed_weights import SpeedWeights
     from toolpace.path.path import Path
     from toolpace.path.run import PathJet, PathRun
@@ -166,13 +166,13 @@ __all__ = [
 ]
 
 _HOME = {
-    "AxisPath": "path.axispath.axispath",
-    "AxisRun": "path.axispath.run",
+    "AxisPath": "path.axis_path",
+    "AxisRun": "path.axis_run",
     "Batch": "jobs.batch",
     "BatchJob": "jobs.batch",
     "BatchRow": "jobs.batch",
-    "Bending": "cutting.bending.compliance",
-    "BendingCompensation": "cutting.bending.compensated_program",
+    "Bending": "cutting.compliance",
+    "BendingCompensation": "cutting.compensated_program",
     "ChainFile": "machine.file",
     "Check": "judge",
     "Choice": "setup_search.choices",
@@ -237,7 +237,7 @@ _HOME = {
     "Zone": "setup_search.zones",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
-    "compensate_bending": "cutting.bending.compensated_program",
+    "compensate_bending": "cutting.compensated_program",
     "export": "controls.export",
     "load_choices": "setup_search.choices_file",
     "load_tool": "cutting.tool_file",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.cutting.bending.inserted_points import CHUNK, needed
-from toolpace.cutting.bending.prediction import blended
+from toolpace.cutting.inserted_points import CHUNK, needed
+from toolpace.cutting.prediction import blended
 from toolpace.judge.bending.bent import blended as judged
 
 LENGTH = 4e-3

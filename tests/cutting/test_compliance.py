@@ -9,7 +9,7 @@ from scipy.integrate import quad
 import toolpace as tp
 from tests.support.machines import motion, random_machine
 from toolpace.common.errors import UsageError
-from toolpace.cutting.bending.frames import FRAMES, to_workpiece
+from toolpace.cutting.compliance import FRAMES, to_workpiece
 from toolpace.judge.bending.bent import tool_in_workpiece
 
 

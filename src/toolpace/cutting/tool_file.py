@@ -20,7 +20,7 @@ import numpy as np
 from toolpace.common import units
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile, Tables
-from toolpace.cutting.bending.compliance import Bending
+from toolpace.cutting.compliance import Bending
 from toolpace.machine.cutting_tool import (
     FORCES,
     MILLINGS,

@@ -25,7 +25,7 @@ from toolpace.programs.reading.options import ReadOptions
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from toolpace.cutting.bending.compensated_program import BendingCompensation
+    from toolpace.cutting.compensated_program import BendingCompensation
     from toolpace.judge import Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
@@ -180,7 +180,7 @@ def durations_in_words(rounds: Sequence[Round]) -> str:
 
 def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPlan:
     """The fastest motion along a path."""
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.path.axis_path import check_travel
     from toolpace.planning.program_plan import plan_fitted
 
     with steps.step("planning") as step:
@@ -204,8 +204,8 @@ def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> BendingCompens
     """The program compensated for the bending of its tool, and planned; None where it is stiff."""
     if job.tool is None:
         return None
-    from toolpace.cutting.bending.compensated_program import compensate_bending, refuse_coarse
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.cutting.compensated_program import compensate_bending, refuse_coarse
+    from toolpace.path.axis_path import check_travel
 
     refuse_coarse(toolpath, job.tool, job.dt)
     with steps.step("compensating") as step:

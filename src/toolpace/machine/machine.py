@@ -16,14 +16,13 @@ from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import toml_text
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
 from toolpace.common.value_objects import ByValue, one_line
-from toolpace.machine.branch_continuation import rotary_between, turn_between
 from toolpace.machine.figures import ask_about, check_chain, is_usual
 from toolpace.machine.file import FILE, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
-from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
+from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_between, turn_between
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.machine.table import rows, title
+from toolpace.machine.tables import rows, title
 from toolpace.machine.text import machine_text
 from toolpace.machine.unreachable import check_travel
 from toolpace.programs.toolpath import ToolPath
@@ -220,7 +219,7 @@ class Machine(ByValue, Posed):
     ) -> Floats:
         """Rotary positions (n, 2) [rad] along a tool path with points put in, on the branch chosen without them.
 
-        Those at its points `known` (k,) are `rotary` (k, 2); see machine/branch_continuation.py. Raises ReachError.
+        Those at its points `known` (k,) are `rotary` (k, 2); see machine/inverse.py. Raises ReachError.
         """
         at = integers(known, f"machine {self.name}: known", ("k",))
         last = len(toolpath) - 1

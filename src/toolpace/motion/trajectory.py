@@ -18,7 +18,7 @@ from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.setpoints import SetPoints, refuse_too_many
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine

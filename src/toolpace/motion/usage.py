@@ -11,7 +11,7 @@ from toolpace.common.arrays import Floats
 from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 LEAST_JUMP = 1e-6
 """Jump of an acceleration, as a share of its limit, below which it is rounding."""

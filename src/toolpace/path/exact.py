@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints, number, numbers
 from toolpace.common.errors import PathError, UsageError
 from toolpace.common.workers import Lock
-from toolpace.path.derivatives import check_derivatives
+from toolpace.path.callable_run import check_derivatives
 from toolpace.path.run import PathJet, PathRun, unit_jets
 
 if TYPE_CHECKING:

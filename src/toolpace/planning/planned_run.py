@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.trajectory import OpenPlace
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 WORTH_NAMING = 0.01
 """Least share of what is open in all runs together from which a place is named: a hundred of them would be no help."""

@@ -27,7 +27,7 @@ from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import Progress
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.path_and_pace.alternating import (

@@ -62,8 +62,7 @@ def given_as_written(task: Task, toolpath: ToolPath) -> PlannedSetUp:
 
 def planned(task: Task, toolpath: ToolPath, clamping: Clamping) -> PlannedSetUp:
     """See `confirmed`."""
-    from toolpace.path.axispath.axispath import AxisPath
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.path.axis_path import AxisPath, check_travel
     from toolpace.path.path import Path
     from toolpace.planning.planner import plan
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.motion import quintic
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.study.simulation import PRINTED_PROJECTION, Study
 from toolpace.study.tables import Table
 

@@ -12,8 +12,8 @@ from toolpace.deflection import replanning
 from toolpace.deflection.replanning.detour import DetourRun
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import quintic_through
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST
 from toolpace.planning.genetic.planner import Genetic, with_bred_periods

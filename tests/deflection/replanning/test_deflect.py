@@ -15,8 +15,8 @@ from toolpace.judge import verify
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import quintic_through
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
 from toolpace.planning.genetic.planner import Genetic

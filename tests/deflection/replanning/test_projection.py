@@ -18,7 +18,7 @@ from toolpace.deflection.replanning.projection.chords import chords_of
 from toolpace.deflection.replanning.projection.potential import descend
 from toolpace.deflection.replanning.projection.project import TOLERANCE
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.quintic import quintic_path, quintic_through
+from toolpace.path.axis_quintic import quintic_path, quintic_through
 from toolpace.path.exact import callable_run
 from toolpace.path.path import Path
 from toolpace.path.run import PathRun

@@ -19,7 +19,7 @@ from toolpace.kernels.optimal import dual as kernel
 from toolpace.kernels.optimal.newton import Ends
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import pieces
 from toolpace.planning.bound import relaxation as bounds
 from toolpace.planning.bound.pieces import bound_long_run

@@ -15,7 +15,7 @@ from toolpace.deflection.following.followed_joints import FollowedJoints
 from toolpace.machine.machine import Machine
 from toolpace.motion.recorded_path import RecordedRun
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 CHUNK = 50_000
 """Samples that are worked out at once, to keep memory low."""

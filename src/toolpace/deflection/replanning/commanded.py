@@ -10,7 +10,7 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.motion import joint_motion
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 STILL = 1e-9
 """Speed of the parameter that counts as rest, relative to its mean: far below any speed of a motion under way, and far

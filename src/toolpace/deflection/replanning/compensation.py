@@ -23,9 +23,8 @@ from toolpace.machine.machine import Machine
 from toolpace.motion import joint_motion
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.laws.slowed import SlowedLaw
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
-from toolpace.path.axispath.travel import check_travel, joint_ranges
+from toolpace.path.axis_path import AxisPath, check_travel, joint_ranges
+from toolpace.path.axis_run import AxisRun
 
 BETWEEN = 1.02
 """Rates of joints over those at the probes of their law: between them they may be a little higher."""

@@ -10,7 +10,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.deflection.replanning.feed import above_feed, feed_at, tip_velocity
 from toolpace.deflection.replanning.rejoin_motion import RejoinMotion
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 STRAIGHT = 1e-6
 """Share of v^2 / a up to which the parameter is taken as linear in time before Newton's steps, which do the rest."""

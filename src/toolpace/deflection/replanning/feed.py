@@ -9,8 +9,8 @@ from toolpace.deflection.replanning.compensation import CompensatedRun
 from toolpace.deflection.replanning.rejoin_motion import RejoinMotion
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.follow import FollowRun
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
+from toolpace.path.follow_run import FollowRun
 from toolpace.planning.limit_tolerances import DETOUR
 
 STEP = 1e-6

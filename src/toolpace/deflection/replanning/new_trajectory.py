@@ -37,9 +37,9 @@ from toolpace.deflection.replanning.skipped import skipped_by, skipped_in_words
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.trajectory import Skipped, Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.follow import FollowRun
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
+from toolpace.path.follow_run import FollowRun
 from toolpace.path.path import Path
 from toolpace.planning.planner import Planner
 

@@ -7,7 +7,7 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.motion.laws.chain import ChainLaw, LawPiece
 from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 
 class RemainingMotion(AxisRun):

@@ -23,13 +23,11 @@ from toolpace.common.errors import PathError
 from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import PARTS, Comparison
-from toolpace.path.fit.first_spline import inside_spline
-from toolpace.path.fit.knots import first_breaks, refined_at
+from toolpace.path.fit.first_spline import first_breaks, inside_spline, refined_at
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
-from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.smooth import tighten
 from toolpace.path.fit.speed_weights import SpeedWeights
-from toolpace.path.fit.spline import Spline
+from toolpace.path.fit.spline import Samples, Spline, sample
 from toolpace.path.run import SplineRun
 from toolpace.programs.tolerances.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath

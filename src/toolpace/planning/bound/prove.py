@@ -15,7 +15,7 @@ from toolpace.common.workers import UNTOLD, CallersProgress, Progress, Workers
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws.spline import SplineLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.any_motion import with_continuous_bound
 from toolpace.planning.bound.branch_and_bound import Part, close

@@ -13,7 +13,7 @@ from toolpace.kernels.optimal import relaxation
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws.spline import SplineLaw
 from toolpace.motion.trajectory import OpenPlace
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import Knots, start_within
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.initial_guess import fleeting, highest_of, steady_speed

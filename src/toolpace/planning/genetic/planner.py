@@ -19,7 +19,7 @@ from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.machine.limits import Limits
 from toolpace.motion import closer_look
 from toolpace.motion.laws.quintic import INSIDE, QuinticLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.genetic.preset_speeds import Preset, preset
 from toolpace.planning.genetic.problem import Intervals, reference_points

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 NODES = 33
 """Least points of an interval at which the genetic algorithm looks at the limits; the result is checked at more."""

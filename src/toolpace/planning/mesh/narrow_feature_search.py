@@ -15,7 +15,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import narrow_features
 from toolpace.machine.limits import Limits
 from toolpace.motion import least_changes
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 SEEN = 0.02
 """Share of a limit, at the speed that is allowed beside it, at which something is seen for what it is."""

@@ -12,7 +12,7 @@ from toolpace.common.errors import PathError
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 from toolpace.motion import gained_in_a_ramp
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.narrow_feature_search import Gaps, search_narrow_features
 
 UNSEEN = 0.02

@@ -23,7 +23,7 @@ from toolpace.common.errors import InfeasibleError
 from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.relaxation import places_in_time
 from toolpace.planning.endstate import AT_REST, EndState, check_state

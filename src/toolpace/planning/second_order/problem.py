@@ -7,7 +7,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.kernels.planners import reachability
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 BOTH_ENDS = np.array([0.0, 1.0])
 """Limits held at both ends of each cell: TOPP-RA's second scheme, and the rows of COPP's second-order planner."""

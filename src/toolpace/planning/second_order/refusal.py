@@ -8,7 +8,7 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import InfeasibleError
 from toolpace.kernels.planners import reachability
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.second_order.problem import Cells
 
 CURES = {

@@ -18,7 +18,7 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.laws.chain import ChainLaw, LawPiece
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import Planner

@@ -11,7 +11,7 @@ from toolpace.common.workers import Progress, Workers
 from toolpace.deflection.replanning.detour import DetourRun
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.planner import Planner, planner_of

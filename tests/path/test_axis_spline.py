@@ -22,7 +22,7 @@ from scipy.interpolate import (
 
 import toolpace as tp
 from toolpace.common.errors import PathError, UsageError
-from toolpace.path.axispath.waypoints import chord_lengths
+from toolpace.path.axis_spline import chord_lengths
 from toolpace.planning.planner import plan
 
 RNG = np.random.default_rng(7)

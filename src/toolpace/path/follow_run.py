@@ -10,8 +10,8 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import PathError
 from toolpace.machine import kinematics
-from toolpace.machine.branch_continuation import nearest_solution
-from toolpace.path.axispath.run import AxisRun
+from toolpace.machine.inverse import nearest_solution
+from toolpace.path.axis_run import AxisRun
 from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def branches_of(path: Path, machine: Machine) -> list[Branch | None]:
 
 
 def resolved_grid(run: PathRun, machine: Machine) -> Floats:
-    """Parameters of a run so close that the choice between the solutions is sound (`branch_continuation`)."""
+    """Parameters of a run so close that the choice between the solutions is sound (`machine.inverse.rotary_between`)."""
     s = np.unique(np.concatenate([np.linspace(run.s0, run.s1, GRID), run.breaks]))
     while True:
         axis = run.evaluate(s).axis

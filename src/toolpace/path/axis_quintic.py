@@ -17,11 +17,10 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import PathError, UsageError
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
-from toolpace.path.control_points import second_derivative_bounds
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.path import Path
-from toolpace.path.run import PathJet, PathRun
+from toolpace.path.run import PathJet, PathRun, second_derivative_bounds
 
 
 def _polynomials(s: Floats, jets: Floats) -> Floats:

@@ -1,7 +1,8 @@
-"""A table of poses to compare with a real machine."""
+"""Tables of a machine in millimetres and degrees: its joints, and poses to compare with the real machine."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -10,6 +11,7 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine import kinematics
+from toolpace.machine.file import MachineFile
 from toolpace.machine.geometry import Geometry
 
 STEP = 0.1
@@ -18,6 +20,37 @@ TURNS = (30 * DEGREE, 90 * DEGREE)
 """How far a rotary joint turns [rad]; the other way where travel does not reach."""
 LESS = (1.0, 0.5, 0.2)
 """Of that step for each linear joint where all move: no two alike, so that none is taken for another."""
+
+
+def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
+    """One row a joint of a machine of some class: machine, class, joint, kind, carries, travel, limits."""
+    table = []
+    for name, joint in file.joints.items():
+        unit, scale = ("deg", 180.0 / math.pi) if joint.kind == "rotary" else ("mm", 1e3)
+        low, high = joint.travel or (-math.inf, math.inf)
+        table.append(
+            {
+                "machine": file.name,
+                "class": kind,
+                "joint": name,
+                "kind": joint.kind,
+                "carries": "workpiece" if name in file.chain.workpiece else "tool",
+                "travel": "endless" if joint.wrap else f"{low * scale:g} .. {high * scale:g} {unit}",
+                "velocity": f"{joint.velocity * scale:g} {unit}/s",
+                "acceleration": f"{joint.acceleration * scale:g} {unit}/s^2",
+                "jerk": f"{joint.jerk * scale:g} {unit}/s^3",
+            }
+        )
+    return table
+
+
+def title(file: MachineFile, kind: str) -> str:
+    """Name, class and the chain from the workpiece over the bed to the tool."""
+    chain = file.chain
+    inward = " < ".join(["workpiece", *reversed(chain.workpiece), "bed"])
+    outward = " > ".join(["", *chain.tool, "tool"])
+    tool = f"tool length {chain.tool_length * 1e3:g} mm"
+    return f"{file.name}: {kind}, {inward}{outward}, {tool}"
 
 
 def poses(geometry: Geometry) -> Floats:

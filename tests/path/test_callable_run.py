@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import BPoly, PPoly
 
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.callable import ROUNDINGS, Sides
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.callable_run import ROUNDINGS, Sides
 from toolpace.planning.planner import plan
 
 LIMITS = Limits([1.0, 1.0], [4.0, 4.0], [40.0, 40.0])

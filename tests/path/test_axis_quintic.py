@@ -8,8 +8,8 @@ import pytest
 from toolpace.common.errors import PathError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import quintic_axis_path, quintic_path, quintic_through
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import quintic_axis_path, quintic_path, quintic_through
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
 

@@ -1,10 +1,10 @@
-"""Joint paths: joint positions over a path parameter, run by run."""
+"""Joint paths, from runs over a path parameter; and their check against the travel of the joints."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,16 +13,18 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats, number, numbers
 from toolpace.common.errors import UsageError
 from toolpace.common.value_objects import counted, named, one_line
-from toolpace.path.axispath.callable import CallableRun
-from toolpace.path.axispath.follow import FollowRun, branches_of
-from toolpace.path.axispath.run import AxisRun
-from toolpace.path.derivatives import check_derivatives
+from toolpace.path.axis_run import AxisRun
+from toolpace.path.callable_run import CallableRun, check_derivatives
+from toolpace.path.follow_run import FollowRun, branches_of
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
 
     from toolpace.machine.machine import Machine
     from toolpace.path.path import Path
+
+PARTS = 4
+"""Looks at each piece of a path, and at the way from one hint to the next."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,7 +95,7 @@ class AxisPath:
         line. `stop` stops at every waypoint: straight lines, one run each. `speed_cap` limits ds/dt, as in
         `from_callable`. UsageError for repeated waypoints, for nan, and for shapes that do not fit.
         """
-        from toolpace.path.axispath.waypoints import waypoint_runs
+        from toolpace.path.axis_spline import waypoint_runs
 
         runs = waypoint_runs(q, s, speed_cap, stop)
         return cls(runs, joint_names(joints, runs[0].coefficients.shape[2]))
@@ -113,7 +115,7 @@ class AxisPath:
         PathError where position, slope or curvature jumps at a knot: no motion of bounded jerk could follow.
         UsageError for what is no real spline of joints. `speed_cap` limits ds/dt, as in `from_callable`.
         """
-        from toolpace.path.axispath.spline import spline_run
+        from toolpace.path.axis_spline import spline_run
 
         run = spline_run(spline, speed_cap)
         return cls((run,), joint_names(joints, run.coefficients.shape[2]))
@@ -140,3 +142,31 @@ def joint_names(joints: Sequence[str] | None, count: int) -> tuple[str, ...]:
     if len(names) != count:
         raise UsageError(f"path: {len(names)} joint names for {count} joints")
     return names
+
+
+def check_travel(path: AxisPath, source: str = "", begin: float = -np.inf) -> None:
+    """Raise ReachError where a joint of the path's machine leaves its travel, naming the worst one and its line.
+
+    `begin` is the parameter of the first run from which on it is looked at.
+    """
+    if path.machine is None:
+        return
+    places = [_places(run) for run in path.runs]
+    places[0] = np.append(np.clip(begin, *places[0][[0, -1]]), places[0][places[0] > begin])
+    positions = [run.evaluate(s)[0] for run, s in zip(path.runs, places)]
+    blocks = [run.block_at(s) for run, s in zip(path.runs, places)]
+    path.machine.check_travel(np.concatenate(positions), np.concatenate(blocks), source)
+
+
+@lru_cache(64)
+def joint_ranges(run: AxisRun) -> Floats:
+    """(2, m) least and largest positions of the joints along a run."""
+    q = run.evaluate(_places(run))[0]
+    return np.stack([q.min(axis=0), q.max(axis=0)])
+
+
+def _places(run: AxisRun) -> Floats:
+    """Parameters at which a run is looked at, ascending."""
+    knots = np.unique(np.concatenate([[run.s0], run.hints, run.breaks, [run.s1]]))
+    between = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(PARTS) / PARTS
+    return np.append(between.ravel(), knots[-1])

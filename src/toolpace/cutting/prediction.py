@@ -18,16 +18,17 @@ import math
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints
-from toolpace.cutting.bending.cuts import cuts_of
-from toolpace.cutting.bending.frames import tool_to_workpiece
-from toolpace.cutting.bending.inserted_points import Places
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.cutting.compliance import tool_to_workpiece
 from toolpace.cutting.forces import CuttingForces
-from toolpace.machine.cutting_tool import CuttingTool
+from toolpace.cutting.inserted_points import Places
+from toolpace.machine.cutting_tool import Cut, CuttingTool
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.path import Path
 from toolpace.path.run import PathRun
+from toolpace.programs.toolpath import ToolPath
 
 PLUNGE, ACROSS = math.sin(math.radians(5.0)), math.sin(math.radians(15.0))
 """Share of a motion across the tool axis up to which it is one along it, and from which it is one across."""
@@ -133,3 +134,47 @@ def _moving_average(grid: Floats, left: Floats, right: Floats, width: float) -> 
 
     found: Floats = (integral(grid + 0.5 * width) - integral(grid - 0.5 * width)) / width
     return found
+
+
+def cuts_of(tool: CuttingTool) -> list[Cut]:
+    """The cuts of a tool: first that of all operations that are not named, then those of these that are."""
+    return [tool.cut, *(cut for cut in tool.operations.values() if cut is not None)]
+
+
+def cut_of_way(tool: CuttingTool, toolpath: ToolPath) -> Ints:
+    """(n,) which of `cuts_of` acts on the way to each point; -1 for none: rapids, ways without a feed, other tools.
+
+    Raises UsageError where the program does not have the operations or tools that the file names, or nothing cuts.
+    """
+    names = [operation.name for operation in toolpath.operations]
+    tools = [operation.tool for operation in toolpath.operations]
+    program = toolpath.source or "the program"
+    for what, wanted, there in (("operation", tool.operations, names), ("tool", tool.only, tools)):
+        for name in wanted:
+            if name not in there:
+                known = [each for each in there if each]
+                hint = did_you_mean(name, known) if known else f"it names no {what}s: leave that out"
+                raise UsageError(f"{tool.source}: {program} has no {what} '{name}'; {hint}")
+    order = [name for name, cut in tool.operations.items() if cut is not None]
+    of_operation = np.array(
+        [
+            -1 if tool.only and called not in tool.only
+            else 0 if name not in tool.operations
+            else 1 + order.index(name) if name in order
+            else -1
+            for name, called in zip(names, tools)
+        ]
+    )  # fmt: skip
+    found = np.where(at_feed(toolpath), of_operation[toolpath.operation], -1)
+    if not (found >= 0).any():
+        raise UsageError(
+            f"{tool.source}: nothing of {program} cuts with this tool, so nothing bends: its ways are rapids, "
+            "have no feed, or are of other tools"
+        )
+    return np.asarray(found, dtype=np.int64)
+
+
+def at_feed(toolpath: ToolPath) -> Bools:
+    """(n,) whether the way to each point is cut: neither a rapid, nor without feed and time, nor without length."""
+    ruled = np.isfinite(toolpath.feed) | (toolpath.least_time > 0.0)
+    return np.asarray(ruled & ~toolpath.rapid & (toolpath.way_length > 0.0))
