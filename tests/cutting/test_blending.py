@@ -7,7 +7,7 @@ import pytest
 
 from toolpace.cutting.inserted_points import CHUNK, needed
 from toolpace.cutting.prediction import blended
-from toolpace.judge.bending.bent import blended as judged
+from toolpace.judge.bent_tip import blended as judged
 
 LENGTH = 4e-3
 

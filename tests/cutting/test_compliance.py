@@ -10,7 +10,7 @@ import toolpace as tp
 from tests.support.machines import motion, random_machine
 from toolpace.common.errors import UsageError
 from toolpace.cutting.compliance import FRAMES, to_workpiece
-from toolpace.judge.bending.bent import tool_in_workpiece
+from toolpace.judge.bent_tip import tool_in_workpiece
 
 
 def test_a_cantilever_bends_as_its_beam_does():

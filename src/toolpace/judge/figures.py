@@ -15,7 +15,7 @@ import numpy as np
 from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, parse_angle, parse_length
 from toolpace.judge.feed_check import FeedUse
-from toolpace.judge.operations import OperationFigures, Passages
+from toolpace.judge.passing import OperationFigures, Passages
 from toolpace.judge.tool_lengths import ways
 from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification

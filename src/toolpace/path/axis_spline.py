@@ -1,4 +1,4 @@
-"""Joint runs from piecewise polynomials of a caller, or from waypoints: natural quintic splines, or lines between stops.
+"""Joint runs from piecewise polynomials of a caller, or from waypoints: natural quintic splines, lines between stops.
 
 Between its knots a spline is analytic. At a knot its derivatives may jump, and what that does to the motion decides
 what is taken:

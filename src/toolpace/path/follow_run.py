@@ -75,7 +75,7 @@ def branches_of(path: Path, machine: Machine) -> list[Branch | None]:
 
 
 def resolved_grid(run: PathRun, machine: Machine) -> Floats:
-    """Parameters of a run so close that the choice between the solutions is sound (`machine.inverse.rotary_between`)."""
+    """Parameters of a run so close that the choice between the solutions is sound (`rotary_between`)."""
     s = np.unique(np.concatenate([np.linspace(run.s0, run.s1, GRID), run.breaks]))
     while True:
         axis = run.evaluate(s).axis
