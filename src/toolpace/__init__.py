@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.forces import CuttingForces
     from toolpace.cutting.tool_file import load_tool
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
-    from toolpace.deflection.replanning.new_trajectory import replan
+    from toolpace.deflection.new_trajectory import replan
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, Engagement
@@ -247,7 +247,7 @@ _HOME = {
     "prove": "planning.bound.prove",
     "read": "programs.reading",
     "read_text": "programs.reading",
-    "replan": "deflection.replanning.new_trajectory",
+    "replan": "deflection.new_trajectory",
     "report": "results.report",
     "search_setup": "setup_search.search",
     "verify": "judge",

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.deflection.replanning.detour import DetourRun
-from toolpace.deflection.replanning.feed import tip_velocity
+from toolpace.deflection.detour import DetourRun
+from toolpace.deflection.feed import tip_velocity
 from toolpace.motion.laws.quintic import QuinticLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.study.motions import motors

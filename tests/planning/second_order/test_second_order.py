@@ -9,7 +9,7 @@ from testbed import nasty_paths
 from tests.support.random_paths import harmonics, random_limits
 from tests.support.usage import dense_usage
 from toolpace.common.errors import InfeasibleError, UsageError
-from toolpace.deflection.replanning import replan
+from toolpace.deflection import replan
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.axis_path import AxisPath

@@ -1,4 +1,4 @@
-"""The checked settings of a follower."""
+"""The settings of a follower, checked."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import refuse_other_unit
-from toolpace.deflection.following.parameters import number, numbers
 from toolpace.kernels.follow.layout import LOOK_BACK
 
 CAUSES = ("bending", "displaced")
@@ -122,3 +121,18 @@ RANGES = {
     "filter": (0.0, 2.0, "a time from 0 to 2 s"),
     "wait": (1e-9, math.inf, "a length above 0"),
 }
+
+
+def numbers(given: object) -> Floats | None:
+    """What was given as an array of real numbers, or None where it is none: text, truth values and None are none."""
+    try:
+        found = np.asarray(given)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return found.astype(float) if found.dtype.kind in "iuf" else None
+
+
+def number(given: object) -> float | None:
+    """What was given as one real number, or None where it is none."""
+    found = numbers(given)
+    return None if found is None or found.shape != () else float(found)

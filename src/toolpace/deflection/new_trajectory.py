@@ -1,0 +1,251 @@
+"""The new trajectory from the instant of a deflection, and the place where it rejoins the path.
+
+replan: a trajectory, a time, a deflection, its cause
+  the state in which the joints are, and the motion that they shall come to:
+      displaced   the joints as they were found, with the rates they were commanded; the motion as planned
+      bending     the joints as commanded; the motion as planned, compensated for the bending
+  where to rejoin it: the projection of the deflection on the path, a given place, or as soon as it can be
+  the detour
+  the law of the detour and of the way on; then, and on the runs behind it, all as it was
+"""
+
+from __future__ import annotations
+
+import time as clock
+from numbers import Real
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.common.arrays import Floats, number
+from toolpace.common.errors import InfeasibleError, ReachError, UsageError, did_you_mean
+from toolpace.deflection.compensation import CompensatedRun, Compensation, check_aimed_travel
+from toolpace.deflection.detour import DetourRun
+from toolpace.deflection.detour_law import direct_law, timing_of
+from toolpace.deflection.measured_pose import MOST, SAME_AXIS, found_tip, offset_in_words, pose_at
+from toolpace.deflection.motion_state import MotionState, RemainingMotion, on_path
+from toolpace.deflection.projection import project
+from toolpace.deflection.rejoin.guaranteed import NOT_BEGUN, Standby
+from toolpace.deflection.rejoin.joint_splines import Problem
+from toolpace.deflection.rejoin.search import rejoin_of
+from toolpace.deflection.rejoin_motion import CommandedMotion
+from toolpace.deflection.skipped import skipped_by, skipped_in_words
+from toolpace.machine.machine import Machine
+from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.trajectory import Skipped, Trajectory
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
+from toolpace.path.follow_run import FollowRun
+from toolpace.path.path import Path
+from toolpace.planning.planner import Planner
+
+if TYPE_CHECKING:
+    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.optimal.planner import Optimal
+
+CAUSES = ("displaced", "bending")
+IN_PLACE = 1e-11
+"""How far the joints or the tip may be off and count as in place: rounding of the kinematics [m or rad]."""
+
+
+def replan(
+    trajectory: Trajectory,
+    time: float,
+    tip: npt.ArrayLike | None = None,
+    machine: Machine | None = None,
+    *,
+    deflection: npt.ArrayLike | None = None,
+    most: float = MOST,
+    cause: str = "displaced",
+    axis: npt.ArrayLike | None = None,
+    axis_tolerance: float = SAME_AXIS,
+    planner: str | Optimal | Genetic | Planner = "optimal",
+    rejoin: str | float = "fastest",
+    interval: tuple[float, float] | None = None,
+    **options: object,
+) -> Trajectory:
+    """The motion from `time` [s] on, at which the tip is found at the position `tip` (3,) [m] and the axis at `axis`.
+
+    `tip` and the unit vector `axis`, from tip to spindle, are in the workpiece's frame, that of the program and of
+    `Trajectory.tip`. In place of `tip`, `deflection` (3,) [m] is the vector from where the motion has the tip at that
+    time, corrections and all, to where it was found, in the same frame. What is more than `most` [m] off is refused.
+
+    `cause` says what was measured:
+
+    "displaced": the joints are not where they were commanded, as in the paper. The motion starts from the position
+    that was found, with the velocities and accelerations commanded, and comes back onto the path. Axes that differ by
+    no more than `axis_tolerance` [rad] are the same, see `deflected_pose`.
+
+    "bending": the tool or the part bends, the encoders are right, and the joints are as commanded. The set-points go
+    on from there without a jump, and come to a motion that is off the path by the opposite of the bending, so that
+    the bent tip lies on the path from then on, on all runs to the end. The bending is the measured tip less that of
+    the kinematics, a vector in the workpiece's frame, and taken as constant. It moves linear joints only, and the
+    rest of the motion takes a little longer for it, so that they keep to their limits; no `axis` is given.
+
+    Without a machine `tip` holds the joints (m,), `deflection` their differences, and `most` is of each, in its unit.
+    From its start on the motion keeps to every limit. The feed is that of the block which the tool is abreast of; what
+    the tip is above it by at the start, for the joints' velocities cannot change at once, is braked as fast as jerk
+    allows and told in the `notes`, and by `axis_path.runs[0].above`; so is what it comes to be above it by where a
+    table that turns carries it, found aside, faster than the feed, whatever the joints do. The tool rejoins the path as
+    soon as it can ("fastest"), at the parameter `rejoin`, or, as in the paper, at the "projection" of the tip on the
+    path or on the `interval` (from s, to s) of it; where no motion rejoins it at full pace there, it rests there and
+    comes to that pace behind. A motion that was replanned before goes back to what was planned first. `skipped` of the
+    new motion tells which part of the path the tip leaves out.
+
+    `planner` is an object, or in short the name of one with its `options`, as for `plan`: "optimal" times detour and
+    the way on anew where the detour costs time, as far as the rejoining needs, and so does a planner of one's own;
+    "genetic" (the paper's) the way on to the next reference point; "direct" keeps to the motion from which all start.
+    Raises UsageError for arguments that make no sense, and InfeasibleError, with the figures, where no way back within
+    limits and travel exists.
+    """
+    began = clock.perf_counter()
+    timing = timing_of(planner, options)
+    check_replannable(trajectory, time, cause, axis)
+    motion_state = MotionState.of(trajectory, time)
+    machine = motion_state.machine_with_tool(machine or trajectory.axis_path.machine)
+    start, aim = motion_state.state(), motion_state.aim
+    found = found_tip(motion_state, machine, time, tip, deflection, most)
+    if cause == "bending":
+        aim = bent(trajectory, motion_state, start[0], found, machine)
+    else:
+        start[0] = pose_at(motion_state, machine, time, found, axis, axis_tolerance)
+    if aim is not None and aim is not motion_state.aim:
+        planned = [motion_state.original, *behind(trajectory, motion_state)]
+        begin = float(motion_state.original.place(np.array([motion_state.clock]))[0])
+        try:
+            check_aimed_travel(aim, planned, begin)
+        except ReachError as error:
+            raise InfeasibleError(
+                f"bending at {time:.6g} s: the motion that makes up for it leaves the travel: {error}"
+            ) from None
+    wanted = aim.motion(motion_state.original) if aim else motion_state.original
+    left = motion_state.clock * (aim.pace if aim else 1.0)
+    target = rejoin_time(wanted, found, rejoin, interval)
+    offset = start[0] - motion_state.state()[0]
+    if aim is motion_state.aim and target is None and np.abs(offset).max() <= IN_PLACE:
+        rest = RemainingMotion(motion_state.current.run, motion_state.current.law, motion_state.local)
+        return _joined(trajectory, motion_state, rest, rest.rest(), aim, timing.name, began)
+
+    problem = Problem(wanted, left, start, trajectory.limits, machine)
+    standby = Standby(
+        motion_state.current, motion_state.local, start[0] - motion_state.state()[0],
+        lambda wait: motion_state.clock_after(wait) * (aim.pace if aim else 1.0),
+    )  # fmt: skip
+    detour = rejoin_of(problem, standby, target, motion_state.lag)
+    if detour is None and target is None and left <= NOT_BEGUN:
+        # nothing of the run has been missed: straight to its start, however slow the feed there
+        detour = rejoin_of(problem, standby, 0.0, motion_state.lag)
+    if detour is None:
+        raise InfeasibleError(
+            f"deflection at {time:.6g} s: no way back to the path within limits and travel; the joints are off by"
+            f" {offset_in_words(start[0] - problem.end(0.0, 0.0)[0], trajectory.joints, machine)}; stop the machine, or"
+            " give more travel"
+        )
+    run = DetourRun(detour, machine, motion_state.lag)
+    law = timing.law(run, trajectory.limits, direct_law(run))
+    return _joined(trajectory, motion_state, run, law, aim, timing.name, began)
+
+
+def bent(
+    trajectory: Trajectory, motion_state: MotionState, q: Floats, found: Floats, machine: Machine | None
+) -> Compensation | None:
+    """The aim against a bending, from the joints (m,) commanded and the tip found; the one before where none new."""
+    bending = found - (q if machine is None else machine.forward(q[None])[0][0])
+    before = motion_state.aim
+    if np.abs(bending + (before.offset if before else 0.0)).max() <= IN_PLACE:
+        return before
+    if np.abs(bending).max() <= IN_PLACE:
+        return None
+    on_path = [motion_state.original, *behind(trajectory, motion_state)]
+    return Compensation.of(bending, machine, trajectory.limits, on_path)
+
+
+def behind(trajectory: Trajectory, motion_state: MotionState) -> list[CommandedMotion]:
+    """The motions on the path that follow the run."""
+    runs, laws = trajectory.axis_path.runs[motion_state.behind :], trajectory.laws[motion_state.behind :]
+    return [on_path(CommandedMotion(*each)) for each in zip(runs, laws)]
+
+
+def _joined(
+    trajectory: Trajectory,
+    motion_state: MotionState,
+    run: AxisRun,
+    law: TimeLaw,
+    aim: Compensation | None,
+    planner: str,
+    began: float,
+) -> Trajectory:
+    """The first run with what follows it, compensated as it is."""
+    runs, laws = trajectory.axis_path.runs[motion_state.behind :], trajectory.laws[motion_state.behind :]
+    if aim is not motion_state.aim and runs:
+        aimed = [aim.motion(each) if aim else each for each in behind(trajectory, motion_state)]
+        runs, laws = tuple(each.run for each in aimed), tuple(each.law for each in aimed)
+    detour = run.base if isinstance(run, RemainingMotion) else run
+    if isinstance(detour, DetourRun) and detour.leads_to_start:
+        whole = detour.detour.commanded
+        runs, laws = (whole.run, *runs), (whole.law, *laws)
+    notes: list[str] = []
+    skipped: tuple[Skipped, ...] = ()
+    if isinstance(run, DetourRun):
+        share, until = run.above
+        if share > 0.0:
+            notes.append(f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms")
+    if isinstance(detour, DetourRun):
+        skipped = skipped_by(detour, run.s0)
+        notes += [skipped_in_words(each, detour.machine) for each in skipped]
+    path = AxisPath((run, *runs), trajectory.joints, trajectory.axis_path.machine)
+    return Trajectory(
+        path, trajectory.limits, (law, *laws), planner, notes=tuple(notes), skipped=skipped,
+        solve_seconds=clock.perf_counter() - began,
+    )  # fmt: skip
+
+
+def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt.ArrayLike | None) -> None:
+    """Raise UsageError where the trajectory has no such time, or no way back from it could keep to jerk limits."""
+    if cause not in CAUSES:
+        raise UsageError(f"replan: unknown cause '{cause}'; {did_you_mean(str(cause), CAUSES)}")
+    if cause == "bending" and axis is not None:
+        raise UsageError("replan: a bending is made up for at the tip, and the tool axis stays; leave axis out")
+    if not isinstance(time, Real) or isinstance(time, bool):
+        raise UsageError(
+            f"replan: time is {str(time)[:40]!r}; give seconds: replan(trajectory, time, tip, machine)"
+        )
+    if not 0.0 <= time <= trajectory.duration:
+        shown = max(min(time, 1e300), -1e300)  # a whole number may be too large for a float
+        raise UsageError(f"replan: time {shown:g} s is not within the trajectory's {trajectory.duration:.6g} s")
+    if any(law.jumps.size for law in trajectory.laws):
+        raise UsageError(
+            f"replan: accelerations jump in a plan of planner {trajectory.planner}, so no way back from it can keep to"
+            " jerk limits; plan with planner optimal"
+        )
+
+
+def rejoin_time(
+    commanded: CommandedMotion,
+    tip: Floats,
+    rejoin: str | float,
+    interval: tuple[float, float] | None,
+) -> float | None:
+    """When the commanded law passes the wanted point of rejoining [s]; None where it is free.
+
+    `rejoin` is "fastest" (free), "projection" (of the `tip` (3,) [m] on the run, or on the `interval` of it) or a
+    parameter of the run.
+    """
+    if interval is not None and rejoin != "projection":
+        raise UsageError("replan: an interval is for a projection on it; give rejoin='projection', or leave it out")
+    run = commanded.run
+    on_path = run.base if isinstance(run, CompensatedRun) else run
+    if rejoin == "fastest":
+        return None
+    if isinstance(rejoin, str):
+        if rejoin != "projection":
+            raise UsageError(f"replan: rejoin at '{rejoin}'; give 'fastest', 'projection' or a parameter")
+        if not isinstance(on_path, FollowRun):
+            raise UsageError("replan: a projection needs a path of tip and axis; give the parameter to rejoin at")
+        s = project(Path((on_path.run,)), tip, interval=interval).s
+    else:
+        s = number(rejoin, "replan: rejoin")
+        if not run.s0 <= s <= run.s1:
+            raise UsageError(f"replan: rejoin at s = {s:g}; the run goes from {run.s0:g} to {run.s1:g}")
+    return commanded.law.passing_time(s)
