@@ -32,7 +32,7 @@ from toolpace.deflection.detour import DetourRun
 from toolpace.deflection.motion_state import Stretch
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.chain import ChainLaw, LawPiece
+from toolpace.motion.laws import ChainLaw, LawPiece
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_quintic import quintic_through

@@ -72,7 +72,7 @@ def usage(
 
 def usage_of_law(run: AxisRun, limits: Limits, law: object) -> tuple[float, float]:
     """Peak value over limit at the nodes of a SplineLaw, and between them, rest cells included."""
-    from toolpace.motion.laws.spline import SplineLaw
+    from toolpace.motion.laws import SplineLaw
 
     assert isinstance(law, SplineLaw)
     cells = np.diff(law.nodes)

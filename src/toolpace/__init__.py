@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
-    from toolpace.motion.laws.law import Probe, TimeLaw
+    from toolpace.motion.laws import Probe, TimeLaw
     from toolpace.motion.setpoints import SetPoints
     from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
     from toolpace.path.axis_path import AxisPath
@@ -209,7 +209,7 @@ _HOME = {
     "PlannedRun": "planning.planned_run",
     "PlannedSetUp": "setup_search.verified_set_up",
     "Planner": "planning.planner",
-    "Probe": "motion.laws.law",
+    "Probe": "motion.laws",
     "ProgramPlan": "planning.program_plan",
     "ProgramTime": "controls.timing.program_time",
     "Progress": "common.workers",
@@ -224,7 +224,7 @@ _HOME = {
     "Skipped": "motion.trajectory",
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
-    "TimeLaw": "motion.laws.law",
+    "TimeLaw": "motion.laws",
     "Tolerances": "programs.tolerances.tolerances",
     "Tool": "programs.reading.coordinates.setup",
     "ToolPath": "programs.toolpath",

@@ -14,7 +14,7 @@ from toolpace.deflection.detour import DetourRun
 from toolpace.deflection.feed import fastest_braking, tip_rates, tip_velocity
 from toolpace.deflection.measured_pose import rotary_near
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.chain import ChainLaw
+from toolpace.motion.laws import ChainLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.path import Path
 from toolpace.planning.limit_tolerances import DETOUR, PROMISED

@@ -13,7 +13,7 @@ from toolpace.common.errors import UsageError
 from toolpace.deflection.compensation import CompensatedRun
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.slowed import SlowedLaw
+from toolpace.motion.laws import SlowedLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_quintic import quintic_through

@@ -9,8 +9,7 @@ import pytest
 
 from toolpace.common.errors import InfeasibleError
 from toolpace.deflection import detour_law
-from toolpace.motion.laws.chain import ChainLaw, LawPiece
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import ChainLaw, LawPiece, TimeLaw
 from toolpace.planning.limit_tolerances import PROMISED
 
 

@@ -21,8 +21,7 @@ from toolpace.deflection.rejoin_motion import CommandedMotion
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine
 from toolpace.motion import joint_motion
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.motion.laws.slowed import SlowedLaw
+from toolpace.motion.laws import SlowedLaw, TimeLaw
 from toolpace.path.axis_path import AxisPath, check_travel, joint_ranges
 from toolpace.path.axis_run import AxisRun
 

@@ -19,9 +19,7 @@ from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.deflection.detour import DetourRun
 from toolpace.deflection.motion_state import Stretch
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.chain import ChainLaw, LawPiece
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.motion.laws.quintic import QuinticLaw
+from toolpace.motion.laws import ChainLaw, LawPiece, QuinticLaw, TimeLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun

@@ -15,9 +15,7 @@ from toolpace.deflection.compensation import CompensatedRun, Compensation
 from toolpace.deflection.detour import DetourRun
 from toolpace.deflection.rejoin_motion import CommandedMotion, moment
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.chain import ChainLaw, LawPiece
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.motion.laws.slowed import SlowedLaw
+from toolpace.motion.laws import ChainLaw, LawPiece, SlowedLaw, TimeLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
 

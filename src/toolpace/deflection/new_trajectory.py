@@ -32,7 +32,7 @@ from toolpace.deflection.rejoin.search import rejoin_of
 from toolpace.deflection.rejoin_motion import CommandedMotion
 from toolpace.deflection.skipped import skipped_by, skipped_in_words
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Skipped, Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun

@@ -18,7 +18,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.motion import joint_motion
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
 

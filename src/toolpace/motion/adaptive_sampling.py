@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.law import Probe, TimeLaw
+from toolpace.motion.laws import Probe, TimeLaw
 from toolpace.motion.usage import ratios_along
 from toolpace.path.axis_run import AxisRun
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats
 from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.path.axis_run import AxisRun
 
 LEAST_JUMP = 1e-6

@@ -9,7 +9,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.deflection.detour import DetourRun
 from toolpace.deflection.feed import tip_velocity
-from toolpace.motion.laws.quintic import QuinticLaw
+from toolpace.motion.laws import QuinticLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.study.motions import motors
 from toolpace.study.panels import (

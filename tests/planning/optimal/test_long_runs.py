@@ -18,7 +18,7 @@ from toolpace.common.workers import CallersProgress, Workers
 from toolpace.kernels.optimal import dual as kernel
 from toolpace.kernels.optimal.newton import Ends
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import pieces
 from toolpace.planning.bound import relaxation as bounds

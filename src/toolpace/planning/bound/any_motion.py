@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from toolpace.common.workers import Workers
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.planning.bound.continuous import FEWEST, continuous_bound
 

@@ -16,7 +16,7 @@ from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import dual
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import (

@@ -13,7 +13,7 @@ from toolpace.common.errors import UsageError
 from toolpace.common.units import refuse_other_unit
 from toolpace.common.workers import UNTOLD, CallersProgress, Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.allowance import Allowance

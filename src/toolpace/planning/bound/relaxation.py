@@ -11,7 +11,7 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats
 from toolpace.kernels.optimal import relaxation
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import OpenPlace
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import Knots, start_within

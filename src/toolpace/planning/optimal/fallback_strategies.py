@@ -23,7 +23,7 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import InfeasibleError
 from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.gap_localisation import GapInterval, gap_interval_of

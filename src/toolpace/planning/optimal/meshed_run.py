@@ -9,7 +9,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import inter_sample_rows
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import ALLOWED

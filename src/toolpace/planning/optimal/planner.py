@@ -22,7 +22,7 @@ import numpy as np
 from toolpace.common.errors import InfeasibleError
 from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.relaxation import places_in_time

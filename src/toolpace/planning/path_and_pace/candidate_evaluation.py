@@ -14,7 +14,7 @@ import numpy as np
 
 from toolpace.common.workers import Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import Optimal

@@ -20,7 +20,7 @@ from scipy.interpolate import BSpline
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.fit import LIMIT, largest_of_cells

@@ -24,7 +24,7 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.kernels.path_and_pace import newton, stations
 from toolpace.machine import kinematics
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.spline import turn_metric
 from toolpace.path.follow_run import FollowRun

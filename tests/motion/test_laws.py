@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.motion.laws import clock
-from toolpace.motion.laws.clock import ClockLaw
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion import laws
+from toolpace.motion.laws import ClockLaw, SplineLaw
 
 
 def from_rest_to_rest() -> SplineLaw:
@@ -31,7 +30,7 @@ def test_the_ends_are_passed_at_the_start_and_at_the_end():
 
 @pytest.mark.parametrize("at_a_time", [2, 10_000])
 def test_the_states_of_a_clock_cover_its_time_once(monkeypatch: pytest.MonkeyPatch, at_a_time: int):
-    monkeypatch.setattr(clock, "CELLS_AT_A_TIME", at_a_time)
+    monkeypatch.setattr(laws, "CELLS_AT_A_TIME", at_a_time)
     nodes = np.array([2.0, 2.5, 2.6, 4.0, 4.5, 7.0])
     probes = list(ClockLaw(nodes).probes())
     s, share, right = (np.concatenate(each) for each in zip(*((p.state[0], p.share, p.right) for p in probes)))

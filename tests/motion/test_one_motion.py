@@ -10,10 +10,7 @@ import numpy as np
 import pytest
 
 from toolpace.kernels.motion import cubic_spline
-from toolpace.motion.laws.chain import ChainLaw, LawPiece
-from toolpace.motion.laws.linear import LinearLaw
-from toolpace.motion.laws.quintic import QuinticLaw
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import ChainLaw, LawPiece, LinearLaw, QuinticLaw, SplineLaw
 
 STENCILS = {
     1: np.array([0.0, 1.0, -8.0, 0.0, 8.0, -1.0, 0.0]) / 12.0,
