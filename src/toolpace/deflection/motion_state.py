@@ -73,6 +73,10 @@ class MotionState:
         motion: Floats = self.current.motion(np.array([self.local]))[:3, 0]
         return motion
 
+    def remaining(self) -> RemainingMotion:
+        """What remains of the motion as it is commanded."""
+        return RemainingMotion(self.current.run, self.current.law, self.local)
+
 
 def on_path(followed: CommandedMotion) -> CommandedMotion:
     """The motion on the path itself, of one that may be compensated."""

@@ -1,17 +1,20 @@
-"""The new trajectory from the instant of a deflection, and the place where it rejoins the path.
+"""The new trajectory from the instant of a deflection on, and the place where it rejoins the path.
 
 replan: a trajectory, a time, a deflection, its cause
-  the state in which the joints are, and the motion that they shall come to:
+  the state in which the joints are, and the motion that they shall come to:          DeflectedMotion.of
       displaced   the joints as they were found, with the rates they were commanded; the motion as planned
       bending     the joints as commanded; the motion as planned, compensated for the bending
-  where to rejoin it: the projection of the deflection on the path, a given place, or as soon as it can be
-  the detour
-  the law of the detour and of the way on; then, and on the runs behind it, all as it was
+  where to rejoin it: at the projection, at a parameter, or as soon as it can be      rejoin_time
+  nothing off?  what remains of the motion
+  the detour                                                                          DeflectedMotion.detour
+  its law, and that of the way on; on the runs behind all as it was                   timing.law, joined
 """
 
 from __future__ import annotations
 
 import time as clock
+from dataclasses import dataclass
+from functools import cached_property
 from numbers import Real
 from typing import TYPE_CHECKING
 
@@ -22,7 +25,7 @@ from toolpace.common.arrays import Floats, number
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError, did_you_mean
 from toolpace.deflection.compensation import CompensatedRun, Compensation, check_aimed_travel
 from toolpace.deflection.detour import DetourRun
-from toolpace.deflection.detour_law import direct_law, timing_of
+from toolpace.deflection.detour_law import Timing, direct_law, timing_of
 from toolpace.deflection.measured_pose import MOST, SAME_AXIS, found_tip, offset_in_words, pose_at
 from toolpace.deflection.motion_state import MotionState, RemainingMotion, on_path
 from toolpace.deflection.projection import project
@@ -100,112 +103,173 @@ def replan(
     limits and travel exists.
     """
     began = clock.perf_counter()
-    timing = timing_of(planner, options)
-    check_replannable(trajectory, time, cause, axis)
-    motion_state = MotionState.of(trajectory, time)
-    machine = motion_state.machine_with_tool(machine or trajectory.axis_path.machine)
-    start, aim = motion_state.state(), motion_state.aim
-    found = found_tip(motion_state, machine, time, tip, deflection, most)
-    if cause == "bending":
-        aim = bent(trajectory, motion_state, start[0], found, machine)
-    else:
-        start[0] = pose_at(motion_state, machine, time, found, axis, axis_tolerance)
-    if aim is not None and aim is not motion_state.aim:
-        planned = [motion_state.original, *behind(trajectory, motion_state)]
-        begin = float(motion_state.original.place(np.array([motion_state.clock]))[0])
-        try:
-            check_aimed_travel(aim, planned, begin)
-        except ReachError as error:
-            raise InfeasibleError(
-                f"bending at {time:.6g} s: the motion that makes up for it leaves the travel: {error}"
-            ) from None
-    wanted = aim.motion(motion_state.original) if aim else motion_state.original
-    left = motion_state.clock * (aim.pace if aim else 1.0)
-    target = rejoin_time(wanted, found, rejoin, interval)
-    offset = start[0] - motion_state.state()[0]
-    if aim is motion_state.aim and target is None and np.abs(offset).max() <= IN_PLACE:
-        rest = RemainingMotion(motion_state.current.run, motion_state.current.law, motion_state.local)
-        return _joined(trajectory, motion_state, rest, rest.rest(), aim, timing.name, began)
-
-    problem = Problem(wanted, left, start, trajectory.limits, machine)
-    standby = Standby(
-        motion_state.current, motion_state.local, start[0] - motion_state.state()[0],
-        lambda wait: motion_state.clock_after(wait) * (aim.pace if aim else 1.0),
+    chosen = ReplanOptions(
+        tip=tip, deflection=deflection, most=most, cause=cause, axis=axis, axis_tolerance=axis_tolerance,
+        rejoin=rejoin, interval=interval, timing=timing_of(planner, options),
     )  # fmt: skip
-    detour = rejoin_of(problem, standby, target, motion_state.lag)
-    if detour is None and target is None and left <= NOT_BEGUN:
-        # nothing of the run has been missed: straight to its start, however slow the feed there
-        detour = rejoin_of(problem, standby, 0.0, motion_state.lag)
-    if detour is None:
-        raise InfeasibleError(
-            f"deflection at {time:.6g} s: no way back to the path within limits and travel; the joints are off by"
-            f" {offset_in_words(start[0] - problem.end(0.0, 0.0)[0], trajectory.joints, machine)}; stop the machine, or"
-            " give more travel"
+    check_replannable(trajectory, time, chosen)
+    deflected = DeflectedMotion.of(trajectory, time, machine, chosen)
+    place = rejoin_time(deflected.goal, deflected.tip, chosen)
+    if place is None and deflected.is_in_place:
+        remaining = deflected.state.remaining()
+        return deflected.joined(remaining, remaining.rest(), chosen.timing.name, began)
+    run = deflected.detour(place)
+    law = chosen.timing.law(run, trajectory.limits, direct_law(run))
+    return deflected.joined(run, law, chosen.timing.name, began)
+
+
+@dataclass(frozen=True, eq=False)
+class ReplanOptions:
+    """The parameters of `replan` beside trajectory, time and machine; see there."""
+
+    tip: npt.ArrayLike | None
+    deflection: npt.ArrayLike | None
+    most: float
+    cause: str
+    axis: npt.ArrayLike | None
+    axis_tolerance: float
+    rejoin: str | float
+    interval: tuple[float, float] | None
+    timing: Timing
+
+
+@dataclass(frozen=True, eq=False)
+class DeflectedMotion:
+    """A trajectory at the instant of a deflection: the state that the joints are in, and the motion to come to."""
+
+    trajectory: Trajectory
+    time: float
+    """[s]"""
+    machine: Machine | None
+    """With the tool that is in the spindle then."""
+    state: MotionState
+    """As it was commanded."""
+    tip: Floats
+    """(3,) position at which the tip was found [m]; without a machine (m,) joints."""
+    start: Floats
+    """(3, m) positions, velocities and accelerations of the joints from which the new motion starts."""
+    aim: Compensation | None
+    """What the motion to come to is compensated for; None for the one on the path."""
+
+    @classmethod
+    def of(
+        cls, trajectory: Trajectory, time: float, machine: Machine | None, options: ReplanOptions
+    ) -> DeflectedMotion:
+        """From what was measured. Raises UsageError, and InfeasibleError where the pose or the aim is out of travel."""
+        state = MotionState.of(trajectory, time)
+        machine = state.machine_with_tool(machine or trajectory.axis_path.machine)
+        start, aim = state.state(), state.aim
+        tip = found_tip(state, machine, time, options.tip, options.deflection, options.most)
+        if options.cause == "bending":
+            aim = bending_compensation(trajectory, state, start[0], tip, machine)
+        else:
+            start[0] = pose_at(state, machine, time, tip, options.axis, options.axis_tolerance)
+        if aim is not None and aim is not state.aim:
+            try:
+                begin = float(state.original.place(np.array([state.clock]))[0])
+                check_aimed_travel(aim, on_path_from(trajectory, state), begin)
+            except ReachError as error:
+                raise InfeasibleError(
+                    f"bending at {time:.6g} s: the motion that makes up for it leaves the travel: {error}"
+                ) from None
+        return cls(trajectory, time, machine, state, tip, start, aim)
+
+    @cached_property
+    def offset(self) -> Floats:
+        """(m,) by which the joints are off where they were commanded [m or rad]."""
+        off: Floats = self.start[0] - self.state.state()[0]
+        return off
+
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the motion as it was commanded is the one to come to, and the joints are in it."""
+        return self.aim is self.state.aim and bool(np.abs(self.offset).max() <= IN_PLACE)
+
+    @property
+    def pace(self) -> float:
+        """Duration of the motion to come to, over that on the path."""
+        return self.aim.pace if self.aim else 1.0
+
+    @cached_property
+    def goal(self) -> CommandedMotion:
+        """The motion to come to."""
+        return self.aim.motion(self.state.original) if self.aim else self.state.original
+
+    def detour(self, place: float | None) -> DetourRun:
+        """The detour to the goal, at the time `place` of its law [s]; None: as soon as it can be.
+
+        Raises InfeasibleError where there is none.
+        """
+        left, lag = self.state.clock * self.pace, self.state.lag
+        problem = Problem(self.goal, left, self.start, self.trajectory.limits, self.machine)
+        standby = Standby(
+            self.state.current, self.state.local, self.offset, lambda wait: self.state.clock_after(wait) * self.pace
         )
-    run = DetourRun(detour, machine, motion_state.lag)
-    law = timing.law(run, trajectory.limits, direct_law(run))
-    return _joined(trajectory, motion_state, run, law, aim, timing.name, began)
+        detour = rejoin_of(problem, standby, place, lag)
+        if detour is None and place is None and left <= NOT_BEGUN:
+            # nothing of the run has been missed: straight to its start, however slow the feed there
+            detour = rejoin_of(problem, standby, 0.0, lag)
+        if detour is None:
+            off = offset_in_words(self.start[0] - problem.end(0.0, 0.0)[0], self.trajectory.joints, self.machine)
+            raise InfeasibleError(
+                f"deflection at {self.time:.6g} s: no way back to the path within limits and travel; the joints are off"
+                f" by {off}; stop the machine, or give more travel"
+            )
+        return DetourRun(detour, self.machine, lag)
+
+    def joined(self, run: AxisRun, law: TimeLaw, planner: str, began: float) -> Trajectory:
+        """The first run with what follows it, compensated as it is."""
+        trajectory, behind = self.trajectory, self.state.behind
+        runs, laws = trajectory.axis_path.runs[behind:], trajectory.laws[behind:]
+        if self.aim is not self.state.aim:
+            followers = on_path_from(trajectory, self.state)[1:]
+            aimed = [self.aim.motion(each) if self.aim else each for each in followers]
+            runs, laws = tuple(each.run for each in aimed), tuple(each.law for each in aimed)
+        detour = run.base if isinstance(run, RemainingMotion) else run
+        if isinstance(detour, DetourRun) and detour.leads_to_start:
+            whole = detour.detour.commanded
+            runs, laws = (whole.run, *runs), (whole.law, *laws)
+        notes: list[str] = []
+        skipped: tuple[Skipped, ...] = ()
+        if isinstance(run, DetourRun):
+            share, until = run.above
+            if share > 0.0:
+                notes.append(f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms")
+        if isinstance(detour, DetourRun):
+            skipped = skipped_by(detour, run.s0)
+            notes += [skipped_in_words(each, detour.machine) for each in skipped]
+        path = AxisPath((run, *runs), trajectory.joints, trajectory.axis_path.machine)
+        return Trajectory(
+            path, trajectory.limits, (law, *laws), planner, notes=tuple(notes), skipped=skipped,
+            solve_seconds=clock.perf_counter() - began,
+        )  # fmt: skip
 
 
-def bent(
-    trajectory: Trajectory, motion_state: MotionState, q: Floats, found: Floats, machine: Machine | None
+def bending_compensation(
+    trajectory: Trajectory, state: MotionState, q: Floats, tip: Floats, machine: Machine | None
 ) -> Compensation | None:
     """The aim against a bending, from the joints (m,) commanded and the tip found; the one before where none new."""
-    bending = found - (q if machine is None else machine.forward(q[None])[0][0])
-    before = motion_state.aim
+    bending = tip - (q if machine is None else machine.forward(q[None])[0][0])
+    before = state.aim
     if np.abs(bending + (before.offset if before else 0.0)).max() <= IN_PLACE:
         return before
     if np.abs(bending).max() <= IN_PLACE:
         return None
-    on_path = [motion_state.original, *behind(trajectory, motion_state)]
-    return Compensation.of(bending, machine, trajectory.limits, on_path)
+    return Compensation.of(bending, machine, trajectory.limits, on_path_from(trajectory, state))
 
 
-def behind(trajectory: Trajectory, motion_state: MotionState) -> list[CommandedMotion]:
-    """The motions on the path that follow the run."""
-    runs, laws = trajectory.axis_path.runs[motion_state.behind :], trajectory.laws[motion_state.behind :]
-    return [on_path(CommandedMotion(*each)) for each in zip(runs, laws)]
+def on_path_from(trajectory: Trajectory, state: MotionState) -> list[CommandedMotion]:
+    """The motions on the path of the run and of those that follow it, as they were planned first."""
+    runs, laws = trajectory.axis_path.runs[state.behind :], trajectory.laws[state.behind :]
+    return [state.original, *(on_path(CommandedMotion(*each)) for each in zip(runs, laws))]
 
 
-def _joined(
-    trajectory: Trajectory,
-    motion_state: MotionState,
-    run: AxisRun,
-    law: TimeLaw,
-    aim: Compensation | None,
-    planner: str,
-    began: float,
-) -> Trajectory:
-    """The first run with what follows it, compensated as it is."""
-    runs, laws = trajectory.axis_path.runs[motion_state.behind :], trajectory.laws[motion_state.behind :]
-    if aim is not motion_state.aim and runs:
-        aimed = [aim.motion(each) if aim else each for each in behind(trajectory, motion_state)]
-        runs, laws = tuple(each.run for each in aimed), tuple(each.law for each in aimed)
-    detour = run.base if isinstance(run, RemainingMotion) else run
-    if isinstance(detour, DetourRun) and detour.leads_to_start:
-        whole = detour.detour.commanded
-        runs, laws = (whole.run, *runs), (whole.law, *laws)
-    notes: list[str] = []
-    skipped: tuple[Skipped, ...] = ()
-    if isinstance(run, DetourRun):
-        share, until = run.above
-        if share > 0.0:
-            notes.append(f"start above feed by {100.0 * share:.3g} %; below it after {1e3 * until:.3g} ms")
-    if isinstance(detour, DetourRun):
-        skipped = skipped_by(detour, run.s0)
-        notes += [skipped_in_words(each, detour.machine) for each in skipped]
-    path = AxisPath((run, *runs), trajectory.joints, trajectory.axis_path.machine)
-    return Trajectory(
-        path, trajectory.limits, (law, *laws), planner, notes=tuple(notes), skipped=skipped,
-        solve_seconds=clock.perf_counter() - began,
-    )  # fmt: skip
-
-
-def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt.ArrayLike | None) -> None:
+def check_replannable(trajectory: Trajectory, time: float, options: ReplanOptions) -> None:
     """Raise UsageError where the trajectory has no such time, or no way back from it could keep to jerk limits."""
+    cause = options.cause
     if cause not in CAUSES:
         raise UsageError(f"replan: unknown cause '{cause}'; {did_you_mean(str(cause), CAUSES)}")
-    if cause == "bending" and axis is not None:
+    if cause == "bending" and options.axis is not None:
         raise UsageError("replan: a bending is made up for at the tip, and the tool axis stays; leave axis out")
     if not isinstance(time, Real) or isinstance(time, bool):
         raise UsageError(
@@ -221,20 +285,16 @@ def check_replannable(trajectory: Trajectory, time: float, cause: str, axis: npt
         )
 
 
-def rejoin_time(
-    commanded: CommandedMotion,
-    tip: Floats,
-    rejoin: str | float,
-    interval: tuple[float, float] | None,
-) -> float | None:
-    """When the commanded law passes the wanted point of rejoining [s]; None where it is free.
+def rejoin_time(goal: CommandedMotion, tip: Floats, options: ReplanOptions) -> float | None:
+    """When the law of the motion to come to passes the wanted point of rejoining [s]; None where it is free.
 
-    `rejoin` is "fastest" (free), "projection" (of the `tip` (3,) [m] on the run, or on the `interval` of it) or a
+    The point is "fastest" (free), "projection" (of the `tip` (3,) [m] on the run, or on the `interval` of it) or a
     parameter of the run.
     """
+    rejoin, interval = options.rejoin, options.interval
     if interval is not None and rejoin != "projection":
         raise UsageError("replan: an interval is for a projection on it; give rejoin='projection', or leave it out")
-    run = commanded.run
+    run = goal.run
     on_path = run.base if isinstance(run, CompensatedRun) else run
     if rejoin == "fastest":
         return None
@@ -248,4 +308,4 @@ def rejoin_time(
         s = number(rejoin, "replan: rejoin")
         if not run.s0 <= s <= run.s1:
             raise UsageError(f"replan: rejoin at s = {s:g}; the run goes from {run.s0:g} to {run.s1:g}")
-    return commanded.law.passing_time(s)
+    return goal.law.passing_time(s)
