@@ -104,14 +104,17 @@ def replan(
     """
     began = clock.perf_counter()
     chosen = ReplanOptions(
-        tip=tip, deflection=deflection, most=most, cause=cause, axis=axis, axis_tolerance=axis_tolerance,
-        rejoin=rejoin, interval=interval, timing=timing_of(planner, options),
+        cause=cause, axis=axis, axis_tolerance=axis_tolerance, rejoin=rejoin, interval=interval,
+        timing=timing_of(planner, options),
     )  # fmt: skip
     check_replannable(trajectory, time, chosen)
-    deflected = DeflectedMotion.of(trajectory, time, machine, chosen)
-    place = rejoin_time(deflected.goal, deflected.tip, chosen)
+    state = MotionState.of(trajectory, time)
+    machine = state.machine_with_tool(machine or trajectory.axis_path.machine)
+    position = found_tip(state, machine, time, tip, deflection, most)
+    deflected = DeflectedMotion.of(trajectory, time, machine, state, position, chosen)
+    place = rejoin_time(deflected.goal, position, chosen)
     if place is None and deflected.is_in_place:
-        remaining = deflected.state.remaining()
+        remaining = state.remaining()
         return deflected.joined(remaining, remaining.rest(), chosen.timing.name, began)
     run = deflected.detour(place)
     law = chosen.timing.law(run, trajectory.limits, direct_law(run))
@@ -120,11 +123,8 @@ def replan(
 
 @dataclass(frozen=True, eq=False)
 class ReplanOptions:
-    """The parameters of `replan` beside trajectory, time and machine; see there."""
+    """The parameters of `replan` that say how; see there."""
 
-    tip: npt.ArrayLike | None
-    deflection: npt.ArrayLike | None
-    most: float
     cause: str
     axis: npt.ArrayLike | None
     axis_tolerance: float
@@ -144,8 +144,6 @@ class DeflectedMotion:
     """With the tool that is in the spindle then."""
     state: MotionState
     """As it was commanded."""
-    tip: Floats
-    """(3,) position at which the tip was found [m]; without a machine (m,) joints."""
     start: Floats
     """(3, m) positions, velocities and accelerations of the joints from which the new motion starts."""
     aim: Compensation | None
@@ -153,13 +151,14 @@ class DeflectedMotion:
 
     @classmethod
     def of(
-        cls, trajectory: Trajectory, time: float, machine: Machine | None, options: ReplanOptions
-    ) -> DeflectedMotion:
-        """From what was measured. Raises UsageError, and InfeasibleError where the pose or the aim is out of travel."""
-        state = MotionState.of(trajectory, time)
-        machine = state.machine_with_tool(machine or trajectory.axis_path.machine)
+        cls, trajectory: Trajectory, time: float, machine: Machine | None, state: MotionState, tip: Floats,
+        options: ReplanOptions,
+    ) -> DeflectedMotion:  # fmt: skip
+        """With the `tip` (3,) at a position [m], without a machine the joints (m,).
+
+        Raises UsageError for what is no axis, and InfeasibleError where the pose or the motion is out of travel.
+        """
         start, aim = state.state(), state.aim
-        tip = found_tip(state, machine, time, options.tip, options.deflection, options.most)
         if options.cause == "bending":
             aim = bending_compensation(trajectory, state, start[0], tip, machine)
         else:
@@ -172,7 +171,7 @@ class DeflectedMotion:
                 raise InfeasibleError(
                     f"bending at {time:.6g} s: the motion that makes up for it leaves the travel: {error}"
                 ) from None
-        return cls(trajectory, time, machine, state, tip, start, aim)
+        return cls(trajectory, time, machine, state, start, aim)
 
     @cached_property
     def offset(self) -> Floats:
