@@ -16,7 +16,7 @@ from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, parse_angle, parse_length
 from toolpace.judge.feed_check import FeedUse
 from toolpace.judge.passing import OperationFigures, Passages
-from toolpace.judge.tool_lengths import ways
+from toolpace.judge.tool import ways
 from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.machine import Machine

@@ -13,7 +13,7 @@ from toolpace.judge.bent_tip import BentTool
 from toolpace.judge.feed_check import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passages, Passing
 from toolpace.judge.rows import MotionRow, motion_row, program_line
-from toolpace.judge.tool_lengths import ways
+from toolpace.judge.tool import ways
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine

@@ -18,7 +18,6 @@ from toolpace.machine.geometry import Geometry
 from toolpace.machine.unreachable import check_travel, rotary_jump, tilt_out_of_travel, unreachable_tilt
 from toolpace.programs.toolpath import ToolPath
 
-TURN = 2.0 * math.pi
 POLE_TOLERANCE = 1e-4
 """Angle to the pole within which the first joint of a program's axis is free [rad]: axes written with four decimals."""
 TRAVEL_PENALTY = 1e5
@@ -113,7 +112,7 @@ def _penalty(
         if not endless[joint]:
             low, high = travel[joint]
             # The lowest position at or above the lower end; a hair below it counts as on it.
-            lowest = low + np.mod(solutions[:, :, joint] - low + 1e-9, TURN) - 1e-9
+            lowest = low + np.mod(solutions[:, :, joint] - low + 1e-9, math.tau) - 1e-9
             penalty[lowest > high + 1e-9] = np.inf
     out = np.isinf(penalty).all(axis=1)
     if out.any():
@@ -136,10 +135,10 @@ def _turns(solutions: Floats, travel: Floats, endless: Bools) -> tuple[Ints, Int
     for joint in range(2):
         if endless[joint]:
             continue
-        low = math.ceil((travel[joint, 0] - math.pi) / TURN - 1e-9)
-        high = math.floor((travel[joint, 1] + math.pi) / TURN + 1e-9)
+        low = math.ceil((travel[joint, 0] - math.pi) / math.tau - 1e-9)
+        high = math.floor((travel[joint, 1] + math.pi) / math.tau + 1e-9)
         used = max(float(np.ptp(np.unwrap(solutions[:, side, joint]))) for side in range(2))
-        most = math.ceil(used / TURN) + 2
+        most = math.ceil(used / math.tau) + 2
         centre = min(max(0, low), high)
         low, high = max(low, centre - most), min(high, centre + most)
         first[joint], slots[joint] = low, high - low + 1
@@ -164,7 +163,7 @@ def rotary_between(
     right = np.where(pole[known[after]] & ~pole[known[cell]], cell, after)
     share = (at - known[cell]) / np.maximum(known[after] - known[cell], 1)
     even = rotary[left] + share[:, None] * (rotary[right] - rotary[left])
-    unwound = solutions + TURN * np.round((even[:, None] - solutions) / TURN)
+    unwound = solutions + math.tau * np.round((even[:, None] - solutions) / math.tau)
     taken = nearest_solution(solutions[known], rotary)
     side = taken[left]
     for k in np.unique(cell[taken[left] != taken[right]]):
@@ -186,7 +185,7 @@ def turn_between(geometry: Geometry, axis: Floats, pole_tolerance: float = POLE_
     off it the first joint may turn by as much as the axis moves, in pole tolerances; from pole to pole it is free.
     """
     solutions, pole = kinematics.rotary_solutions(geometry, axis, pole_tolerance)
-    turn = np.abs(np.remainder(np.diff(solutions, axis=0) + np.pi, TURN) - np.pi).max(axis=(1, 2), initial=0.0)
+    turn = np.abs(np.remainder(np.diff(solutions, axis=0) + np.pi, math.tau) - np.pi).max(axis=(1, 2), initial=0.0)
     chord = np.linalg.norm(np.diff(axis, axis=0), axis=1)
     turn = np.where(pole[1:] | pole[:-1], np.minimum(chord / pole_tolerance, np.pi), turn)
     return np.where((pole[1:] & pole[:-1]) | np.isnan(turn), 0.0, turn)
@@ -194,7 +193,7 @@ def turn_between(geometry: Geometry, axis: Floats, pole_tolerance: float = POLE_
 
 def nearest_solution(solutions: Floats, rotary: Floats) -> Ints:
     """(n,) 0 or 1: which of both solutions (n, 2, 2) the rotary positions (n, 2) are, whatever the turn."""
-    off = np.abs(np.remainder(rotary[:, None] - solutions + np.pi, TURN) - np.pi).sum(axis=2)
+    off = np.abs(np.remainder(rotary[:, None] - solutions + np.pi, math.tau) - np.pi).sum(axis=2)
     return np.asarray(off[:, 1] < off[:, 0], dtype=np.int64)
 
 

@@ -10,7 +10,6 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import ReachError
 from toolpace.machine.geometry import Geometry
 
-TURN = 2.0 * math.pi
 SLACK = 1e-9
 """How far a position may pass the end of travel, rounding aside [m or rad]."""
 UNLIKELY = 3.0
@@ -111,7 +110,7 @@ def _turned_round(geometry: Geometry, solutions: Floats) -> str:
         turned = np.where(np.arange(2) == joint, -solutions, solutions)
         # The lowest position at or above the lower end; an endless joint has every position.
         low = np.where(np.isfinite(travel[:, 0]), travel[:, 0], 0.0)
-        lowest = low + np.mod(turned - low + SLACK, TURN) - SLACK
+        lowest = low + np.mod(turned - low + SLACK, math.tau) - SLACK
         if (lowest <= travel[:, 1] + SLACK).all(axis=1).any():
             name = geometry.rotary_joints[joint]
             return (

@@ -26,8 +26,6 @@ TURN_A_CELL = 0.3
 """Most turn of a rotary joint between two of them [rad]: the solutions are half a turn apart."""
 SHORTEST_CELL = 1e-13
 """Shortest step of that grid, as a share of the run."""
-POLE = 1e-9
-"""Sine of the angle between tool axis and pole below which the first rotary joint is free on an exact path."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +50,7 @@ def branches_of(path: Path, machine: Machine) -> list[Branch | None]:
     if path.runs[0].evaluate(path.runs[0].breaks[:1]).axis is None:
         return [None] * len(path.runs)
     grids = [resolved_grid(run, machine) for run in path.runs]
-    rotary = machine.choose_rotary(_points(path, grids), POLE)
+    rotary = machine.choose_rotary(_points(path, grids), kinematics.POLE)
     while True:
         ends = np.cumsum([len(s) for s in grids])
         points = _points(path, grids)
@@ -71,7 +69,7 @@ def branches_of(path: Path, machine: Machine) -> list[Branch | None]:
         if all(len(new) == len(old) for new, old in zip(finer, grids)):
             return [Branch(s, turns) for s, (turns, _) in zip(grids, parts)]
         grids = finer
-        rotary = machine.rotary_between(_points(path, grids), np.concatenate(known), rotary, POLE)
+        rotary = machine.rotary_between(_points(path, grids), np.concatenate(known), rotary, kinematics.POLE)
 
 
 def resolved_grid(run: PathRun, machine: Machine) -> Floats:
@@ -80,7 +78,7 @@ def resolved_grid(run: PathRun, machine: Machine) -> Floats:
     while True:
         axis = run.evaluate(s).axis
         assert axis is not None
-        finer = _quartered(s, (machine.turn_between(axis[0], POLE) > TURN_A_CELL) & ~_short(s))
+        finer = _quartered(s, (machine.turn_between(axis[0], kinematics.POLE) > TURN_A_CELL) & ~_short(s))
         if len(finer) == len(s):
             return s
         s = finer
@@ -99,7 +97,7 @@ def _quartered(s: Floats, which: Bools) -> Floats:
 
 def _sides(machine: Machine, axis: Floats, rotary: Floats) -> Ints:
     """(n,) 1 or -1: which of both solutions for the axes (n, 3) is taken; 0 at the pole."""
-    solutions, pole = machine.rotary_solutions(axis, POLE)
+    solutions, pole = machine.rotary_solutions(axis, kinematics.POLE)
     return np.where(pole, 0, 1 - 2 * nearest_solution(solutions, rotary))
 
 

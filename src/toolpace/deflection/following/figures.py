@@ -10,6 +10,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import refuse_other_unit
+from toolpace.cutting.compliance import SOFTEST
 from toolpace.kernels.follow.layout import LOOK_BACK
 
 CAUSES = ("bending", "displaced")
@@ -17,8 +18,6 @@ FINEST, COARSEST = 1e-5, 0.1
 """Shortest and longest period that a follower is for [s]."""
 MOST_BELIEVABLE, MOST_WAIT = 0.2, 5e-3
 """Deflection that may be believed, and lag of a correction [m]."""
-SOFTEST = 1e-3
-"""Most compliance of a tool [m/N]."""
 MOST_RESERVE = 0.5
 
 

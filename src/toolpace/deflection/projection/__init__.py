@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import number, numbers
 from toolpace.common.errors import UsageError, did_you_mean
-from toolpace.deflection.projection.nearest import nearest
+from toolpace.deflection.projection.branch_and_bound import nearest
 from toolpace.deflection.projection.potential import force, nearest_by_field, potential
 from toolpace.deflection.projection.stretch import Projection, stretches
 from toolpace.path.path import Path

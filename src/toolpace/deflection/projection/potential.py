@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, number, numbers
 from toolpace.common.errors import UsageError
-from toolpace.deflection.projection.nearest import CONVERGED, ROUNDING
+from toolpace.deflection.projection.branch_and_bound import CONVERGED, ROUNDING
 from toolpace.deflection.projection.stretch import Projection, Stretch
 
 SAMPLES = 400
