@@ -118,13 +118,13 @@ def compensate_bending(
     bending = np.zeros((len(places.way), 3))
     changes: list[float] = []
     for round_ in range(ROUNDS + 1):
-        told = _share(progress, round_)
+        reported = _share(progress, round_)
         if round_ <= SETTLED:
             kept = places.needed(bending, STRAIGHT * least)
         shifted = places.shifted(-bending, kept)
-        fitted = Path.fit(shifted, (1.0 - RESERVE) * tip_tolerance, axis_tolerance, machine, _share(told, 0))
+        fitted = Path.fit(shifted, (1.0 - RESERVE) * tip_tolerance, axis_tolerance, machine, _share(reported, 0))
         path = keeping_feed(fitted, places, kept, bending)
-        trajectory = plan(AxisPath.follow(path, machine), machine, planner=planner, progress=_share(told, 1))
+        trajectory = plan(AxisPath.follow(path, machine), machine, planner=planner, progress=_share(reported, 1))
         found = predicted_bending(places, kept, cut, tool, machine, fitted, trajectory)
         check_small(found, places, tool)
         changes.append(float(np.linalg.norm(found - bending, axis=1).max()))

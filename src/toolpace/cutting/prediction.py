@@ -152,8 +152,8 @@ def cut_of_way(tool: CuttingTool, toolpath: ToolPath) -> Ints:
     for what, wanted, there in (("operation", tool.operations, names), ("tool", tool.only, tools)):
         for name in wanted:
             if name not in there:
-                known = [each for each in there if each]
-                hint = did_you_mean(name, known) if known else f"it names no {what}s: leave that out"
+                named = [each for each in there if each]
+                hint = did_you_mean(name, named) if named else f"it names no {what}s: leave that out"
                 raise UsageError(f"{tool.source}: {program} has no {what} '{name}'; {hint}")
     order = [name for name, cut in tool.operations.items() if cut is not None]
     of_operation = np.array(

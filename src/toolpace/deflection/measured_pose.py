@@ -159,8 +159,8 @@ def found_tip(
 
 def _as_it_was(position: Floats, own: Floats, most: float, machine: Machine | None) -> Floats:
     """The position, of a `deflection` that may be meant as it was until now: as the position itself."""
-    given = position - own
-    before, now = _size(given - own, machine), _size(given, machine)
+    difference = position - own
+    before, now = _size(difference - own, machine), _size(difference, machine)
     if before > most:
         return position
     # both make sense only where the tip is near the origin; the name then decides
@@ -170,17 +170,17 @@ def _as_it_was(position: Floats, own: Floats, most: float, machine: Machine | No
         DeprecationWarning,
         stacklevel=4,
     )
-    return position if now <= most else given
+    return position if now <= most else difference
 
 
 def _too_far(
     position: Floats, own: Floats, off: float, most: float, time: float, is_tip: bool, machine: Machine | None
 ) -> str:
     """One line that names what was probably meant."""
-    given = position if is_tip else position - own
+    value = position if is_tip else position - own
     name, other = ("tip", "deflection") if is_tip else ("deflection", "tip")
-    as_other = _size(given if is_tip else given - own, machine)
-    in_metres = position * 1e-3 - own if is_tip else given * 1e-3
+    as_other = _size(value if is_tip else value - own, machine)
+    in_metres = position * 1e-3 - own if is_tip else value * 1e-3
     if as_other <= most:
         meant = f"that is {'a vector' if is_tip else 'a position'}: give it as {other}="
     elif _size(in_metres, machine) <= most:

@@ -114,15 +114,15 @@ def _follow(sweep: Sweep, motion: Floats, work: int) -> list[tuple[int, float]]:
     last = len(motion) - 1
     length = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(motion, axis=0) ** 2).sum(axis=1)))))
     deviations: list[tuple[int, float]] = []
-    known, widest = -1, 2.0
+    reached, widest = -1, 2.0
     while True:
-        known = sweep.run(known, last)
-        if known == last and sweep.ends():
+        reached = sweep.run(reached, last)
+        if reached == last and sweep.ends():
             return deviations
-        stuck = min(known + 1, last)
+        stuck = min(reached + 1, last)
         for_good = len(deviations) >= MOST_REPAIRS
         sweep.work = work
-        known, distance = _Repair(sweep, length, stuck, for_good).carry_out(widest if for_good else 2.0)
+        reached, distance = _Repair(sweep, length, stuck, for_good).carry_out(widest if for_good else 2.0)
         work, sweep.work = sweep.work, NEVER
         widest = max(widest, distance)
         deviations.append((stuck, distance))
@@ -182,11 +182,11 @@ class _Repair:
         """The pose at which the motion is back on the program; the last one where it never is; None: too near."""
         last = len(self.length) - 1
         self.raise_radius(start, self.stuck, distance)
-        known, seek = start, self.stuck if not self.for_good else last + 1
+        passed, seek = start, self.stuck if not self.for_good else last + 1
         if self.for_good:
             self.raise_radius(start, last + 1, distance)
         while True:
-            reached = self.sweep.run(known, last, seek, distance)
+            reached = self.sweep.run(passed, last, seek, distance)
             if reached == last:
                 return last if self.sweep.ends() or self.raised_end(distance) else None
             if reached < seek or reached < 0 or self.sweep.radius[reached] >= distance:
@@ -198,7 +198,7 @@ class _Repair:
             # Near by chance; on from there, no more looking until where that ended.
             seek = min(held + 1, last)
             self.raise_radius(reached - 1, seek, distance)
-            known = reached - 1
+            passed = reached - 1
 
     def raised_end(self, distance: float) -> bool:
         """Whether the last pose stands at the end of the program if it may be as far off as the others."""

@@ -74,24 +74,24 @@ class Passing:
     def stops(self, machine: Machine, dt: float) -> list[Check]:
         """At each program point with a stop a step of rest; at each dwell enough without motion, one after another."""
         dwell = self.toolpath.dwell
-        asked = self.toolpath.stop | (dwell > 0.0)
-        asked[[0, -1]] = dwell[[0, -1]] > 0.0
-        stops = np.flatnonzero(asked)
+        waiting = self.toolpath.stop | (dwell > 0.0)
+        waiting[[0, -1]] = dwell[[0, -1]] > 0.0
+        stops = np.flatnonzero(waiting)
         if not len(stops):
             return []
         # The step that holds a rest for an instant is at most the first one out of rest; within a dwell nothing moves.
         rests = still_runs(self.points, machine, dt, 1.0 + TOLERANCE)
         waits = still_runs(self.points, machine, dt, CREEP)
         found, at = np.zeros(len(stops)), np.zeros(len(stops))
-        known = 0.0  # the set-point up to which standing still has been counted
+        used = 0.0  # the set-point up to which standing still has been counted
         for k, stop in enumerate(stops):
             # What may be hidden whole shows as a stop for an instant does.
             shows = float(dwell[stop]) >= HIDDEN * dt
             need = max(float(dwell[stop]) / dt - HIDDEN, 1.0)
-            begin, most = self.longest(self.line[stop], waits if shows else rests, known, need - 1e-6)
+            begin, most = self.longest(self.line[stop], waits if shows else rests, used, need - 1e-6)
             found[k], at[k] = most * dt, self.points.t[min(int(begin), len(self.points) - 1)]
             if shows:
-                known = max(known, begin + min(most, need))
+                used = max(used, begin + min(most, need))
         return self._judged(stops, found, at, dt)
 
     def _judged(self, stops: Ints, found: Floats, at: Floats, dt: float) -> list[Check]:
@@ -116,18 +116,18 @@ class Passing:
             checks.append(Check("dwell", value, limit, "s", ok, float(at[k]), block, at_least=True, noise=noise))
         return checks
 
-    def longest(self, pose: int, runs: Ints, known: float, enough: float) -> tuple[float, float]:
+    def longest(self, pose: int, runs: Ints, counted: float, enough: float) -> tuple[float, float]:
         """The first stretch of standing still [set-points] at a pose of the program's line that is long enough, else
-        the longest: its begin, and the number of steps. None of it lies before `known`.
+        the longest: its begin, and the number of steps. None of it lies before `counted`.
 
         A step counts where its begin or its end can stand for the pose.
         """
-        best, begin = 0.0, known
+        best, begin = 0.0, counted
         for i in range(self.back.begin[pose], self.back.begin[pose + 1]):
             low, high = self.setpoint(self.back.low[i], latest=False), self.setpoint(self.back.high[i], latest=True)
-            r = int(np.searchsorted(runs[:, 1], max(low, known), side="left"))
+            r = int(np.searchsorted(runs[:, 1], max(low, counted), side="left"))
             while r < len(runs) and runs[r, 0] <= high:
-                first = max(float(runs[r, 0]), np.floor(low), known)
+                first = max(float(runs[r, 0]), np.floor(low), counted)
                 last = min(float(runs[r, 1]), np.ceil(high))
                 if last - first > best:
                     best, begin = last - first, first
@@ -135,7 +135,7 @@ class Passing:
                     return begin, best
                 r += 1
         if best == 0.0:
-            begin = max(self.setpoint(self.back.first[pose], latest=False), known)
+            begin = max(self.setpoint(self.back.first[pose], latest=False), counted)
         return begin, best
 
     def setpoint(self, place: float, *, latest: bool) -> float:

@@ -56,11 +56,11 @@ def program_checks(
     Each block is judged by its own tolerances. With a tool that bends, it is the bent tip that must be where the
     program says; feeds are those of the tip itself.
     """
-    asked = (
+    wanted = (
         Tolerances.of(tip_tolerance, "tip_tolerance").tip_beside_chords(toolpath),
         Tolerances.of(axis_tolerance, "axis_tolerance").axis_along(toolpath),
     )
-    tolerances = ProgramTolerances(np.stack(asked, axis=1))
+    tolerances = ProgramTolerances(np.stack(wanted, axis=1))
     tip_unit, axis_unit = units = tolerances.least
     line, owner = program_line(toolpath, machine, tip_unit, axis_unit)
     room = (1.0 + GRACE) * (tolerances.along[owner[1:]] / units - 1.0)

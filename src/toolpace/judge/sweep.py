@@ -81,9 +81,9 @@ def _discs(poses: Floats, half: slice, low: Floats, high: Floats, size: int, lar
     side = 0.5 * (high[:, half] - low[:, half])
     found = np.zeros((len(low), 8))
     found[:, :3], found[:, 6] = low[:, half] + side, np.sqrt((side**2).sum(axis=1))
-    asked = np.flatnonzero(large & (found[:, 6] > POINT))
+    wanted = np.flatnonzero(large & (found[:, 6] > POINT))
     step = max(AT_ONCE // size, 1)
-    for part in (asked[k : k + step] for k in range(0, len(asked), step)):
+    for part in (wanted[k : k + step] for k in range(0, len(wanted), step)):
         away = poses[part[:, None] * size + np.arange(size + 1), half] - found[part, None, :3]
         upright = np.linalg.eigh(np.swapaxes(away, 1, 2) @ away)[1][:, :, 0]
         above = np.einsum("psa,pa->ps", away, upright)
@@ -115,8 +115,8 @@ class Sweep:
         self.begin = np.zeros(n + 1, dtype=np.int64)
         self.low, self.high = np.empty(2 * n + 64), np.empty(2 * n + 64)
 
-    def run(self, known: int, goal: int, seek: int = NEVER, raised: float = 0.0) -> int:
-        """Go on from pose `known` (-1: from none) to `goal`; the last pose that was reached, -1 for none.
+    def run(self, reached: int, goal: int, seek: int = NEVER, raised: float = 0.0) -> int:
+        """Go on from pose `reached` (-1: from none) to `goal`; the last pose that was reached, -1 for none.
 
         From pose `seek` on each is first tried with its radius, then with `raised`; ends at the first that does with
         the radius it had. Raises OutOfWorkError.
@@ -125,7 +125,7 @@ class Sweep:
 
         line = self.line
         while True:
-            task = np.array([known, goal, seek, self.work, 0], dtype=np.int64)
+            task = np.array([reached, goal, seek, self.work, 0], dtype=np.int64)
             found = int(
                 reach(
                     Row(self.rows, self.room), Row(line.poses, line.room), self.radius, line.extra, line.discs,

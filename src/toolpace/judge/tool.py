@@ -103,20 +103,20 @@ def ways(points: SetPoints, tip: Floats, axis: Floats) -> Floats:
 def length_checks(points: SetPoints, machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
     """The lengths that set-points name against the program's, and the program's against the sheet."""
     own = machine.tool_length
-    asked = np.where(np.isnan(toolpath.tool_length), own, toolpath.tool_length)
+    wanted = np.where(np.isnan(toolpath.tool_length), own, toolpath.tool_length)
     named = points.tool_length if len(points.tool_length) else np.array([own])
-    known = np.unique(asked[1:])
-    off = np.abs(named[:, None] - known).min(axis=1)
+    lengths = np.unique(wanted[1:])
+    off = np.abs(named[:, None] - lengths).min(axis=1)
     worst = int(np.argmax(off))
     checks = []
     if len(points.tool_length) or (off > SAME).any():
         ok, note = bool(off[worst] <= SAME), "against those of the program's tools"
         place = float(points.t[worst]), int(points.block[worst])
         checks.append(Check("tool length of set-points", float(off[worst]), SAME, "m", ok, *place, note=note))
-    return [*checks, *_sheet_check(own, toolpath, asked, table)]
+    return [*checks, *_sheet_check(own, toolpath, wanted, table)]
 
 
-def _sheet_check(own: float, toolpath: ToolPath, asked: Floats, table: Mapping[str, float]) -> list[Check]:
+def _sheet_check(own: float, toolpath: ToolPath, wanted: Floats, table: Mapping[str, float]) -> list[Check]:
     """Whether each way of the program is that of a tool as long as the sheet says, or as the program's own words do."""
     if not table:
         return []
@@ -128,7 +128,7 @@ def _sheet_check(own: float, toolpath: ToolPath, asked: Floats, table: Mapping[s
         name = _plain(operation.tool)
         alone = next(iter(table.values())) if len(table) == 1 and not name else own
         right = np.array([table.get(name, alone), *operation.told_lengths])
-        off = np.abs(asked[rows, None] - right).min(axis=1)
+        off = np.abs(wanted[rows, None] - right).min(axis=1)
         if off.max() > worst:
             worst, at = float(off.max()), int(rows[np.argmax(off)])
     note = f"of tool {toolpath.operations[toolpath.operation[at]].tool or 'without a name'}, against the set-up sheet"

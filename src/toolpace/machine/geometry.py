@@ -207,8 +207,8 @@ def _order(file: MachineFile, rotary: tuple[str, str]) -> str:
 
 
 def _directions(file: MachineFile, names: tuple[str, str]) -> str:
-    given = ([f"{figure:g}" for figure in file.joints[name].direction] for name in names)
-    return " and ".join(f"[{', '.join(figures)}]" for figures in given)
+    directions = ([f"{figure:g}" for figure in file.joints[name].direction] for name in names)
+    return " and ".join(f"[{', '.join(figures)}]" for figures in directions)
 
 
 def lie_in_a_plane(file: MachineFile, names: list[str], directions: dict[str, Floats], source: str) -> MachineError:
@@ -217,8 +217,8 @@ def lie_in_a_plane(file: MachineFile, names: list[str], directions: dict[str, Fl
     alike = next((pair for pair in pairs if parallel(directions[pair[0]], directions[pair[1]])), None)
     why = ""
     if alike is not None:
-        given = _directions(file, alike)
-        why = f"; {alike[0]} and {alike[1]} move along one line, directions {given}: correct one of them"
+        shown = _directions(file, alike)
+        why = f"; {alike[0]} and {alike[1]} move along one line, directions {shown}: correct one of them"
     return MachineError(
         f"{source}: the directions of the linear joints {', '.join(names)} lie in one plane; they must span space{why}"
     )

@@ -37,14 +37,14 @@ def choose_rotary(geometry: Geometry, toolpath: ToolPath, pole_tolerance: float 
     sides, and the axis may be off by up to that tolerance (rounded programs scatter about the pole by as
     much). Raises ReachError.
     """
-    given = _given(geometry, toolpath)
-    if given is None:
-        given = _chosen(geometry, toolpath, pole_tolerance)
-    check_travel(geometry, kinematics.joints_at(geometry, toolpath.tip, given), toolpath.block, toolpath.source)
-    return given
+    rotary = _of_program(geometry, toolpath)
+    if rotary is None:
+        rotary = _chosen(geometry, toolpath, pole_tolerance)
+    check_travel(geometry, kinematics.joints_at(geometry, toolpath.tip, rotary), toolpath.block, toolpath.source)
+    return rotary
 
 
-def _given(geometry: Geometry, toolpath: ToolPath) -> Floats | None:
+def _of_program(geometry: Geometry, toolpath: ToolPath) -> Floats | None:
     names = [geometry.joints[joint] for joint in geometry.rotary]
     if toolpath.rotary is None or set(toolpath.rotary_joints) != set(names):
         return None
@@ -146,31 +146,31 @@ def _turns(solutions: Floats, travel: Floats, endless: Bools) -> tuple[Ints, Int
 
 
 def rotary_between(
-    geometry: Geometry, toolpath: ToolPath, known: Ints, rotary: Floats, pole_tolerance: float = POLE_TOLERANCE
+    geometry: Geometry, toolpath: ToolPath, fixed: Ints, rotary: Floats, pole_tolerance: float = POLE_TOLERANCE
 ) -> Floats:
-    """Rotary positions (n, 2) [rad] along a tool path, those (k, 2) at its points `known` (k,) having been chosen.
+    """Rotary positions (n, 2) [rad] along a tool path, those (k, 2) at its points `fixed` (k,) having been chosen.
 
-    `known` ascends from the first point to the last. At the pole the first joint turns evenly between its values on
+    `fixed` ascends from the first point to the last. At the pole the first joint turns evenly between its values on
     both sides, as in the choice. Raises ReachError where the branch does not hold between the known points: where a
     joint leaves its travel, or the rotary joints would have to jump while cutting.
     """
     solutions, pole = solutions_along(geometry, toolpath, pole_tolerance)
     at = np.arange(len(toolpath))
-    cell = np.clip(np.searchsorted(known, at, side="right") - 1, 0, max(len(known) - 2, 0))
-    after = np.minimum(cell + 1, len(known) - 1)
+    cell = np.clip(np.searchsorted(fixed, at, side="right") - 1, 0, max(len(fixed) - 2, 0))
+    after = np.minimum(cell + 1, len(fixed) - 1)
     # At the pole the first joint is free, and says nothing about the solution: what lies next to it does.
-    left = np.where(pole[known[cell]] & ~pole[known[after]], after, cell)
-    right = np.where(pole[known[after]] & ~pole[known[cell]], cell, after)
-    share = (at - known[cell]) / np.maximum(known[after] - known[cell], 1)
+    left = np.where(pole[fixed[cell]] & ~pole[fixed[after]], after, cell)
+    right = np.where(pole[fixed[after]] & ~pole[fixed[cell]], cell, after)
+    share = (at - fixed[cell]) / np.maximum(fixed[after] - fixed[cell], 1)
     even = rotary[left] + share[:, None] * (rotary[right] - rotary[left])
     unwound = solutions + math.tau * np.round((even[:, None] - solutions) / math.tau)
-    taken = nearest_solution(solutions[known], rotary)
+    taken = nearest_solution(solutions[fixed], rotary)
     side = taken[left]
     for k in np.unique(cell[taken[left] != taken[right]]):
-        inner = slice(int(known[k]) + 1, int(known[k + 1]))
+        inner = slice(int(fixed[k]) + 1, int(fixed[k + 1]))
         side[inner] = _least_motion(unwound[inner], rotary[k : k + 2], int(taken[k]), int(taken[k + 1]))
     chosen = np.ascontiguousarray(unwound[at, side])
-    chosen[known] = rotary
+    chosen[fixed] = rotary
     settle(geometry, toolpath, pole, pole_tolerance, chosen)
     _check_jumps(geometry, toolpath, pole, chosen)
     check_travel(geometry, kinematics.joints_at(geometry, toolpath.tip, chosen), toolpath.block, toolpath.source)

@@ -56,12 +56,12 @@ def _mirrored(geometry: Geometry, joint: int, positions: Floats) -> str:
 
 def unreachable_tilt(geometry: Geometry, axis: Floats, block: int, source: str = "") -> ReachError:
     """The error for a tool axis (3,) that no angles of the rotary joints give."""
-    asked = math.degrees(math.acos(max(-1.0, min(1.0, float(_pole(geometry) @ axis)))))
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, float(_pole(geometry) @ axis)))))
     low, high = tilt_range(geometry)
     first = geometry.joints[geometry.rotary[0]]
     return ReachError(
         f"{place(source, block)}unreachable tilt: the tool axis ({axis[0]:.5f}, {axis[1]:.5f}, "
-        f"{axis[2]:.5f}) stands at {asked:.3f} deg to the axis of joint {first}; {geometry.name} reaches "
+        f"{axis[2]:.5f}) stands at {angle:.3f} deg to the axis of joint {first}; {geometry.name} reaches "
         f"{low:.3f} to {high:.3f} deg; mount the part otherwise or take another machine"
     )
 

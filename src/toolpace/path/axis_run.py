@@ -100,10 +100,10 @@ class SpeedCap:
         if not callable(self.cap):
             return np.full(s.shape, self.cap)
         with self.lock:
-            given = np.asarray(self.cap(s), dtype=float)
-        if given.shape not in ((), s.shape):
-            raise PathError(f"path: speed_cap(s) has shape {given.shape} for {len(s)} values of s, not (n,)")
-        cap = np.broadcast_to(given, s.shape).copy()
+            value = np.asarray(self.cap(s), dtype=float)
+        if value.shape not in ((), s.shape):
+            raise PathError(f"path: speed_cap(s) has shape {value.shape} for {len(s)} values of s, not (n,)")
+        cap = np.broadcast_to(value, s.shape).copy()
         if not (cap >= 0.0).all():
             k = int(np.argmin(cap >= 0.0))
             raise PathError(f"path: speed_cap(s) is {cap[k]:g} at s = {s[k]:.9g}; give a positive number, or inf")

@@ -141,19 +141,19 @@ def _pieces(spline: Any) -> tuple[Floats, Floats]:
             f"path: {type(spline).__name__} is no spline that is taken; give a BSpline, CubicSpline or other PPoly of "
             "scipy.interpolate, or any function to AxisPath.from_callable"
         )
-    given = np.asarray(spline.c)
-    if given.dtype.kind not in "iuf":
-        raise UsageError(f"path: the spline's coefficients are {given.dtype}; give real numbers")
-    shape = given.shape[1:] if isinstance(spline, BSpline) else given.shape[2:]
+    array = np.asarray(spline.c)
+    if array.dtype.kind not in "iuf":
+        raise UsageError(f"path: the spline's coefficients are {array.dtype}; give real numbers")
+    shape = array.shape[1:] if isinstance(spline, BSpline) else array.shape[2:]
     if len(shape) > 1 or 0 in shape:
         raise UsageError(f"path: the spline's values have shape {shape}; give (joints,), one column a joint")
     if isinstance(spline, PPoly):
         # a copy of the pieces alone: a periodic spline takes its last parameter for the first
-        return np.array(spline.x, dtype=float), np.array(given, dtype=float).reshape(*given.shape[:2], -1)
+        return np.array(spline.x, dtype=float), np.array(array, dtype=float).reshape(*array.shape[:2], -1)
     degree = int(spline.k)
     knots = np.unique(np.asarray(spline.t, dtype=float)[degree : len(spline.t) - degree])
     # without `axis` the values are (n, joints), however the caller wants his own
-    plain = BSpline(spline.t, given.reshape(len(given), -1), degree)
+    plain = BSpline(spline.t, array.reshape(len(array), -1), degree)
     taylor = [plain(knots[:-1], nu=power) / factorial(power) for power in range(degree, -1, -1)]
     return knots, np.ascontiguousarray(taylor)
 

@@ -68,8 +68,8 @@ class CallableRun(AxisRun):
     def evaluate(self, s: Floats) -> Floats:
         s = self.sides.aside(s)
         with self.lock:
-            given = [self.f(s, order) for order in range(4)]
-        values = [_real(value, f"f(s, {order})") for order, value in enumerate(given)]
+            results = [self.f(s, order) for order in range(4)]
+        values = [_real(value, f"f(s, {order})") for order, value in enumerate(results)]
         for order, value in enumerate(values):
             if value.ndim != 2 or value.shape != (len(s), values[0].shape[-1]):
                 raise PathError(
@@ -142,17 +142,17 @@ def check_derivatives(
         for _ in range(LEVELS - 1):
             width /= PARTS
             parts = np.asarray(start + width * np.arange(PARTS), dtype=np.float64)
-            still, now_given, now_found = _compared(evaluate, parts, width, noise, name)
+            still, now_declared, now_measured = _compared(evaluate, parts, width, noise, name)
             bad = still[order, :, column]
             if bad.sum() <= PARTS // 2:
                 break
             start = float(parts[np.argmax(bad)])
             at = int(np.argmax(bad))
-            given, found = now_given[order, at, column], now_found[order, at, column]
+            declared, measured = now_declared[order, at, column], now_measured[order, at, column]
         else:
             raise PathError(
                 f"{name}: f(s, {order + 1}) is not the derivative of f(s, {order}): at s = {start:.9g} it is "
-                f"{given:.6g} for {columns[column]}, where f(s, {order}) changes by {found:.6g}; correct "
+                f"{declared:.6g} for {columns[column]}, where f(s, {order}) changes by {measured:.6g}; correct "
                 "the function, or give points to Path.fit or AxisPath.from_waypoints"
             )
 
@@ -171,9 +171,9 @@ def _compared(
         raise PathError(f"{name}: f(s, {order}) is not finite at s = {s[cell, place]:.9g}")
     change = jets[:3, :, -1] - jets[:3, :, 0]
     inside, weights = jets[1:, :, 1:-1], 0.5 * length * _WEIGHTS[None, None, :, None]
-    told, size = (weights * inside).sum(axis=2), (weights * np.abs(inside)).sum(axis=2)
+    integral, size = (weights * inside).sum(axis=2), (weights * np.abs(inside)).sum(axis=2)
     eps = float(np.finfo(float).eps)
     rounding = eps * (np.abs(jets[:3]).max(axis=2) + np.abs(s).max() * np.abs(jets[1:]).max(axis=2))
     allowed = OFF * np.maximum(np.abs(change), size) + DIFFERENCE_ROUNDINGS * rounding + length * noise
-    off = np.abs(change - told) > allowed
-    return off, told / length, change / length
+    off = np.abs(change - integral) > allowed
+    return off, integral / length, change / length

@@ -55,7 +55,7 @@ def branches_of(path: Path, machine: Machine) -> list[Branch | None]:
         ends = np.cumsum([len(s) for s in grids])
         points = _points(path, grids)
         parts = list(zip(np.split(rotary, ends[:-1]), np.split(_sides(machine, points.axis, rotary), ends[:-1])))
-        finer, known = [], []
+        finer, chosen = [], []
         for k, (s, (turns, side)) in enumerate(zip(grids, parts)):
             turn = np.diff(turns, axis=0)
             wide = np.abs(turn).max(axis=1) > TURN_A_CELL
@@ -65,11 +65,11 @@ def branches_of(path: Path, machine: Machine) -> list[Branch | None]:
                 raise _jump(path, machine, k, float(s[at]), turn[at])
             # a change of solution on the shortest way is the pole itself
             finer.append(_quartered(s, (wide | (side[1:] * side[:-1] < 0)) & ~short))
-            known.append(np.searchsorted(finer[k], s) + sum(len(earlier) for earlier in finer[:k]))
+            chosen.append(np.searchsorted(finer[k], s) + sum(len(earlier) for earlier in finer[:k]))
         if all(len(new) == len(old) for new, old in zip(finer, grids)):
             return [Branch(s, turns) for s, (turns, _) in zip(grids, parts)]
         grids = finer
-        rotary = machine.rotary_between(_points(path, grids), np.concatenate(known), rotary, kinematics.POLE)
+        rotary = machine.rotary_between(_points(path, grids), np.concatenate(chosen), rotary, kinematics.POLE)
 
 
 def resolved_grid(run: PathRun, machine: Machine) -> Floats:

@@ -45,8 +45,8 @@ class PathJet(NamedTuple):
         return id(self)
 
     def __repr__(self) -> str:
-        given = "rotary joints" if self.axis is None else "tool axes"
-        return one_line(self, counted(self.tip.shape[1], "place"), f"tip and {given}")
+        form = "rotary joints" if self.axis is None else "tool axes"
+        return one_line(self, counted(self.tip.shape[1], "place"), f"tip and {form}")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

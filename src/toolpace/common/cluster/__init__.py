@@ -99,8 +99,8 @@ def _local(workers: int | None, memory: str | None) -> Iterator[Client]:
     }
     # An item whose worker dies comes back at once: it is tried again when it can harm no other.
     # Samples of what goes on in each worker, a hundred a second, take cores from the work.
-    told = dask.config.set({"distributed.scheduler.allowed-failures": 0, "distributed.worker.profile.enabled": False})
-    with told, LocalCluster(**options) as cluster, Client(cluster) as client:
+    config = dask.config.set({"distributed.scheduler.allowed-failures": 0, "distributed.worker.profile.enabled": False})
+    with config, LocalCluster(**options) as cluster, Client(cluster) as client:
         yield client
 
 

@@ -62,11 +62,11 @@ class DaskPool(Pool):
         try:
             for number, item in enumerate(items):
                 while not run.has_room():
-                    yield from run.told()
+                    yield from run.outcomes()
                 if (outcome := run.begin(number, item)) is not None:
                     yield outcome
             while run.flying or run.ready:
-                yield from run.told()
+                yield from run.outcomes()
             yield from run.suspects_alone()
         finally:
             run.close()
@@ -137,7 +137,7 @@ class _Run(Generic[C, T, R]):
         future.add_done_callback(lambda done: self.came.put((number, done)))
         return None
 
-    def told(self) -> Iterator[Outcome[T, R]]:
+    def outcomes(self) -> Iterator[Outcome[T, R]]:
         """The next outcome; none where none came for a while, or an item must be tried again."""
         self._look_again()
         while self.ready:
@@ -167,10 +167,10 @@ class _Run(Generic[C, T, R]):
         except Exception as error:
             # Not of the work, whose errors come as words: it could not be sent, or not be read.
             del self.flying[number]
-            told = f"the worker could not do it: {type(error).__name__}: {error}"
+            message = f"the worker could not do it: {type(error).__name__}: {error}"
             if isinstance(error, ImportError):
-                told = f"scheduler and workers need toolpace {__version__}, and all that the work imports: {error}"
-            yield Outcome(number, flight.item, None, printable(" ".join(told.split())))
+                message = f"scheduler and workers need toolpace {__version__}, and all that the work imports: {error}"
+            yield Outcome(number, flight.item, None, printable(" ".join(message.split())))
             return
         del self.flying[number]
         yield Outcome(number, flight.item, value, wrong, worker, seconds)
@@ -183,7 +183,7 @@ class _Run(Generic[C, T, R]):
             if (outcome := self.begin(number, item)) is not None:
                 yield outcome
             while self.flying or self.ready:
-                yield from self.told()
+                yield from self.outcomes()
 
     def now(self) -> list[tuple[T, str]]:
         """See `Pool.now`."""

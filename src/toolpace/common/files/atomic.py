@@ -69,22 +69,22 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def file_to_write(path: str | os.PathLike[str]) -> Path:
     """The place for a new file, found fit for it before any work is done: its folder is there and can be written to,
     and nothing is in the place but perhaps an empty file. Raises UsageError with the reason and the cure."""
-    given, target = os.fspath(path), Path(path)
+    shown, target = os.fspath(path), Path(path)
     try:
-        if not given:
+        if not shown:
             raise UsageError("the name of the file is empty; give one")
         if target.is_dir():
-            raise UsageError(f"{given}: is a folder; give the name of a file in it")
+            raise UsageError(f"{shown}: is a folder; give the name of a file in it")
         if not target.parent.is_dir():
-            raise UsageError(f"{given}: there is no folder {target.parent}; make it, or give another place")
+            raise UsageError(f"{shown}: there is no folder {target.parent}; make it, or give another place")
         if os.path.lexists(target) and not (target.is_file() and target.stat().st_size == 0):
-            raise UsageError(f"{given}: is there already; give another name")
+            raise UsageError(f"{shown}: is there already; give another name")
         target.exists()
         # Only by making one is it known: rights, disks that take no writing.
         with uninterrupted():
             Temporary(target, folder=False).remove()
     except (OSError, ValueError) as error:
-        raise UsageError(f"{given}: cannot be written: {reason(error)}; give another place") from None
+        raise UsageError(f"{shown}: cannot be written: {reason(error)}; give another place") from None
     return target
 
 

@@ -97,10 +97,10 @@ class Figures:
             object.__setattr__(self, "believable", 10.0 * self.max_correction)
 
     def _check(self, name: str, least: float, most: float, words: str) -> None:
-        given = getattr(self, name)
-        value = number(given)
+        raw = getattr(self, name)
+        value = number(raw)
         if value is None or not least <= value <= most:
-            raise UsageError(f"follower: {name} is {given!r:.60}; give {words}")
+            raise UsageError(f"follower: {name} is {raw!r:.60}; give {words}")
         object.__setattr__(self, name, value)
 
 
@@ -122,16 +122,16 @@ RANGES = {
 }
 
 
-def numbers(given: object) -> Floats | None:
+def numbers(value: object) -> Floats | None:
     """What was given as an array of real numbers, or None where it is none: text, truth values and None are none."""
     try:
-        found = np.asarray(given)
+        found = np.asarray(value)
     except (TypeError, ValueError, OverflowError):
         return None
     return found.astype(float) if found.dtype.kind in "iuf" else None
 
 
-def number(given: object) -> float | None:
+def number(value: object) -> float | None:
     """What was given as one real number, or None where it is none."""
-    found = numbers(given)
+    found = numbers(value)
     return None if found is None or found.shape != () else float(found)

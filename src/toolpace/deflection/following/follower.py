@@ -45,10 +45,10 @@ class Follower:
         Of Limits in place of a machine only the pace follows: without kinematics nothing can be measured of a tool. All
         of the reserve is then for changes of pace.
         """
-        known = Figures.__dataclass_fields__
+        names = Figures.__dataclass_fields__
         for name in figures:
-            if name not in known:
-                raise UsageError(f"follower: unknown argument '{name}'; {did_you_mean(name, known)}")
+            if name not in names:
+                raise UsageError(f"follower: unknown argument '{name}'; {did_you_mean(name, names)}")
         if not isinstance(trajectory, Trajectory):
             raise UsageError(
                 f"follower: {type(trajectory).__name__} in place of a trajectory; give what plan returns"

@@ -105,9 +105,9 @@ def refuse_force(samples: Samples, machine: Machine | None, figures: Figures) ->
         raise UsageError("follower: a compliance is of a tool on a machine; give a Machine in place of limits")
     lengths = sorted({machine.tool_length + float(longer) for longer in samples.tools[:, layout.LONGER]})
     if len(lengths) > 1:
-        told = ", ".join(f"{length / MILLIMETRE:g}" for length in lengths)
+        shown = ", ".join(f"{length / MILLIMETRE:g}" for length in lengths)
         raise UsageError(
-            f"follower: one compliance for tools of {told} mm; what a force bends differs from tool to tool: measure"
+            f"follower: one compliance for tools of {shown} mm; what a force bends differs from tool to tool: measure"
             " tip or deflection, or plan the program of each tool by itself"
         )
 

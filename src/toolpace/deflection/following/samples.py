@@ -167,27 +167,27 @@ class FollowedJoints:
         return np.pad(values, ((0, 0), (0, JOINTS - self.used)))
 
 
-def followed_joints_of(given: Machine | Limits, joints: tuple[str, ...]) -> FollowedJoints:
+def followed_joints_of(source: Machine | Limits, joints: tuple[str, ...]) -> FollowedJoints:
     """The joints of a machine or of limits that a trajectory of some `joints` is followed with. Raises UsageError."""
-    if not isinstance(given, Limits):
-        check_machine(given, "follower", "a Machine, or Limits")
-    whose = "limits" if isinstance(given, Limits) else f"machine {given.name}"
-    of_names = isinstance(given, Limits) and given.joints == tuple(f"q{i + 1}" for i in range(len(given)))
-    if given.joints != joints and not (of_names and len(given.joints) == len(joints)):
-        cure = "limits of the same joints" if isinstance(given, Limits) else "the machine that it was planned on"
+    if not isinstance(source, Limits):
+        check_machine(source, "follower", "a Machine, or Limits")
+    whose = "limits" if isinstance(source, Limits) else f"machine {source.name}"
+    of_names = isinstance(source, Limits) and source.joints == tuple(f"q{i + 1}" for i in range(len(source)))
+    if source.joints != joints and not (of_names and len(source.joints) == len(joints)):
+        cure = "limits of the same joints" if isinstance(source, Limits) else "the machine that it was planned on"
         raise UsageError(
-            f"follower: the trajectory moves {', '.join(joints)}, {whose} has {', '.join(given.joints)}; give {cure}"
+            f"follower: the trajectory moves {', '.join(joints)}, {whose} has {', '.join(source.joints)}; give {cure}"
         )
     if len(joints) > JOINTS:
         raise UsageError(f"follower: the trajectory moves {len(joints)} joints; at most {JOINTS} can be followed")
-    limits = given if isinstance(given, Limits) else given.limits
+    limits = source if isinstance(source, Limits) else source.limits
     for kind in KINDS[1:]:
         for joint, limit in zip(joints, getattr(limits, kind)):
             if not np.isfinite(limit):
                 raise UsageError(f"follower: {joint} has no limit of {kind}; give {whose} one")
     rows = np.full((3, JOINTS), np.inf)
     rows[:, : len(joints)] = [limits.velocity, limits.acceleration, limits.jerk]
-    if isinstance(given, Limits):
+    if isinstance(source, Limits):
         return FollowedJoints(len(joints), rows, None, np.zeros(27), np.zeros(3, dtype=np.int64), np.arange(JOINTS))
-    chain = given.geometry
-    return FollowedJoints(JOINTS, rows, given, chain.frame.ravel(), chain.group, chain.place)
+    chain = source.geometry
+    return FollowedJoints(JOINTS, rows, source, chain.frame.ravel(), chain.group, chain.place)

@@ -54,11 +54,11 @@ class Measurement:
             if value is None:
                 into[at : at + 3] = np.nan
                 continue
-            given = numbers(value)
-            if given is None or given.shape != (3,):
-                what = f"is {value!r:.60}" if given is None else f"has shape {given.shape}"
+            vector = numbers(value)
+            if vector is None or vector.shape != (3,):
+                what = f"is {value!r:.60}" if vector is None else f"has shape {vector.shape}"
                 raise UsageError(f"measurement: {name} {what}; give three figures (x, y, z)")
-            into[at : at + 3] = given
+            into[at : at + 3] = vector
 
     def _time(self, now: float, dead_time: float) -> float:
         """When it was measured [s]."""

@@ -230,14 +230,14 @@ def decided(machine: Machine, toolpath: ToolPath, axis_tolerance: float) -> Floa
     return carried_on(machine, toolpath, np.arange(len(toolpath)), rotary)
 
 
-def carried_on(machine: Machine, toolpath: ToolPath, known: Ints, rotary: Floats) -> Floats:
-    """Rotary joints (n, 2) along a tool path on the branch that was chosen at its points `known` (k,).
+def carried_on(machine: Machine, toolpath: ToolPath, chosen: Ints, rotary: Floats) -> Floats:
+    """Rotary joints (n, 2) along a tool path on the branch that was chosen at its points `chosen` (k,).
 
     Where that branch does not hold between these points, or makes the joints turn by far more than it seemed when it
     was chosen, the choice is made anew with all of them.
     """
     try:
-        between = machine.rotary_between(toolpath, known, rotary)
+        between = machine.rotary_between(toolpath, chosen, rotary)
     except ReachError:
         return machine.choose_rotary(toolpath)
     more = np.abs(np.diff(between, axis=0)).sum() - np.abs(np.diff(rotary, axis=0)).sum()

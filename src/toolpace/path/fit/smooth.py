@@ -117,5 +117,5 @@ def solve_ranges(
     """solve(0, range) for the tip and solve(1, range) for the turn, for all ranges, on all cores stage by stage."""
     jobs = [[(which, part) for part in stage for which in range(2)] for stage in stages]
     parts = progress.split([len(stage) for stage in jobs])
-    for stage, told in zip(jobs, parts):
-        workers.each(lambda job: solve(*job), stage, told)
+    for stage, reported in zip(jobs, parts):
+        workers.each(lambda job: solve(*job), stage, reported)
