@@ -146,7 +146,7 @@ def tip_over_feed(old: Trajectory, new: Trajectory, after: float) -> float:
         run.detour.left + (run.detour.rejoin - run.detour.left) * np.linspace(-0.5, 1.5, 2000)
     )
     way = plain.run.evaluate(places).tip[0]
-    tips = ends[0][0] - (followed.aim.offset if hasattr(followed, "aim") else 0.0)
+    tips = ends[0][0] - (followed.compensation.offset if hasattr(followed, "compensation") else 0.0)
     nearest = np.argmin(np.linalg.norm(tips[:, None] - way[None], axis=2), axis=1)
     return float((speed / plain.run.feed[plain.run.block_index(places[nearest])]).max(initial=0.0))
 

@@ -109,12 +109,12 @@ def test_the_feed_is_looked_at_where_it_changes_between_two_looks(ahead: float):
     """Against ten thousand looks: eight a step, of which each is longer than a block, would see nothing."""
     machine = tp.Machine.load("xyzbc-head")
     old = planned("".join(f"G1 X{2 * k} Y0 Z0 B0 C0 F{(3000, 600)[k % 2]}\n" for k in range(9)), machine)
-    course = Behind(CommandedMotion.of(old, 0), ahead, np.array([0.0, 0.6, 0.9]))
+    rejoin = Behind(CommandedMotion.of(old, 0), ahead, np.array([0.0, 0.6, 0.9]))
     t = np.linspace(0.0, 0.9, 10001)
-    blocks = old.axis_path.runs[0].block_at(course.abreast(t))
+    blocks = old.axis_path.runs[0].block_at(rejoin.abreast(t))
     feed = np.array([(3000.0, 600.0)[(line - 6) % 2] for line in blocks]) / 60e3
     seen = np.linalg.norm(np.diff(old.tip(t)[0], axis=0), axis=1) / np.diff(t) / feed[1:]
-    assert feed_used_at_looks(course, machine)[1].max() == pytest.approx(seen.max(), rel=0.02)
+    assert feed_used_at_looks(rejoin, machine)[1].max() == pytest.approx(seen.max(), rel=0.02)
 
 
 def test_a_follower_refuses_a_motion_that_begins_on_its_way():

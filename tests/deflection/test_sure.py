@@ -188,19 +188,19 @@ def test_the_tool_in_the_spindle_is_the_one_that_is_brought_back(cause):
         np.testing.assert_allclose(start, found if cause == "displaced" else found - [0.0, 1e-4, 5e-5], atol=1e-10)
         np.testing.assert_allclose(new.tip([0.0])[0][0], start, atol=1e-10)
         assert new.axis_path.tool_lengths[0] == length
-        course = new.axis_path.runs[0].detour
-        after = course.duration
+        rejoin = new.axis_path.runs[0].detour
+        after = rejoin.duration
         there = chain.forward(new.at([after]).q, length)[0][0]
-        wanted = course.commanded.run
+        wanted = rejoin.commanded.run
         wanted = getattr(wanted, "base", wanted)
-        on_path = wanted.run.evaluate(course.abreast(np.array([after]))).tip[0, 0]
+        on_path = wanted.run.evaluate(rejoin.abreast(np.array([after]))).tip[0, 0]
         bending = np.array([0.0, 1e-4, 5e-5]) if cause == "bending" else 0.0
         np.testing.assert_allclose(there + bending, on_path, atol=1e-9)
         # the feed of the tip, by its own tool's length
         t = np.linspace(new.axis_path.runs[0].above[1], after, 400)[:-1]
         ends = [chain.forward(new.at(t + d).q, length)[0] for d in (0.0, 1e-6)]
         speed = np.linalg.norm(ends[1] - ends[0], axis=1) / 1e-6
-        feed = wanted.run.feed[wanted.run.block_index(course.abreast(t))]
+        feed = wanted.run.feed[wanted.run.block_index(rejoin.abreast(t))]
         assert (speed <= 1.0002 * feed + 1e-8).all()
 
 

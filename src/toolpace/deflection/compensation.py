@@ -55,8 +55,8 @@ class Compensation:
 class CompensatedRun(AxisRun):
     """A run whose tip is off by a constant vector: rotary joints as they were, the linear ones moved along."""
 
-    def __init__(self, base: AxisRun, aim: Compensation) -> None:
-        self.base, self.aim = base, aim
+    def __init__(self, base: AxisRun, compensation: Compensation) -> None:
+        self.base, self.compensation = base, compensation
         self.s0, self.s1, self.breaks, self.hints = base.s0, base.s1, base.breaks, base.hints
         self.dwell, self.blocks, self.smooth_cap = base.dwell, base.blocks, base.smooth_cap
         self.tool_length = base.tool_length
@@ -80,14 +80,14 @@ class CompensatedRun(AxisRun):
     def _moved(self, path: Floats) -> Floats:
         """The joints (4, n, m) with the offset: the tip goes into them linearly."""
         out = path.copy()
-        machine = self.aim.machine
+        machine = self.compensation.machine
         if machine is None:
-            out[0] += self.aim.offset
+            out[0] += self.compensation.offset
             return out
         rotary = np.ascontiguousarray(path[:, :, machine.rotary])
         tip = np.zeros((4, path.shape[1], 3))
         without = machine.linear_jets(tip, rotary)
-        tip[0] = self.aim.offset
+        tip[0] = self.compensation.offset
         difference = machine.linear_jets(tip, rotary) - without
         out[:, :, machine.linear] += difference[:, :, machine.linear]
         return out
@@ -124,19 +124,19 @@ def most_moved(offset: Floats, machine: Machine) -> float:
     return float(np.linalg.norm(offset)) * float(np.linalg.norm((step[1:] - step[0])[:, machine.linear], 2))
 
 
-def check_aimed_travel(aim: Compensation, rest: Sequence[CommandedMotion], begin: float) -> None:
+def check_compensated_travel(compensation: Compensation, rest: Sequence[CommandedMotion], begin: float) -> None:
     """Raise ReachError where a compensated motion leaves the travel: on the `rest` of what was planned, from a
     parameter of the first run on."""
-    machine = aim.machine
+    machine = compensation.machine
     if machine is None:
         return
     moved = np.zeros(len(machine.joints))
-    moved[machine.linear] = most_moved(aim.offset, machine)
+    moved[machine.linear] = most_moved(compensation.offset, machine)
     ranges = np.stack([joint_ranges(motion.run) for motion in rest])
     low, high = ranges[:, 0].min(axis=0) - moved, ranges[:, 1].max(axis=0) + moved
     if (low >= machine.travel[:, 0]).all() and (high <= machine.travel[:, 1]).all():
         return
-    runs = tuple(aim.motion(motion).run for motion in rest)
+    runs = tuple(compensation.motion(motion).run for motion in rest)
     check_travel(AxisPath(runs, machine.joints, machine), begin=begin)
 
 

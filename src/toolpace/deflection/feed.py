@@ -50,18 +50,18 @@ def feed_at(run: AxisRun, s: Floats) -> Floats:
     return feed
 
 
-def feed_changes(course: RejoinMotion, t: Floats) -> Floats:
+def feed_changes(rejoin: RejoinMotion, t: Floats) -> Floats:
     """(k,) ascending times just before and just behind the places where another feed begins, of a way back from t[0]
     to t[-1].
 
     Between two looks (n,) at ascending times the tip may be abreast of a block with a lower feed, or still go at the
     feed of the block before.
     """
-    run = on_program(course.commanded.run)
+    run = on_program(rejoin.commanded.run)
     if run is None:
         return np.empty(0)
     feed, begins = run.run.feed, run.run.block_start[1 : len(run.run.feed)]
-    abreast = course.abreast(t)
+    abreast = rejoin.abreast(t)
     # a place to rejoin may be one that was passed already
     onward = abreast[-1] >= abreast[0]
     first, last = (abreast[0], abreast[-1]) if onward else (abreast[-1], abreast[0])
@@ -74,7 +74,7 @@ def feed_changes(course: RejoinMotion, t: Floats) -> Floats:
         middle = 0.5 * (low + high)
         order = np.argsort(middle, kind="stable")
         there = np.empty_like(middle)
-        there[order] = course.abreast(middle[order])
+        there[order] = rejoin.abreast(middle[order])
         passed = there >= places if onward else there < places
         low, high = np.where(passed, low, middle), np.where(passed, middle, high)
     found: Floats = np.sort(np.concatenate([low, high]))
@@ -116,30 +116,30 @@ def looks_at(times: Floats) -> Floats:
     return np.append((times[:-1, None] + np.diff(times)[:, None] * inside).ravel(), times[-1])
 
 
-def feed_used(course: RejoinMotion, machine: Machine, t: Floats) -> Floats:
+def feed_used(rejoin: RejoinMotion, machine: Machine, t: Floats) -> Floats:
     """(n,) speed of the tip over the feed of where it is, at ascending times (n,) of a way back."""
-    q, qd = course.motion(t)[:2]
-    feed = feed_at(course.commanded.run, course.abreast(t))
+    q, qd = rejoin.motion(t)[:2]
+    feed = feed_at(rejoin.commanded.run, rejoin.abreast(t))
     if not np.isfinite(feed).any():
         return np.zeros(len(t))
     used: Floats = np.linalg.norm(tip_velocity(machine, q, qd), axis=1) / feed
     return used
 
 
-def feed_used_at_looks(course: RejoinMotion, machine: Machine) -> tuple[Floats, Floats]:
+def feed_used_at_looks(rejoin: RejoinMotion, machine: Machine) -> tuple[Floats, Floats]:
     """Times (n,) of the looks at a way back, and the most (n,) of the feed used there and up to the next look."""
-    t = looks_at(course.times)
-    used, changes = feed_used(course, machine, t), feed_changes(course, t)
+    t = looks_at(rejoin.times)
+    used, changes = feed_used(rejoin, machine, t), feed_changes(rejoin, t)
     if len(changes):
-        np.maximum.at(used, np.searchsorted(t, changes, side="right") - 1, feed_used(course, machine, changes))
+        np.maximum.at(used, np.searchsorted(t, changes, side="right") - 1, feed_used(rejoin, machine, changes))
     return t, used
 
 
-def above_feed(course: RejoinMotion, machine: Machine | None) -> tuple[float, float]:
+def above_feed(rejoin: RejoinMotion, machine: Machine | None) -> tuple[float, float]:
     """Largest share of the feed by which the tip is above it on a way back, and the last time when it is [s]."""
     if machine is None:
         return 0.0, 0.0
-    t, ratio = feed_used_at_looks(course, machine)
+    t, ratio = feed_used_at_looks(rejoin, machine)
     over = np.flatnonzero(ratio > DETOUR)
     if len(over) == 0:
         return 0.0, 0.0

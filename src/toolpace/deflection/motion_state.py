@@ -32,7 +32,7 @@ class MotionState:
     original: CommandedMotion
     clock: float
     """The time that the original motion has come to [s]."""
-    aim: Compensation | None
+    compensation: Compensation | None
     """How far off the path the commands are, and why; None on it."""
     lag: float
     """By how much the run is late because of detours [s]."""
@@ -52,9 +52,10 @@ class MotionState:
             lag = run.lag + run.detour.lost * min(local / run.detour.duration, 1.0)
             # a detour to the start of the original has that as the next run
             behind += run.leads_to_start
-        aim = followed.run.aim if isinstance(followed.run, CompensatedRun) else None
+        compensation = followed.run.compensation if isinstance(followed.run, CompensatedRun) else None
         original = on_path(followed)
-        return cls(behind, current, local, original, clock / (aim.pace if aim else 1.0), aim, lag)
+        pace = compensation.pace if compensation else 1.0
+        return cls(behind, current, local, original, clock / pace, compensation, lag)
 
     def machine_with_tool(self, machine: Machine | None) -> Machine | None:
         """The machine with the tool that is in the spindle at the instant."""
@@ -63,7 +64,7 @@ class MotionState:
     def clock_after(self, wait: float) -> float:
         """The time that the original motion will have come to when the motion has gone on for a while [s]."""
         run, law = self.current.run, self.current.law
-        pace = self.aim.pace if self.aim else 1.0
+        pace = self.compensation.pace if self.compensation else 1.0
         if isinstance(run, DetourRun):
             return rejoined_clock(run, law, min(self.local + wait, law.duration)) / pace
         return self.clock + wait / pace

@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, number
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError, did_you_mean
-from toolpace.deflection.compensation import CompensatedRun, Compensation, check_aimed_travel
+from toolpace.deflection.compensation import CompensatedRun, Compensation, check_compensated_travel
 from toolpace.deflection.detour import DetourRun
 from toolpace.deflection.detour_law import Timing, direct_law, timing_of
 from toolpace.deflection.measured_pose import MOST, SAME_AXIS, found_tip, offset_in_words, pose_at
@@ -146,7 +146,7 @@ class DeflectedMotion:
     """As it was commanded."""
     start: Floats
     """(3, m) positions, velocities and accelerations of the joints from which the new motion starts."""
-    aim: Compensation | None
+    compensation: Compensation | None
     """What the motion to come to is compensated for; None for the one on the path."""
 
     @classmethod
@@ -158,20 +158,20 @@ class DeflectedMotion:
 
         Raises UsageError for what is no axis, and InfeasibleError where the pose or the motion is out of travel.
         """
-        start, aim = state.state(), state.aim
+        start, compensation = state.state(), state.compensation
         if options.cause == "bending":
-            aim = bending_compensation(trajectory, state, start[0], tip, machine)
+            compensation = bending_compensation(trajectory, state, start[0], tip, machine)
         else:
             start[0] = pose_at(state, machine, time, tip, options.axis, options.axis_tolerance)
-        if aim is not None and aim is not state.aim:
+        if compensation is not None and compensation is not state.compensation:
             try:
                 begin = float(state.original.place(np.array([state.clock]))[0])
-                check_aimed_travel(aim, on_path_from(trajectory, state), begin)
+                check_compensated_travel(compensation, on_path_from(trajectory, state), begin)
             except ReachError as error:
                 raise InfeasibleError(
                     f"bending at {time:.6g} s: the motion that makes up for it leaves the travel: {error}"
                 ) from None
-        return cls(trajectory, time, machine, state, start, aim)
+        return cls(trajectory, time, machine, state, start, compensation)
 
     @cached_property
     def offset(self) -> Floats:
@@ -182,17 +182,17 @@ class DeflectedMotion:
     @property
     def is_in_place(self) -> bool:
         """Whether the motion as it was commanded is the one to come to, and the joints are in it."""
-        return self.aim is self.state.aim and bool(np.abs(self.offset).max() <= IN_PLACE)
+        return self.compensation is self.state.compensation and bool(np.abs(self.offset).max() <= IN_PLACE)
 
     @property
     def pace(self) -> float:
         """Duration of the motion to come to, over that on the path."""
-        return self.aim.pace if self.aim else 1.0
+        return self.compensation.pace if self.compensation else 1.0
 
     @cached_property
     def goal(self) -> CommandedMotion:
         """The motion to come to."""
-        return self.aim.motion(self.state.original) if self.aim else self.state.original
+        return self.compensation.motion(self.state.original) if self.compensation else self.state.original
 
     def detour(self, place: float | None) -> DetourRun:
         """The detour to the goal, at the time `place` of its law [s]; None: as soon as it can be.
@@ -220,10 +220,10 @@ class DeflectedMotion:
         """The first run with what follows it, compensated as it is."""
         trajectory, behind = self.trajectory, self.state.behind
         runs, laws = trajectory.axis_path.runs[behind:], trajectory.laws[behind:]
-        if self.aim is not self.state.aim:
+        if self.compensation is not self.state.compensation:
             followers = on_path_from(trajectory, self.state)[1:]
-            aimed = [self.aim.motion(each) if self.aim else each for each in followers]
-            runs, laws = tuple(each.run for each in aimed), tuple(each.law for each in aimed)
+            compensated = [self.compensation.motion(each) if self.compensation else each for each in followers]
+            runs, laws = tuple(each.run for each in compensated), tuple(each.law for each in compensated)
         detour = run.base if isinstance(run, RemainingMotion) else run
         if isinstance(detour, DetourRun) and detour.leads_to_start:
             whole = detour.detour.commanded
@@ -247,9 +247,9 @@ class DeflectedMotion:
 def bending_compensation(
     trajectory: Trajectory, state: MotionState, q: Floats, tip: Floats, machine: Machine | None
 ) -> Compensation | None:
-    """The aim against a bending, from the joints (m,) commanded and the tip found; the one before where none new."""
+    """The compensation of a bending, from the joints (m,) commanded and the tip found; the one before where none new."""
     bending = tip - (q if machine is None else machine.forward(q[None])[0][0])
-    before = state.aim
+    before = state.compensation
     if np.abs(bending + (before.offset if before else 0.0)).max() <= IN_PLACE:
         return before
     if np.abs(bending).max() <= IN_PLACE:

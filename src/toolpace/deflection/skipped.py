@@ -26,7 +26,7 @@ def skipped_by(run: DetourRun, place: float) -> tuple[Skipped, ...]:
     if not run.on_detour(np.array([place]))[0]:
         return ()
     begin = float(run.time_at(np.array([place]))[0])
-    aim = followed.aim if isinstance(followed, CompensatedRun) else None
+    compensation = followed.compensation if isinstance(followed, CompensatedRun) else None
     path = followed.base if isinstance(followed, CompensatedRun) else followed
     start = float(detour.abreast(np.array([begin]))[0])
     if run.leads_to_start or not start < run.join or not begin < detour.duration:
@@ -36,7 +36,7 @@ def skipped_by(run: DetourRun, place: float) -> tuple[Skipped, ...]:
         """Parameters (count,), the path there and the way, (count, c) each."""
         s, t = np.linspace(start, run.join, count), np.linspace(begin, detour.duration, count)
         way = tip_of(run.machine, detour.motion(t)[0])
-        return s, tip_of(run.machine, path.evaluate(s)[0]), way if aim is None else way - aim.offset
+        return s, tip_of(run.machine, path.evaluate(s)[0]), way if compensation is None else way - compensation.offset
 
     s, on_path, way = tips(FEWEST)
     longest = max(float(np.linalg.norm(np.diff(each, axis=0), axis=1).sum()) for each in (on_path, way))

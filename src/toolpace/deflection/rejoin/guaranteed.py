@@ -123,9 +123,9 @@ def guaranteed_rejoin(
     return best
 
 
-def price(course: RejoinMotion | None) -> float:
+def price(rejoin: RejoinMotion | None) -> float:
     """Time of a way back and what it loses [s]."""
-    return np.inf if course is None else course.duration + course.lost
+    return np.inf if rejoin is None else rejoin.duration + rejoin.lost
 
 
 def shortest(problem: Problem) -> float:

@@ -44,40 +44,40 @@ class LimitCheck:
         return self.inside and self.joints <= DETOUR and self.feed <= DETOUR
 
 
-def check_limits(problem: Problem, course: SuperposedRejoin | RestartFromRest, looks: int) -> LimitCheck:
+def check_limits(problem: Problem, rejoin: SuperposedRejoin | RestartFromRest, looks: int) -> LimitCheck:
     """At a way, so many times in each step."""
     inner = np.arange(looks) / looks
-    t = np.append((course.times[:-1, None] + np.diff(course.times)[:, None] * inner).ravel(), course.duration)
-    q, *rates = course.motion(t)
+    t = np.append((rejoin.times[:-1, None] + np.diff(rejoin.times)[:, None] * inner).ravel(), rejoin.duration)
+    q, *rates = rejoin.motion(t)
     low, high = problem.travel.T
     inside = bool((q >= low - ROUNDING).all() and (q <= high + ROUNDING).all())
     limits = [getattr(problem.limits, kind) for kind in KINDS]
     joints = max(float((np.abs(rate) / limit).max()) for rate, limit in zip(rates, limits))
     if looks == FINAL:
-        joints = max(joints, at_jumps(course, t, rates[2] / limits[2], limits[2]))
+        joints = max(joints, at_jumps(rejoin, t, rates[2] / limits[2], limits[2]))
     feed, above = 0.0, 0.0
     if problem.machine is not None:
-        allowed = feed_at(problem.commanded.run, course.abreast(t))
+        allowed = feed_at(problem.commanded.run, rejoin.abreast(t))
         if np.isfinite(allowed).any():
             ratio = np.linalg.norm(tip_velocity(problem.machine, q, rates[0]), axis=1) / allowed
-            changes = feed_changes(course, t) if looks == FINAL else t[:0]
+            changes = feed_changes(rejoin, t) if looks == FINAL else t[:0]
             if len(changes):
                 order = np.argsort(np.append(t, changes), kind="stable")
-                ratio = np.append(ratio, feed_used(course, problem.machine, changes))[order]
+                ratio = np.append(ratio, feed_used(rejoin, problem.machine, changes))[order]
                 t = np.append(t, changes)[order]
             # what the start is above the feed by cannot be changed at once: it may not rise, but for its acceleration
             over = np.logical_and.accumulate(ratio > DETOUR)
             most = ratio[0] * 1.05 if over[0] else 1.0
             excused = over & (ratio <= most)
-            if isinstance(course.before, StopTogether):
-                excused |= (t < course.wait) & (ratio > DETOUR) & (ratio <= RISE)
+            if isinstance(rejoin.before, StopTogether):
+                excused |= (t < rejoin.wait) & (ratio > DETOUR) & (ratio <= RISE)
             if excused.any():
                 above = float(t[min(int(np.flatnonzero(excused)[-1]) + 1, len(t) - 1)])
             feed = float(np.where(excused, 0.0, ratio).max())
     return LimitCheck(joints, feed, inside, above)
 
 
-def at_jumps(course: RejoinMotion, t: Floats, share: Floats, jerk: Floats) -> float:
+def at_jumps(rejoin: RejoinMotion, t: Floats, share: Floats, jerk: Floats) -> float:
     """Most that jerks come to beside their jumps: `share` (n, m) of the limits at times (n,), looked at closer."""
     worst = 0.0
     for _ in range(CLOSER):
@@ -87,6 +87,6 @@ def at_jumps(course: RejoinMotion, t: Floats, share: Floats, jerk: Floats) -> fl
             break
         ends = np.stack([t[k], t[k + 1]])
         t = np.unique(ends[0] + (ends[1] - ends[0]) * np.linspace(0.0, 1.0, BETWEEN)[:, None])
-        share = course.motion(t)[3] / jerk
+        share = rejoin.motion(t)[3] / jerk
         worst = max(worst, float(np.abs(share).max()))
     return worst
