@@ -247,7 +247,7 @@ class DeflectedMotion:
 def bending_compensation(
     trajectory: Trajectory, state: MotionState, q: Floats, tip: Floats, machine: Machine | None
 ) -> Compensation | None:
-    """The compensation of a bending, from the joints (m,) commanded and the tip found; the one before where none new."""
+    """The compensation of a bending, from the joints (m,) commanded and the tip found; the former where none new."""
     bending = tip - (q if machine is None else machine.forward(q[None])[0][0])
     before = state.compensation
     if np.abs(bending + (before.offset if before else 0.0)).max() <= IN_PLACE:
