@@ -14,9 +14,8 @@ from numpy.polynomial import Polynomial
 from toolpace import deflection, study
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.study import simulation
-from toolpace.study.errata import all_errata
 from toolpace.study.simulation import DEFLECTION, Study
-from toolpace.study.tables import comparison
+from toolpace.study.tables import all_errata, comparison
 
 
 @pytest.fixture(scope="module")

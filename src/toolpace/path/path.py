@@ -16,7 +16,7 @@ from toolpace.common.units import FASTEST_FEED, METRES_PER_SECOND, RADIANS, ask_
 from toolpace.common.value_objects import counted, one_line
 from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 LEAST_CELL = 1e-7
