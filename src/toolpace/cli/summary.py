@@ -8,9 +8,9 @@ from rich.table import Table
 from rich.text import Text
 
 from toolpace.cli.console import cells, new_table
-from toolpace.common.value_objects import counted
 from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
+from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap

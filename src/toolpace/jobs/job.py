@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.common.value_objects import counted
 from toolpace.common.units import format_length, format_time
+from toolpace.common.value_objects import counted
 from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
