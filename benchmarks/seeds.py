@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.deflections import cases
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.genetic.planner import Genetic
+from toolpace.planning.genetic import Genetic
 from toolpace.planning.planner import plan
 
 GENERATIONS = (1, 10, 100)

@@ -50,13 +50,13 @@ if TYPE_CHECKING:
     from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.endstate import EndState
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.planned_run import PlannedRun
     from toolpace.planning.planner import Planner, plan
     from toolpace.planning.program_plan import ProgramPlan, plan_program
-    from toolpace.planning.second_order.planner import SecondOrder
+    from toolpace.planning.second_order import SecondOrder
     from toolpace.programs.reading import Kinematics, apply_feed, read, read_text
     from toolpace.programs.reading.controllers.controller import Controller, Sign
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
@@ -185,7 +185,7 @@ _HOME = {
     "Exported": "controls.export",
     "Follower": "deflection.following",
     "FoundSetUp": "setup_search.found_set_up",
-    "Genetic": "planning.genetic.planner",
+    "Genetic": "planning.genetic",
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
     "Kinematics": "programs.reading",
@@ -212,7 +212,7 @@ _HOME = {
     "ReadBack": "controls.export",
     "Round": "planning.path_and_pace.alternating",
     "Sampled": "judge",
-    "SecondOrder": "planning.second_order.planner",
+    "SecondOrder": "planning.second_order",
     "SetPoint": "deflection.following",
     "SetPoints": "motion.setpoints",
     "SetUp": "programs.reading.coordinates.setup",

@@ -19,11 +19,11 @@ from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
-from toolpace.planning.genetic.planner import Genetic
+from toolpace.planning.genetic import Genetic
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.planner import plan
-from toolpace.planning.second_order.planner import SecondOrder
+from toolpace.planning.second_order import SecondOrder
 
 MACHINE = Machine.load("paper-ab")
 ARC = Path.paper_arc()

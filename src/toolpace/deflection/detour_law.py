@@ -29,7 +29,7 @@ from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.planner import Planner, planner_of
 
 if TYPE_CHECKING:
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
 
 DIRECT = "direct"
 """Short name of no planner at all: the detour runs as made, and the rest as it was."""
@@ -75,9 +75,9 @@ def timing_of(planner: str | Planner, options: dict[str, object]) -> Timing:
             raise UsageError(f"replan: the planner '{DIRECT}' has no options, but {', '.join(options)} is given")
         return Timing(DIRECT, lambda run, limits, direct: direct)
     # their compiled code is loaded here, where it is used
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
-    from toolpace.planning.second_order.planner import SecondOrder
+    from toolpace.planning.second_order import SecondOrder
 
     chosen = planner_of(planner, options, "replan")
     if isinstance(chosen, SecondOrder):
@@ -159,7 +159,7 @@ def genetic_law(run: DetourRun, limits: Limits, direct: TimeLaw, planner: Geneti
 
 def next_point(run: DetourRun) -> float | None:
     """The reference point after the rejoining; None where it is the end."""
-    from toolpace.planning.genetic.problem import reference_points
+    from toolpace.planning.genetic import reference_points
 
     commanded = run.detour.commanded
     law = commanded.law
@@ -174,9 +174,7 @@ def shortened_piece(run: DetourRun, limits: Limits, direct: LawPiece, ends: Floa
     Where that of the direct law is not within the limits as a quintic (the direct law need not be one there), or is
     no longer, the interval keeps the direct law.
     """
-    from toolpace.planning.genetic.planner import interval_peaks, with_bred_periods
-    from toolpace.planning.genetic.preset_speeds import Preset
-    from toolpace.planning.genetic.problem import Intervals
+    from toolpace.planning.genetic import Intervals, Preset, interval_peaks, with_bred_periods
 
     s, v, a = ends[:3]
     parts = Intervals(run, limits, s.copy(), (False, False))

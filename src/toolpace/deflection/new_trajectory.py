@@ -44,7 +44,7 @@ from toolpace.path.path import Path
 from toolpace.planning.planner import Planner
 
 if TYPE_CHECKING:
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
 
 CAUSES = ("displaced", "bending")

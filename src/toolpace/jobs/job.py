@@ -229,7 +229,7 @@ def program_name(job: Job) -> str:
 
 def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
     """A motion with a lower bound of any motion, where that is cheap and none is to be proved."""
-    from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
+    from toolpace.planning.bound.continuous import is_cheap, with_continuous_bound
 
     return with_continuous_bound(trajectory) if job.prove_within is None and is_cheap(trajectory) else trajectory
 

@@ -82,7 +82,7 @@ def settle(geometry: Geometry, toolpath: ToolPath, pole: Bools, pole_tolerance: 
 
 def _fixed(geometry: Geometry, toolpath: ToolPath, solutions: Floats, points: Ints) -> Floats:
     """Rotary positions (k, 2) at the points that are no poles."""
-    from toolpace.kernels.kinematics import branches, states
+    from toolpace.kernels.kinematics import branches
 
     travel = np.ascontiguousarray(geometry.travel[geometry.rotary])
     endless: Bools = np.asarray(np.isinf(travel[:, 0]) | np.isinf(travel[:, 1]))
@@ -93,8 +93,8 @@ def _fixed(geometry: Geometry, toolpath: ToolPath, solutions: Floats, points: In
     ways = np.isinf(toolpath.feed[: points[-1] + 1])
     rapid: Bools = np.asarray(np.logical_or.reduceat(ways, np.r_[0, points[:-1] + 1]), dtype=np.bool_)
     axis = np.ascontiguousarray(toolpath.axis[points])
-    path = states.Points(axis, solutions, penalty, bridged, rapid)
-    branches.choose(geometry.frame, path, states.Turns(travel, endless, first_turn, slots), chosen, jumps)
+    path = branches.Points(axis, solutions, penalty, bridged, rapid)
+    branches.choose(geometry.frame, path, branches.Turns(travel, endless, first_turn, slots), chosen, jumps)
     cut = jumps & ~rapid
     if cut.any():
         at = int(np.argmax(cut))

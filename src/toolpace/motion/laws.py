@@ -122,13 +122,13 @@ def probes_a_cell(nodes: int) -> int:
 class SplineLaw(TimeLaw):
     """(ds/dt)^2 a twice differentiable cubic spline of s; next to rest, ds/dt has a constant third derivative.
 
-    Between nodes, time is the integral of ds / sqrt(z), exact to rounding (kernels/motion/cell_time.py), and s at a
+    Between nodes, time is the integral of ds / sqrt(z), exact to rounding (kernels/motion/spline_law.py), and s at a
     time its inverse: positions are the integral of the velocities on any mesh.
     """
 
     def __init__(self, nodes: Floats, c: Floats, rest: tuple[float, float]) -> None:
         """Take the spline's knots (n,), its coefficients (n + 2,) and the lengths of the rest cells (0: in motion)."""
-        from toolpace.kernels.motion import cell_time, spline_law
+        from toolpace.kernels.motion import spline_law
 
         self.nodes, self.c, self.rest = nodes, c, rest
         self.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, probes_a_cell(len(nodes))))) / 2.0
@@ -136,7 +136,7 @@ class SplineLaw(TimeLaw):
         self.cells = spline_law.polynomials(nodes, c)
         """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""
         begin = 3.0 * rest[0] / math.sqrt(self.cells[0, 0]) if rest[0] > 0.0 else 0.0
-        panels = cell_time.panels_of(nodes, self.cells, begin)
+        panels = spline_law.panels_of(nodes, self.cells, begin)
         self.times = spline_law.node_times(panels, nodes)
         """(n,) when the nodes are passed [s]."""
         self.s0, self.s1 = nodes[0] - rest[0], nodes[-1] + rest[1]

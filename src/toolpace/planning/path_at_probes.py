@@ -100,7 +100,7 @@ class PathAtProbes:
         """(n,) whether the derivatives at both ends (4, n, m) tell the path in the middle, and what positions gain."""
         limits = self.limits
         of_joints = limits.velocity, limits.acceleration, limits.jerk
-        alike: Bools = between_nodes.unlike(s, low, high, middle, length, z, *of_joints) <= UNLIKE
+        alike: Bools = between_nodes.deviation_from_quintic(s, low, high, middle, length, z, *of_joints) <= UNLIKE
         return alike
 
     def _halves(

@@ -16,9 +16,7 @@ from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST
-from toolpace.planning.genetic.planner import Genetic, with_bred_periods
-from toolpace.planning.genetic.preset_speeds import preset
-from toolpace.planning.genetic.problem import Intervals, reference_points
+from toolpace.planning.genetic import Genetic, Intervals, preset, reference_points, with_bred_periods
 from toolpace.planning.planner import plan
 from toolpace.study.literal import LiteralWay, literal_way
 

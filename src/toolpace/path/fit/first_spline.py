@@ -90,8 +90,7 @@ def near_polyline(line: Polyline, breaks: Floats) -> Spline:
 
 def smooth_samples(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
     """Replace the coefficients about the parameters `where`, or all, by those of the smoothing spline."""
-    from toolpace.kernels.fit import tube
-    from toolpace.kernels.fit.least_squares import least_squares
+    from toolpace.kernels.fit import smoothing_spline as kernel
     from toolpace.kernels.fit.quintic_spline import third_rows
 
     third = third_rows(knots_of(spline.breaks))
@@ -106,9 +105,9 @@ def smooth_samples(spline: Spline, data: Samples, weight: Floats, where: Floats 
             columns = slice(c, c + 1) if isinstance(c, int) else c
             metric = np.ones((len(data.s[j]), 1, 1)) if which == 0 else data.metric[j]
             moved = np.ascontiguousarray(x[base:end, columns])
-            there = tube.Samples(data.first[j] - base, data.rows[j], np.ascontiguousarray(target[j, columns]), metric)
-            rough = tube.Roughness(third[base : end - 5], SMOOTHING * share[columns])
-            done = least_squares(rough, there, moved, tube.Free(low - base, high - base))
+            there = kernel.Samples(data.first[j] - base, data.rows[j], np.ascontiguousarray(target[j, columns]), metric)
+            rough = kernel.Roughness(third[base : end - 5], SMOOTHING * share[columns])
+            done = kernel.least_squares(rough, there, moved, kernel.Free(low - base, high - base))
             if not done:
                 raise PathError("the program asks for a corner that no curve within the tolerance can follow")
             x[low:high, columns] = moved[low - base : high - base]

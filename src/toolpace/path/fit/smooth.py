@@ -56,7 +56,7 @@ def tighten(
     of the tolerance that may be used at each sample. `where` names parameters about which alone to work; None is
     everywhere.
     """
-    from toolpace.kernels.fit import tube
+    from toolpace.kernels.fit import smoothing_spline as kernel
     from toolpace.kernels.fit.quintic_spline import third_rows
     from toolpace.kernels.fit.smoothest import smoothest
 
@@ -73,11 +73,11 @@ def tighten(
         metric = data.metrics(which, j)
         pull = (2.0 * np.pi / (WAVE * h[data.first[j]])) ** 6 * data.gap[j] * cells[data.first[j]]
         moved = x[base:end].copy()
-        samples = tube.Samples(data.first[j] - base, data.rows[j], target[j], metric)
+        samples = kernel.Samples(data.first[j] - base, data.rows[j], target[j], metric)
         allowed = USED * radius[j] * data.room[j, which]
         steps, _, _ = smoothest(
-            tube.Roughness(third[base : end - 5], share), samples, tube.Tube(allowed, pull), moved,
-            tube.Free(low - base, high - base), floor[base : end - 5], ACCURACY, STEPS,
+            kernel.Roughness(third[base : end - 5], share), samples, kernel.Tube(allowed, pull), moved,
+            kernel.Free(low - base, high - base), floor[base : end - 5], ACCURACY, STEPS,
         )  # fmt: skip
         if 0 <= steps < STEPS or np.all(data.off(j, moved, base, target, metric) <= 1.02 * allowed):
             x[low:high] = moved[low - base : high - base]

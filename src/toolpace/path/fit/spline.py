@@ -82,8 +82,8 @@ class Samples:
 
     def off(self, part: slice, x: Floats, base: int, target: Floats, metric: Floats) -> Floats:
         """Deviation of the spline with coefficients x, from number `base` on, from its target [tolerances]."""
-        from toolpace.kernels.fit.assemble import gather
         from toolpace.kernels.fit.polyline import metric_distance
+        from toolpace.kernels.fit.smoothing_spline import gather
 
         here = np.empty_like(target[part])
         gather(self.first[part] - base, self.rows[part], x, here)

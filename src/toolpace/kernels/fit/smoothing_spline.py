@@ -1,14 +1,92 @@
-"""Values, gradients and the Newton band between the coefficients of a quintic spline and its samples.
+"""The smoothing spline, of least roughness plus squared deviation, from samples; the system of equations behind it.
 
-A sample has six neighbouring coefficients of g coordinates; unknown (coefficient i, coordinate c) has number i g + c.
+A sample has six neighbouring coefficients of g coordinates, the first of them number `first`; unknown (coefficient i,
+coordinate c) has number i g + c.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.fit.band import empty, factor, solve
 from toolpace.kernels.jit import jit
+
+
+class Roughness(NamedTuple):
+    """What is minimised."""
+
+    third: Floats
+    """(cells, 3, 6) rows that integrate the squared third derivative; see `quintic_spline.third_rows`."""
+    weight: Floats
+    """(g,) of each coordinate."""
+
+
+class Samples(NamedTuple):
+    """Where a spline is compared with its target."""
+
+    first: Ints
+    """(m,) first coefficient that matters."""
+    rows: Floats
+    """(m, 6) basis values."""
+    target: Floats
+    """(m, g)"""
+    metric: Floats
+    """(m, g, g) squares of deviations."""
+
+
+class Tube(NamedTuple):
+    """How far the spline may be from its target."""
+
+    radius: Floats
+    """(m,)"""
+    pull: Floats
+    """(m,) weight of the squared deviation beside the roughness: what keeps the Newton matrix regular."""
+
+
+class Free(NamedTuple):
+    """The coefficients low ... high - 1 are free, the others stay."""
+
+    low: int
+    high: int
+
+
+@jit()
+def least_squares(rough: Roughness, samples: Samples, x: Floats, free: Free) -> bool:
+    """Minimise the roughness plus the squared deviations in the free coefficients of x (n, g); the others stay."""
+    third, weight = rough
+    first, rows, target, metric = samples
+    low, high = free
+    g = x.shape[1]
+    n = high - low
+    band = empty(n * g, 6 * g)
+    scatter_roughness(band, third, weight, low)
+    scatter_samples(band, first, rows, metric, low)
+    if not factor(band):
+        return False
+    ignored = np.empty(len(third))
+    step = np.empty(n * g)
+    value = np.empty((len(first), g))
+    off = np.empty(g)
+    # the second solution takes away the rounding of the first
+    for _ in range(2):
+        rough_gradient(third, weight, x, low, n, step, ignored)
+        gather(first, rows, x, value)
+        for j in range(len(first)):
+            for c in range(g):
+                off[c] = value[j, c] - target[j, c]
+            for c in range(g):
+                value[j, c] = 0.0
+                for d in range(g):
+                    value[j, c] += metric[j, c, d] * off[d]
+        scatter(first, rows, value, low, n, step)
+        solve(band, step)
+        for k in range(n):
+            for c in range(g):
+                x[low + k, c] -= step[k * g + c]
+    return True
 
 
 @jit()

@@ -17,7 +17,7 @@ from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
-from toolpace.planning.second_order.planner import second_order_law
+from toolpace.planning.second_order import second_order_law
 
 FREE = Limits([np.inf, np.inf], 1.0, np.inf)
 
