@@ -8,7 +8,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.path_cache import CachedPath
 
 UNLIKE = 1e-6

@@ -18,8 +18,8 @@ from toolpace.common.workers import CallersProgress, Workers
 from toolpace.kernels.optimal import dual as kernel
 from toolpace.kernels.optimal.newton import Ends
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import relaxation as bounds
 from toolpace.planning.bound.relaxation import bound_long_run, bound_run
 from toolpace.planning.endstate import AT_REST, EndState

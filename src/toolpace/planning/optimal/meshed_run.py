@@ -9,8 +9,8 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.optimal import limit_rows
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import ALLOWED
 from toolpace.planning.mesh.initial_guess import Guess, ramp_time

@@ -24,10 +24,10 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.kernels import path_and_pace as kernel
 from toolpace.machine import kinematics
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.follow import FollowRun
+from toolpace.motion.laws import TimeLaw
 from toolpace.path.fit.polyline import Polyline
-from toolpace.path.fit.samples import turn_metric
+from toolpace.path.fit.spline import turn_metric
+from toolpace.path.follow_run import FollowRun
 from toolpace.path.run import SplineRun
 from toolpace.planning.path_and_pace.effort_settings import EffortSettings
 
