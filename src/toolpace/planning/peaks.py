@@ -43,8 +43,17 @@ class Peaks:
 class LimitCheck:
     """Looks between the nodes of one mesh."""
 
-    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: CachedPath | None = None) -> None:
-        """Take the nodes (n,) of the mesh, and what is known of the path already."""
+    def __init__(
+        self,
+        run: AxisRun,
+        limits: Limits,
+        nodes: Floats,
+        known: CachedPath | None = None,
+        before: tuple[LimitCheck, Ints] | None = None,
+    ) -> None:
+        """Take the nodes (n,) of the mesh, and what is known of the path already; `before`: the check of a mesh whose
+        cells have been cut into so many parts (cells,) for this one: what was found in those that were not still holds.
+        """
         self.run, self.limits, self.nodes = run, limits, nodes
         self.path = PathAtProbes(run, limits, nodes, known)
         hints, breaks = (
@@ -59,21 +68,31 @@ class LimitCheck:
         """By the first cell of a chunk: three derivatives (n, 3, m, k) of the path, and caps (n, k) on ds/dt."""
         self._last: tuple[Floats, Peaks] | None = None
         """The cells of the law that was looked at last, and its peaks at the probes."""
+        if before is not None and before[0]._last is not None:
+            self._take_over(before[0], *before[0]._last, before[1])
+
+    def _take_over(self, check: LimitCheck, cells: Floats, peaks: Peaks, parts: Ints) -> None:
+        """Take what was found in cells that are still whole, from the check of a mesh before they were cut."""
+        whole = parts == 1
+        self.path.unlike = np.repeat(check.path.unlike & whole, parts)
+        self.path.hiding = np.repeat(check.path.hiding & whole, parts)
+        found = Peaks(np.repeat(peaks.used, parts, axis=0), np.repeat(peaks.place, parts, axis=0))
+        self._last = np.repeat(np.where(whole[:, None], cells, np.nan), parts, axis=0), found
 
     def peaks(self, law: SplineLaw, workers: Workers | None = None) -> Peaks:
         """The peaks in all cells; only those in which z is not as it was in the law before are looked at."""
-        last, cells, workers = len(self.nodes) - 1, law.cells.copy(), workers or Workers()
+        last, cells, workers = len(self.nodes) - 1, law.cells, workers or Workers()
         changed = np.ones(last, dtype=np.bool_) if self._last is None else (cells != self._last[0]).any(axis=1)
 
         def of_chunk(first: int) -> Peaks:
             which = np.arange(first, min(first + CHUNK, last))
-            path = self._kept.get(first) or self.path.told(which, law.inside)
-            if last <= KEPT_CELLS:
-                self._kept[first] = path
             mine = changed[which]
-            return (
-                self._of(which, law, *path) if mine.all() else self._of(which[mine], law, path[0][mine], path[1][mine])
-            )
+            if first in self._kept:
+                return self._of(which[mine], law, *(each[mine] for each in self._kept[first]))
+            path = self.path.told(which[mine], law.inside)
+            if last <= KEPT_CELLS and mine.all():
+                self._kept[first] = path
+            return self._of(which[mine], law, *path)
 
         chunks = [first for first in range(0, last, CHUNK) if changed[first : first + CHUNK].any()]
         peaks = joined(workers.each(of_chunk, chunks))
@@ -81,8 +100,7 @@ class LimitCheck:
             used, place = self._last[1].used.copy(), self._last[1].place.copy()
             used[changed], place[changed] = peaks.used, peaks.place
             peaks = Peaks(used, place)
-        if last <= KEPT_CELLS:
-            self._last = cells, peaks
+        self._last = cells, peaks
         return self._with_hints(law, peaks)
 
     def _with_hints(self, law: SplineLaw, peaks: Peaks) -> Peaks:
@@ -91,7 +109,7 @@ class LimitCheck:
             return peaks
         limits = self.limits
         if self._at_hints is None:
-            q, cap = self.run.with_cap(self.hints)
+            q, cap = self.path.known.with_cap(self.hints)
             self._at_hints = np.ascontiguousarray(q), cap
         of_joints = limits.velocity, limits.acceleration, limits.jerk
         ratio = usage.ratios(self._at_hints[0], law.states_at(self.hints), self._at_hints[1], *of_joints)

@@ -79,6 +79,8 @@ def held_between_nodes(
         if number == most_rounds or (number == REFINE_ROUNDS and not fixed and least > ASTRAY * at_nodes):
             break
         parts = parts_of_cells(meshed, law, peaks, dips, fixed or number >= REFINE_ROUNDS)
+        if parts.max() == 1 and peaks.used.max() <= ALLOWED:
+            break  # z falls in cells too short to be cut: another solve would find the same
         meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, dips, number)
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))

@@ -45,11 +45,13 @@ class MeshedRun(OnMesh):
         passed: tuple[Floats, Floats],
         ramp: float,
         known: CachedPath | None = None,
+        before: tuple[LimitCheck, Ints] | None = None,
     ) -> None:
         """Take the nodes from s0 to s1, and the highest z that the limits allow anywhere at steady speed.
 
         `passed`: parameters, and about when they are passed [s]; `ramp`: in which time an acceleration builds up [s];
-        `known`: what is known of the path already, which a run that is too long for one problem does not keep.
+        `known`: what is known of the path already, which a run that is too long for one problem does not keep;
+        `before`: what was checked on a mesh whose cells have been cut into so many parts (cells,) for this one.
         """
         inner = nodes[1 if ends[0].at_rest else 0 : -1 if ends[1].at_rest else len(nodes)]
         super().__init__(inner, (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1])), ends)
@@ -57,7 +59,7 @@ class MeshedRun(OnMesh):
         self.lowered = np.ones((len(inner), 3))
         self.between = RowsBetween()
         self._known = (known or CachedPath(run)) if len(nodes) <= KEPT else None
-        self.look = LimitCheck(run, limits, self.nodes, self._known)
+        self.look = LimitCheck(run, limits, self.nodes, self._known, before)
         self.clock, self.ramp = np.interp(self.nodes, *passed), ramp
         self._given = discretise(run, limits, nodes, *ends, highest, self._known) if self._known else None
         """The problem of the whole run with its limits as they are given; None where it is too long for one."""
@@ -133,7 +135,7 @@ class MeshedRun(OnMesh):
         passed = law.nodes, law.times
         finer = MeshedRun(
             self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest, passed, self.ramp,
-            self._known,
+            self._known, (self.look, parts),
         )  # fmt: skip
         finer.lowered = np.repeat(self.lowered, np.append(parts, 1), axis=0)
         finer.between = self.between.among(finer.nodes)

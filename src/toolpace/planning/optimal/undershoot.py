@@ -46,6 +46,11 @@ def without_undershoot(law: SplineLaw) -> SplineLaw:
 def on_finer_mesh(law: SplineLaw, finer: Floats) -> tuple[Floats, Floats]:
     """Coefficients of the same z over a finer mesh (n,), and what they should not be below (n + 2,)."""
     c = cubic_spline.on_finer_knots(law.nodes, law.cells, finer)
+    # one that has its three knots still is the same to the last digit: cells without a new knot are not checked again
+    at = np.searchsorted(law.nodes, finer)
+    old = (law.nodes[at] == finer) & (np.append(-1, at[:-1]) == at - 1)
+    same = np.flatnonzero(old[1:] & old[:-1]) + 1
+    c[same] = law.c[at[same]]
     least: Floats = FLOOR * np.interp(cubic_spline.control_points(finer), law.nodes, law.z_at_nodes())
     return c, least
 
