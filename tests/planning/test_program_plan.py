@@ -80,24 +80,70 @@ def test_the_path_tells_where_it_uses_the_tolerance(plans):
 def test_a_path_that_turns_out_slow_gives_way_to_the_first(blade, machine, monkeypatch):
     """The cheap motions of rounds promised more than whole plans hold: all that may be better are planned."""
     fitted = fit_program(blade, machine, TIP, AXIS, effort="normal")
-    planned = program_plan.plan
 
-    def slow(axis_path, *given, **options):
-        trajectory = planned(axis_path, *given, bound=False, guard=False)
-        if axis_path.runs[0].run is fitted.first.runs[0]:
-            return trajectory
-        return replace(trajectory, laws=tuple(law.slowed(9.0) for law in trajectory.laws))
+    def slow(planner, run, *given):
+        planned = plan_run(Optimal(bound=False, guard=False), run, *given)
+        return planned if run.run is fitted.first.runs[0] else replace(planned, law=planned.law.slowed(9.0))
 
-    monkeypatch.setattr(program_plan, "plan", slow)
+    plan_run = Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", slow)
     assert plan_fitted(fitted, machine).path is fitted.first
 
-    def none(axis_path, *given, **options):
-        if axis_path.runs[0].run is fitted.first.runs[0]:
-            return slow(axis_path, *given)
+    def none(planner, run, *given):
+        if run.run is fitted.first.runs[0]:
+            return slow(planner, run, *given)
         raise InfeasibleError("none")
 
-    monkeypatch.setattr(program_plan, "plan", none)
+    monkeypatch.setattr(Optimal, "plan_run", none)
     assert plan_fitted(fitted, machine).path is fitted.first
+
+    def nowhere(planner, run, *given):
+        raise InfeasibleError("the first" if run.run is fitted.first.runs[0] else "another")
+
+    monkeypatch.setattr(Optimal, "plan_run", nowhere)
+    with pytest.raises(InfeasibleError, match=r"^the first$"):
+        plan_fitted(fitted, machine)
+
+
+TWO_RUNS = "G21 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F20000\nY4\nX0\nY8\nG4 P1\nX20\nY12\nX0\n"
+
+
+def test_each_run_takes_the_best_of_its_paths(machine, monkeypatch):
+    """Where the plan of one run turns out slow another path takes its place there, and there only."""
+    program = tp.read_text(TWO_RUNS, machine)
+    fitted = fit_program(program, machine, TIP, AXIS)
+    promised, first = fitted.candidates[0], fitted.first
+    assert promised.path is not first and len(first.runs) == 2
+    planned = []
+
+    def slow(planner, run, *given):
+        planned.append(run.run)
+        found = plan_run(planner, run, *given)
+        return replace(found, law=found.law.slowed(4.0)) if run.run is promised.path.runs[1] else found
+
+    plan_run = Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", slow)
+    found = plan_fitted(fitted, machine)
+    assert planned.count(promised.path.runs[0]) == 1 and first.runs[0] not in planned
+    assert found.path.runs[0] is promised.path.runs[0] and found.path.runs[1] is not promised.path.runs[1]
+    runs = found.trajectory.axis_path.runs
+    assert [run.run for run in runs] == list(found.path.runs)
+    end, begin = runs[0].evaluate(np.array([runs[0].s1]))[0], runs[1].evaluate(np.array([runs[1].s0]))[0]
+    np.testing.assert_allclose(end, begin, atol=1e-12)
+    assert found.trajectory.usage().worst <= 1.0001
+    assert found.path.tip_deviation == max(run.deviations()[1].max() for run in found.path.runs) <= TIP
+    assert found.trajectory.lower_bound <= found.trajectory.duration < plan_fitted(
+        replace(fitted, candidates=(promised,)), machine
+    ).trajectory.duration
+
+
+def test_a_run_whose_plan_is_as_long_as_it_may_be_is_planned_once(machine, monkeypatch):
+    """Cheap motions of its paths are a little too fast, all by the same: a look at the others would tell nothing."""
+    fitted = fit_program(tp.read_text(TWO_RUNS, machine), machine, TIP, AXIS)
+    planned, plan_run = [], Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", lambda *given: planned.append(given[1]) or plan_run(*given))
+    plan_fitted(fitted, machine)
+    assert len(planned) == 2 and len(fitted.candidates) >= 3
 
 
 def test_joints_beyond_travel_on_a_fast_path_leave_the_others(blade, machine):
@@ -135,11 +181,12 @@ def test_a_first_path_whose_motion_nobody_knows_is_planned_too(blade, machine, m
     assert all(each.axis_tolerance > 1.5 * math.radians(0.05) for each in fitted.rounds)
     slowed = []
 
-    def slow(axis_path, *given, **options):
-        slowed.append(axis_path.runs[0].run)
-        return planned(axis_path, *given, bound=False, guard=False)
+    def slow(planner, run, *given):
+        slowed.append(run.run)
+        return plan_run(Optimal(bound=False, guard=False), run, *given)
 
-    monkeypatch.setattr(program_plan, "plan", slow)
+    plan_run = Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", slow)
     plan_fitted(fitted, machine)
     assert slowed[-1] is unknown.runs[0]
 

@@ -109,8 +109,9 @@ class PathAtProbes:
         return alike
 
     def _halves(
-        self, begin: Floats, length: Floats, cells: Ints, low: Floats, middle: Floats, high: Floats, z: Floats, inside: Floats
-    ) -> tuple[Bools, Floats]:
+        self, begin: Floats, length: Floats, cells: Ints,
+        low: Floats, middle: Floats, high: Floats, z: Floats, inside: Floats,
+    ) -> tuple[Bools, Floats]:  # fmt: skip
         """Whether both halves of some cells (n,) tell the path in them, and the path (n, 3, m, k) that they tell."""
         if not len(cells):
             return np.zeros(0, dtype=np.bool_), np.empty((0, 3, low.shape[2], len(inside)))
@@ -125,7 +126,9 @@ class PathAtProbes:
         told = [path_between(one, other, half, share) for one, other, share in parts]
         return alike, np.concatenate(told, axis=3)
 
-    def _caps(self, begin: Floats, end: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats) -> tuple[Floats, Bools]:
+    def _caps(
+        self, begin: Floats, end: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats
+    ) -> tuple[Floats, Bools]:
         """Caps (n, k) from those at the ends and in the middle (n,) of cells and a few more, and where these do not
         tell them."""
 

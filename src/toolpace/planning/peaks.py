@@ -26,6 +26,8 @@ KEPT_CELLS = 20_000
 CHASED_FROM, BEGUN_FROM, MOST_CHASED = 9, 33, 500
 """Places in such a cell between which what hides is chased, in the last look at least, and cells after which no more is
 before it."""
+FEW_HINTS = 2
+"""Hints inside a cell up to which it is looked at between them too."""
 VAGUE_ABOVE, CLOSELY = 0.98, 65
 """Usage from which such a cell is looked at closely, and the number of its probes then."""
 
@@ -59,7 +61,11 @@ class LimitCheck:
         hints, breaks = (
             np.setdiff1d(each[(each > nodes[0]) & (each < nodes[-1])], nodes) for each in (run.hints, run.breaks)
         )
-        self.hints = np.union1d(places_about(np.union1d(hints, breaks), nodes), np.nextafter(breaks, -np.inf))
+        cell = np.searchsorted(nodes, hints)
+        # where a cell has many they are places enough themselves: the mesh has left them out since little happens there
+        few = np.bincount(cell, minlength=len(nodes))[cell] <= FEW_HINTS
+        about = places_about(np.union1d(hints[few], breaks), nodes)
+        self.hints = np.union1d(np.union1d(hints, about), np.nextafter(breaks, -np.inf))
         """(k,) places between nodes where the path's derivatives may bend or its cap may jump, and between two such:
         probes of a cell may all miss a top there."""
         self._at_hints: tuple[Floats, Floats] | None = None

@@ -18,11 +18,11 @@ GRADING = 0.1
 """Largest step in time next to rest, as a share of the time since rest."""
 CELLS_A_HINT = 2.0
 """Fewest cells between two hints of a run, such as the knots of a fitted path."""
-SMOOTH = 1e-5
+SMOOTH = 1e-4
 """Share of a limit that the path may do between two hints beyond what it tells at both, for those between them to be
-left out. A fit puts a knot every few tolerances, also where a rapid is smooth for metres: of 18 730 hints of such a run
-1069 are left, its mesh falls from 43 582 to 3343 nodes, and the motion is the same to 2.4e-5. With 1e-3 motions are
-slower by up to 9e-5."""
+left out. A fit has knots every few tolerances, also where a rapid is smooth for metres: of 18 730 hints of such a run
+a few hundred are left, its mesh falls from 43 582 to 2505 nodes, and the motion is the same to 1e-6. Others come out
+faster or slower by up to 1e-4 as nodes move; with 1e-3 and 2e-2 mostly slower, by up to 1e-4 and 2e-4."""
 FEWEST_LOOKS = 400
 """Fewest places at which a run is looked at before its mesh is made: between two of them nothing must hide."""
 FEWEST_CELLS = 150

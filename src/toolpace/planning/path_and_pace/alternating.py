@@ -89,6 +89,8 @@ class Candidate(NamedTuple):
     """Along the path; None where nobody followed it."""
     whole: Mapping[AxisRun, PlannedRun] | None = None
     """Runs of these, among others, that are planned in whole already."""
+    run_times: tuple[float, ...] = ()
+    """How long the motion along each run was hoped to take [s]; none where nobody knows."""
 
 
 class Fastest(NamedTuple):
@@ -193,7 +195,8 @@ class AlternatingOptimisation:
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
         self.done.append(Round(motion.duration, power, kept, self.widest))
         candidate = self._candidate(motion.duration, path)
-        candidate = candidate._replace(joints=motion.axis_path, whole=self.ranking.whole)
+        of_runs = tuple(law.duration for law in motion.laws)
+        candidate = candidate._replace(joints=motion.axis_path, whole=self.ranking.whole, run_times=of_runs)
         if fitted is not None:
             # what was changed already is not changed again: it is rougher between the places where it was held
             self.levels[-1].append(candidate._replace(tolerances=fitted))
