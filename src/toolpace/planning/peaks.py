@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.workers import Workers
 from toolpace.kernels.motion import spline_peaks, usage
 from toolpace.machine.limits import Limits
@@ -26,8 +26,6 @@ KEPT_CELLS = 20_000
 CHASED_FROM, BEGUN_FROM, MOST_CHASED = 9, 33, 500
 """Places in such a cell between which what hides is chased, in the last look at least, and cells after which no more is
 before it."""
-FEW_HINTS = 2
-"""Hints inside a cell up to which it is looked at between them too."""
 VAGUE_ABOVE, CLOSELY = 0.98, 65
 """Usage from which such a cell is looked at closely, and the number of its probes then."""
 
@@ -61,19 +59,18 @@ class LimitCheck:
         hints, breaks = (
             np.setdiff1d(each[(each > nodes[0]) & (each < nodes[-1])], nodes) for each in (run.hints, run.breaks)
         )
-        cell = np.searchsorted(nodes, hints)
-        # where a cell has many they are places enough themselves: the mesh has left them out since little happens there
-        few = np.bincount(cell, minlength=len(nodes))[cell] <= FEW_HINTS
-        about = places_about(np.union1d(hints[few], breaks), nodes)
+        about = places_about(np.union1d(hints, breaks), nodes)
         self.hints = np.union1d(np.union1d(hints, about), np.nextafter(breaks, -np.inf))
         """(k,) places between nodes where the path's derivatives may bend or its cap may jump, and between two such:
         probes of a cell may all miss a top there."""
-        self._at_hints: tuple[Floats, Floats] | None = None
-        """The path (4, k, m) there, and its cap (k,)."""
+        self._beside = np.isin(self.hints, np.setdiff1d(about, np.union1d(hints, breaks)))
+        """(k,) those between: of no use where ends and middle of the cell tell its path."""
+        self._of_hint = np.searchsorted(nodes, self.hints) - 1
+        """(k,) their cells."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
         """By the first cell of a chunk: three derivatives (n, 3, m, k) of the path, and caps (n, k) on ds/dt."""
         self._last: tuple[Floats, Peaks] | None = None
-        """The cells of the law that was looked at last, and its peaks at the probes."""
+        """The cells of the law that was looked at last, and its peaks at the probes and hints."""
         if before is not None and before[0]._last is not None:
             self._take_over(before[0], *before[0]._last, before[1])
 
@@ -106,29 +103,33 @@ class LimitCheck:
             used, place = self._last[1].used.copy(), self._last[1].place.copy()
             used[changed], place[changed] = peaks.used, peaks.place
             peaks = Peaks(used, place)
+        peaks = self._with_hints(law, peaks, changed)
         self._last = cells, peaks
-        return self._with_hints(law, peaks)
+        return peaks
 
-    def _with_hints(self, law: SplineLaw, peaks: Peaks) -> Peaks:
-        """The peaks, or what is used at hints where that is more."""
-        if not len(self.hints):
-            return peaks
+    def _with_hints(self, law: SplineLaw, peaks: Peaks, changed: Bools) -> Peaks:
+        """The peaks, or what is used at hints in the `changed` cells where that is more."""
+        places = self.hints[changed[self._of_hint] & (self.path.unlike[self._of_hint] | ~self._beside)]
         limits = self.limits
-        if self._at_hints is None:
-            q, cap = self.path.known.with_cap(self.hints)
-            self._at_hints = np.ascontiguousarray(q), cap
-        of_joints = limits.velocity, limits.acceleration, limits.jerk
-        ratio = usage.ratios(self._at_hints[0], law.states_at(self.hints), self._at_hints[1], *of_joints)
-        return self._with(peaks, self.hints, by_kind(ratio, len(limits)))
+        for first in range(0, len(places), CHUNK):
+            s = places[first : first + CHUNK]
+            q, cap = self.path.known.with_cap(s)
+            of_joints = limits.velocity, limits.acceleration, limits.jerk
+            ratio = usage.ratios(np.ascontiguousarray(q), law.states_at(s), cap, *of_joints)
+            peaks = self._with(peaks, s, by_kind(ratio, len(limits)))
+        return peaks
 
     def _with(self, peaks: Peaks, s: Floats, of_kinds: Floats) -> Peaks:
         """The peaks, or what is used (k, 3) at the places s (k,) where that is more."""
         used, place = peaks.used.copy(), peaks.place.copy()
         cell = np.clip(np.searchsorted(self.nodes, s) - 1, 0, len(self.nodes) - 2)
         share = (s - self.nodes[cell]) / np.diff(self.nodes)[cell]
-        for k in np.flatnonzero((of_kinds > used[cell]).any(axis=1)):
-            higher = of_kinds[k] > used[cell[k]]
-            used[cell[k], higher], place[cell[k], higher] = of_kinds[k, higher], share[k]
+        for kind in range(3):
+            order = np.lexsort((of_kinds[:, kind], cell))
+            # of each cell the place where most is used
+            top = order[np.append(cell[order][1:] != cell[order][:-1], True)[: len(order)]]
+            top = top[of_kinds[top, kind] > used[cell[top], kind]]
+            used[cell[top], kind], place[cell[top], kind] = of_kinds[top, kind], share[top]
         return Peaks(used, place)
 
     def peaks_in(self, law: SplineLaw, cells: Ints, workers: Workers | None = None) -> Peaks:
