@@ -25,6 +25,7 @@ from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.path_and_pace import alternating, local_refit
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
 from toolpace.planning.path_and_pace.effort_settings import QUICK
+from toolpace.planning.path_and_pace.local_refit import where_it_matters
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
 from toolpace.programs.tolerances.tolerances import Tolerances
 
@@ -369,6 +370,18 @@ def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, mon
     # other options ask for other plans
     plan_fitted(fitted, machine, planner=Optimal(bound=False))
     assert planned == list(known.joints.runs)
+
+
+def test_knots_of_a_change_lie_where_the_motion_is_slower_than_its_feed():
+    times, slower = np.linspace(0.0, 100.0, 10_001), np.zeros(10_001, dtype=bool)
+    slower[4_000:4_100] = True
+    needed = where_it_matters(times, slower)
+    assert needed[3_980:4_120].all() and needed[0] and np.count_nonzero(needed) < 600
+    gaps = np.diff(times[needed])
+    near = np.maximum(np.abs(times[needed][:-1] - 40.5), 0.5)
+    assert (gaps < 0.02 + 0.1 * near).all()
+    assert np.count_nonzero(where_it_matters(times, np.zeros_like(slower))) < 50
+    assert where_it_matters(times, ~np.zeros_like(slower)).all()
 
 
 def test_a_run_that_its_feeds_make_long_is_not_cut_into_a_billion_pieces(machine, monkeypatch):
