@@ -251,7 +251,7 @@ import os, signal, sys, threading
 from contextlib import contextmanager
 from toolpace.cli import main
 from toolpace.cli.app import app
-from toolpace.cli.steps import Steps
+from toolpace.cli.console import Steps
 
 under_way, plain = threading.Event(), Steps.step
 

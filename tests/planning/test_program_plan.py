@@ -27,7 +27,7 @@ from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation
 from toolpace.planning.path_and_pace.effort_settings import QUICK
 from toolpace.planning.path_and_pace.local_refit import where_it_matters
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 
