@@ -24,8 +24,8 @@ from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.path_and_pace import alternating, local_refit
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
-from toolpace.planning.path_and_pace.effort_settings import QUICK
 from toolpace.planning.path_and_pace.local_refit import where_it_matters
+from toolpace.planning.path_and_pace.segment import QUICK
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
 from toolpace.programs.tolerances import Tolerances
 

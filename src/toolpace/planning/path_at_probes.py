@@ -1,6 +1,8 @@
-"""A path at the probes of mesh cells, from as few evaluations as determine it."""
+"""A path at the nodes and probes of mesh cells, from as few evaluations as determine it, each made once."""
 
 from __future__ import annotations
+
+import threading
 
 import numpy as np
 
@@ -9,7 +11,6 @@ from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.path_cache import CachedPath
 
 UNLIKE = 1e-6
 """Share of a limit up to which the path may differ from what its derivatives at the nodes tell of it."""
@@ -176,3 +177,38 @@ def caps_between(caps: Floats, inside: Floats) -> tuple[Floats, Floats]:
     least = square.min(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return 1.0 / np.sqrt(np.maximum(told, 0.5 * least[:, None])), np.where(least > 0.0, bend / least, bend)
+
+
+class CachedPath:
+    """Path and cap of a run, asked once at each place and remembered: for runs that are solved in one piece."""
+
+    def __init__(self, run: AxisRun) -> None:
+        self._run, self._lock = run, threading.Lock()
+        self._place = np.empty(0)
+        """(n,) where it is known, ascending."""
+        self._path, self._cap = np.empty((4, 0, 0)), np.empty(0)
+        """(4, n, joints) and (n,) there."""
+
+    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
+        """Path (4, n, joints) and cap (n,) on ds/dt at s (n,), as AxisRun.with_cap tells them."""
+        with self._lock:
+            known = np.append(self._place, np.nan)[np.searchsorted(self._place, s)] == s
+        if not known.all():
+            fresh = np.unique(s[~known])
+            self._learn(fresh, *self._run.with_cap(fresh))
+        with self._lock:
+            at = np.searchsorted(self._place, s)
+            return self._path.take(at, axis=1), self._cap.take(at)
+
+    def _learn(self, fresh: Floats, path: Floats, cap: Floats) -> None:
+        """Remember the path (4, n, joints) and the cap (n,) at places (n,), ascending; two threads may learn one."""
+        with self._lock:
+            if not len(self._place):
+                self._place, self._path, self._cap = fresh, np.ascontiguousarray(path), np.asarray(cap)
+                return
+            before = np.searchsorted(self._place, fresh)
+            new = np.append(self._place, np.nan)[before] != fresh
+            order = np.argsort(np.concatenate([self._place, fresh[new]]), kind="stable")
+            self._place = np.concatenate([self._place, fresh[new]])[order]
+            self._path = np.concatenate([self._path, path[:, new]], axis=1).take(order, axis=1)
+            self._cap = np.concatenate([self._cap, np.asarray(cap)[new]])[order]

@@ -16,8 +16,7 @@ from toolpace.motion.laws.linear import LinearLaw
 from toolpace.motion.laws.spline import SplineLaw
 from toolpace.motion.usage import ratios_along
 from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.path_at_probes import PathAtProbes
-from toolpace.planning.path_cache import CachedPath
+from toolpace.planning.path_at_probes import CachedPath, PathAtProbes
 
 CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""

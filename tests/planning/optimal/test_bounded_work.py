@@ -12,8 +12,8 @@ from toolpace.motion.laws.spline import SplineLaw
 from toolpace.path.axispath.axispath import AxisPath
 from toolpace.planning.mesh.nodes import cut_cells, first_mesh, needed_hints
 from toolpace.planning.optimal import inter_sample_limits
+from toolpace.planning.optimal.meshed_run import on_finer_mesh
 from toolpace.planning.optimal.planner import fastest_law
-from toolpace.planning.optimal.undershoot import on_finer_mesh
 from toolpace.planning.path_at_probes import PathAtProbes
 from toolpace.planning.peaks import LimitCheck
 

@@ -151,8 +151,8 @@ class AlternatingOptimisation:
     def change(self, start: Fastest | None) -> float:
         """A path that was fitted, changed once together with its pace, within the tolerance at hand: the time of its
         motion [s], infinite where there is none."""
-        from toolpace.planning.path_and_pace.effort_settings import QUICK
         from toolpace.planning.path_and_pace.local_refit import refitted
+        from toolpace.planning.path_and_pace.segment import QUICK
 
         if start is None:
             return np.inf

@@ -28,9 +28,8 @@ from toolpace.path.fit.fit import LIMIT, largest_of_cells
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
 from toolpace.path.path import Path
 from toolpace.path.run import SplineRun
-from toolpace.planning.path_and_pace.effort_settings import EffortSettings
 from toolpace.planning.path_and_pace.interior_point import fastest
-from toolpace.planning.path_and_pace.segment import SLOT, Known, Stretch, slots_of
+from toolpace.planning.path_and_pace.segment import SLOT, EffortSettings, Known, Stretch, slots_of
 from toolpace.programs.toolpath import ToolPath
 
 FEWEST, MOST = 16, 200_000
