@@ -21,9 +21,10 @@ from toolpace.path.fit.speed_weights import ACCELERATION, SpeedWeights, basis_de
 from toolpace.path.fit.spline import knots_of
 from toolpace.planning import program_plan
 from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.planning.optimal import planner as optimal_planner
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.path_and_pace import alternating, local_refit
-from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
+from toolpace.planning.path_and_pace.candidate_evaluation import USUAL_LOSS, CheapEvaluation, crawls
 from toolpace.planning.path_and_pace.local_refit import where_it_matters
 from toolpace.planning.path_and_pace.segment import QUICK
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
@@ -343,19 +344,35 @@ def test_where_nothing_turns_no_narrower_tolerances_of_the_axis_are_tried(blade,
 
 
 @pytest.mark.sweep
-def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine):
-    """Where it turns back on its own way the pace held at the nodes falls to next to nothing, and tells nothing."""
+def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine, monkeypatch):
+    """Where it turns back on its own way the pace held at the nodes falls to next to nothing, and tells nothing, but
+    for finer cells there."""
     cut = "G21 G94\nG0 X0 Y0 Z0\nG1 X20 F20000\nY4\nX0\nG0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
     program = tp.read_text(cut, machine)
     rounds = fit_program(program, machine, TIP, AXIS).rounds
     assert len(rounds) == 3 and min(each.duration for each in rounds) < rounds[0].duration < 20.0
-    at_nodes = tp.plan(tp.Path.fit(program, TIP, AXIS, machine), machine, guard=False, bound=False)
-    assert at_nodes.duration > 100.0 and crawls(at_nodes.laws[0])
+    path = tp.Path.fit(program, TIP, AXIS, machine)
+    at_nodes = tp.plan(path, machine, guard=False, bound=False)
+    assert not crawls(at_nodes.laws[0])
+    assert at_nodes.duration == pytest.approx(tp.plan(path, machine, bound=False).duration, rel=USUAL_LOSS)
+
+    pecks = tp.read_text("G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n", machine)
+    path = tp.Path.fit(pecks, TIP, AXIS, machine)
+    at_nodes = tp.plan(path, machine, guard=False, bound=False)
+    assert not crawls(at_nodes.laws[0])
+    monkeypatch.setattr(optimal_planner, "without_falls", as_it_was)
+    crawling = tp.plan(path, machine, guard=False, bound=False)
+    assert crawling.duration > 3.0 * at_nodes.duration and crawls(crawling.laws[0])
+
+
+def as_it_was(meshed, law, workers):
+    return law
 
 
 @pytest.mark.sweep
 def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, monkeypatch):
     """Of a drill that crawls at the nodes; what is taken is what planning its path gives."""
+    monkeypatch.setattr(optimal_planner, "without_falls", as_it_was)
     cut = "G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
     fitted = fit_program(tp.read_text(cut, machine), machine, TIP, AXIS)
     known = next(each for each in fitted.candidates if set(each.joints.runs) <= set(each.whole))

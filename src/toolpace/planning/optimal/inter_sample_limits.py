@@ -101,6 +101,24 @@ def held_between_nodes(
     return within_guarantee(*best, workers)
 
 
+def without_falls(meshed: MeshedRun, law: SplineLaw, workers: Workers) -> SplineLaw:
+    """The law with its limits at the nodes, on finer cells where z falls far between two. Raises Stalled.
+
+    Where a path turns back on its own way z may come to next to nothing there, and the duration tells nothing.
+    """
+    for _ in range(REFINE_ROUNDS):
+        falls = law.dips()
+        parts = np.where(falls & ~too_short(law.nodes), 4, 1)
+        if parts.max() == 1:
+            break
+        meshed, c = meshed.cut(law, parts)
+        cells = len(meshed.nodes) - 1
+        wrong = np.repeat(falls, parts)
+        meshed.hold(Peaks(np.ones((cells, 3)), np.zeros((cells, 3))), wrong, np.zeros(cells, dtype=np.bool_), 1.0)
+        law = SplineLaw(meshed.nodes, resolve(meshed, c, wrong, 1.0, workers), meshed.rest)
+    return law
+
+
 def at_least_as_fast(held: SplineLaw, meshed: MeshedRun, law: SplineLaw, used: Floats, workers: Workers) -> SplineLaw:
     """A law that is held, or that of an earlier round slowed down to the guarantee, whichever is faster."""
     with contextlib.suppress(Stalled):
