@@ -8,8 +8,8 @@ import pytest
 import toolpace as tp
 from testbed.slow_plans import watched
 from tests.support.random_paths import harmonics, random_limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.mesh.nodes import cut_cells, first_mesh, needed_hints
 from toolpace.planning.optimal import inter_sample_limits
 from toolpace.planning.optimal.meshed_run import on_finer_mesh

@@ -13,7 +13,7 @@ from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.adaptive_sampling import unexplained
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.mesh.initial_guess import highest_of
 from toolpace.planning.path_at_probes import CachedPath

@@ -19,15 +19,13 @@ from toolpace.common.errors import InfeasibleError, ReachError
 from toolpace.common.workers import Progress, Workers
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw, TimeLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
-from toolpace.planning.bound.pieces import bound_long_run
-from toolpace.planning.bound.relaxation import places_in_time
+from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import fastest_law
