@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
     from toolpace.motion.laws.law import Probe, TimeLaw
+    from toolpace.motion.set_point_files import read_set_points
     from toolpace.motion.setpoints import SetPoints
     from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
     from toolpace.path.axispath.axispath import AxisPath
@@ -157,6 +158,7 @@ __all__ = [
     "program_time",
     "prove",
     "read",
+    "read_set_points",
     "read_text",
     "replan",
     "report",
@@ -246,6 +248,7 @@ _HOME = {
     "program_time": "controls.timing.program",
     "prove": "planning.bound.prove",
     "read": "programs.reading",
+    "read_set_points": "motion.set_point_files",
     "read_text": "programs.reading",
     "replan": "deflection.replanning.new_trajectory",
     "report": "results.report",

@@ -70,7 +70,7 @@ def plan_command(
     files: options.Files = options.USUAL_FILES,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
-    """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
+    """Plan the fastest motion of a program on a machine; write plan.json, set-points and report.html.
 
     The program is smoothed within the tolerances and planned up to the limits of
     the machine and its own feeds. The motion is verified independently, and written
@@ -108,13 +108,13 @@ def plan_command(
         tool=arguments.tool_named(bend),
         dt=arguments.time_step(files.dt),
         csv=files.csv,
-        npz=arguments.npz_wanted(files.npz),
+        npz=arguments.form_of_set_points(files.npz),
         report=not files.no_report,
     )
     console = new_console()
     record, verification = job.carry_out(task, Steps(console))
     summary.show_plan(console, record, verification)
-    summary.show_files(console, task.out, job.written(task, record))
+    summary.show_files(console, task.out, job.written(task, record), record)
     return job.exit_code(record, verification)
 
 

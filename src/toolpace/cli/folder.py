@@ -33,7 +33,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances
     from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
-    from toolpace.motion.setpoints import SetPoints
+    from toolpace.motion.set_point_files import read_set_points
     from toolpace.programs.reading import Source, read_source
     from toolpace.programs.reading.setup_file import setup_text
     from toolpace.results import write
@@ -46,7 +46,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     write.refuse_without_set_points(folder, "verified again (plan.json has the result of the first verification)")
     with steps.step("reading") as step:
         machine = Machine.load(folder / write.MACHINE)
-        setpoints = SetPoints.load(folder / write.SET_POINTS)
+        setpoints = read_set_points(folder, machine)
         options = read_as_planned(folder, record, reading)
         tool = write.bent_tool(folder, record.bending)
         toolpath = None
@@ -143,7 +143,7 @@ def run_demo(out: Path, console: Console) -> int:
     task = job.Job(Path(source.name), machine, out, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
     record, verification = job.carry_out(task, steps)
     summary.show_plan(console, record, verification)
-    summary.show_files(console, out, job.written(task, record))
+    summary.show_files(console, out, job.written(task, record), record)
     report = (out / write.REPORT).resolve()
     console.print(f"\nOpen the report in a browser:\n{printable(str(report))}", soft_wrap=True)
     return job.exit_code(record, verification)

@@ -13,12 +13,12 @@ from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import changed, is_folder, reason
 from toolpace.machine.machine import Machine
 from toolpace.motion.recorded_path import recorded_path
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.set_point_files import read_set_points
 from toolpace.path.axispath.axispath import AxisPath
 from toolpace.programs.toolpath import ToolPath
 
-PLAN, MACHINE, SET_POINTS, CONTROLLER, SETUP = (
-    "plan.json", "machine.toml", "setpoints.npz", "controller.toml", "setup.toml",
+PLAN, MACHINE, CONTROLLER, SETUP = (
+    "plan.json", "machine.toml", "controller.toml", "setup.toml",
 )  # fmt: skip
 """Names of the files in it."""
 
@@ -55,7 +55,8 @@ def read_plan_folder(given: str | os.PathLike[str]) -> PlanFolder:
         raise UsageError(f"{folder}: cannot read: {reason(error)}; give the folder of a plan") from None
     except ValueError:
         raise UsageError(f"{folder}: {PLAN} is not JSON; plan again, into a new folder") from None
-    machine, points = Machine.load(folder / MACHINE), SetPoints.load(folder / SET_POINTS)
+    machine = Machine.load(folder / MACHINE)
+    points = read_set_points(folder, machine)
     try:
         usage, duration = told["usage"], float(told["duration_s"])
         jerk = {joint: math.inf if value is None else value for joint, value in usage["jerk"].items()}

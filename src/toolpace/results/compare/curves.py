@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.set_point_files import read_set_points, set_points_file
 from toolpace.results.report.series import tip_speed
-from toolpace.results.write import SET_POINTS
 
 MOST = 6000
 """Points of a curve over the way."""
@@ -33,9 +32,9 @@ class MotionAlong:
 
 def along(folder: Path) -> MotionAlong | None:
     """The motion of a plan; None where it was written without set-points, or has no tool. Raises UsageError."""
-    if not (folder / SET_POINTS).exists():
+    if not set_points_file(folder):
         return None
-    setpoints = SetPoints.load(folder / SET_POINTS)
+    setpoints = read_set_points(folder)
     if not setpoints.has_tool or len(setpoints) < 2:
         return None
     return MotionAlong(np.concatenate(([0.0], np.cumsum(setpoints.tip_steps))), tip_speed(setpoints), setpoints.t)
