@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -12,7 +12,10 @@ import pytest
 import toolpace as tp
 from tests.support.tampering import Tamper, fails
 from toolpace.cli import demo_programs, main
+from toolpace.motion.laws.spline import SplineLaw
 from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.trajectory_file import write_trajectory
+from toolpace.path.axispath.follow import FollowRun
 
 PLAN = ["-m", "xyzac-trunnion", "--effort", "low"]
 
@@ -58,7 +61,7 @@ def test_long_motions_are_compact_and_the_summary_says_how_to_have_arrays(plans,
     monkeypatch.setattr("toolpace.motion.set_point_files.SMALL", 1e5)
     assert main(["plan", str(plans / "blade.ngc"), *PLAN, "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out
-    assert "plan.json, setpoints.compact, machine.toml" in said
+    assert "plan.json, setpoints.compact, trajectory.compact, machine.toml" in said
     size = (tmp_path / "out" / "setpoints.compact").stat().st_size / 1e6
     assert f"setpoints.compact, {size:.3g} MB: tp.read_set_points reads it; --npz full writes setpoints.npz" in said
 
@@ -168,7 +171,7 @@ def test_nothing_changed_passes(again, capsys):
     assert code == 0 and "VERIFIED" in said
 
 
-@pytest.mark.parametrize("name", ["setpoints.compact", "machine.toml", "program.ngc", "controller.toml", "report.html"])
+@pytest.mark.parametrize("name", ["setpoints.compact", "machine.toml", "program.ngc", "report.html"])
 def test_a_changed_file_breaks_the_seal(again, capsys, name):
     path = again.folder / name
     data = path.read_bytes()
@@ -189,3 +192,53 @@ def test_a_file_that_was_cut_short_or_is_gone_is_refused(again, capsys):
 def test_two_files_of_set_points_are_refused(again, plans, capsys):
     shutil.copy(plans / "full" / "setpoints.npz", again.folder)
     fails(again, capsys, "holds setpoints.npz and setpoints.compact")
+
+
+def exact(folder):
+    return tp.Trajectory.load(folder, exact=True)
+
+
+def test_the_plan_itself_is_in_the_folder(plans):
+    """Its set-points are those on disk, to the bit; its limits hold at any time, which those of set-points need not."""
+    points, trajectory = tp.read_set_points(plans / "full"), exact(plans / "full")
+    again = trajectory.sample(1e-3, on_grid=True)
+    for each in fields(SetPoints):
+        np.testing.assert_array_equal(getattr(again, each.name), getattr(points, each.name), strict=True)
+    said = json.loads((plans / "full" / "plan.json").read_text())
+    assert trajectory.duration == said["duration_s"] and trajectory.lower_bound == said["lower_bound_s"]
+    told, found = trajectory.usage(), replace(trajectory, found_usage=None).usage()
+    assert told == found and found.worst <= 1.0001 and trajectory.notes == ()
+
+
+@pytest.mark.parametrize("name", ["nodes", "c", "breaks", "coefficients", "block"])
+def test_a_changed_path_or_law_is_found_though_the_seal_is_right(again, capsys, name):
+    trajectory = exact(again.folder)
+    run, law = trajectory.axis_path.runs[0], trajectory.laws[0]
+    if name in ("nodes", "c"):
+        arrays = {"nodes": law.nodes.copy(), "c": law.c.copy()}
+        arrays[name][len(arrays[name]) // 2] *= 1.0 + 1e-6
+        laws = (SplineLaw(**arrays, rest=law.rest), *trajectory.laws[1:])
+        changed = replace(trajectory, laws=laws)
+    else:
+        values = getattr(run.run, name).copy()
+        middle = len(values) // 2
+        values[middle] = values[middle] + 3 if name == "block" else values[middle] * (1.0 + 1e-7)
+        other = FollowRun(replace(run.run, **{name: values}), run.machine, run.branch)
+        path = replace(trajectory.axis_path, runs=(other, *trajectory.axis_path.runs[1:]))
+        changed = replace(trajectory, axis_path=path)
+    write_trajectory(again.folder / "trajectory.compact", changed)
+    again.seal()
+    fails(again, capsys, "trajectory.compact")
+
+
+def test_a_path_of_another_plan_or_damaged_is_found(again, plans, tmp_path, capsys):
+    other = tmp_path / "other"
+    words = ["--npz", "compact", "--no-report", "--feed", "50%", "--out", str(other)]
+    assert main(["plan", str(plans / "blade.ngc"), *PLAN, *words]) == 0
+    path = again.folder / "trajectory.compact"
+    shutil.copy(other / path.name, path)
+    again.seal()
+    fails(again, capsys, "trajectory.compact")
+    path.write_bytes(path.read_bytes()[:-1])
+    again.seal()
+    fails(again, capsys, "trajectory.compact: damaged")

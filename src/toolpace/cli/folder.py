@@ -17,10 +17,16 @@ from toolpace.jobs import job
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from toolpace.judge import Verification
+    from toolpace.judge import Check, Verification
+    from toolpace.machine.machine import Machine
+    from toolpace.motion.setpoints import SetPoints
     from toolpace.programs.reading import ReadOptions
     from toolpace.programs.tolerances.tolerances import Tolerances
     from toolpace.results.write import PlanRecord
+
+
+MOST_OFF = 1.0
+"""Grids of rounding by which path and laws may be off the set-points: half of one, and what computers round by."""
 
 
 def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> tuple[PlanRecord, Verification]:
@@ -34,6 +40,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     from toolpace.judge.table import with_table
     from toolpace.machine.machine import Machine
     from toolpace.motion.set_point_files import read_set_points
+    from toolpace.motion.trajectory_file import TRAJECTORY
     from toolpace.programs.reading import Source, read_source
     from toolpace.programs.reading.setup_file import setup_text
     from toolpace.results import write
@@ -67,8 +74,23 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
             words = changed(folder)
         except OSError as error:
             raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
+        if found.checks[0].ok and (folder / TRAJECTORY).exists():
+            found = replace(found, checks=(*found.checks, trajectory_check(folder, machine, setpoints)))
         seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
         return record, replace(found, checks=(*found.checks, seal))
+
+
+def trajectory_check(folder: Path, machine: Machine, points: SetPoints) -> Check:
+    """Whether path and speed laws of a plan come to its set-points: positions to a rounding, blocks, and the end."""
+    from toolpace.judge import Check
+    from toolpace.motion.sampling_difference import largest_difference
+    from toolpace.motion.trajectory import Trajectory
+    from toolpace.motion.trajectory_file import TRAJECTORY, read_trajectory
+
+    path, laws = read_trajectory(folder / TRAJECTORY, machine)
+    off, at = largest_difference(Trajectory(path, machine.limits, laws), points)
+    time, block = float(points.t[at]), int(points.block[at])
+    return Check(TRAJECTORY, off, MOST_OFF, "", off <= MOST_OFF, time, block, note="grids off the set-points")
 
 
 def refuse_pipes(folder: Path) -> None:

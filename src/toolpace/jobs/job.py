@@ -310,9 +310,10 @@ def warm_up(steps: TimedSteps) -> None:
 
 def written(job: Job, record: PlanRecord) -> list[str]:
     """Names of the files of its folder, the one to look at last."""
-    from toolpace.results.write import written_files
+    from toolpace.results.write import TRAJECTORY, written_files
 
-    return written_files(job.program, record, csv=job.csv, report=job.report, npz=job.npz)
+    exact = (job.out / TRAJECTORY).exists()
+    return written_files(job.program, record, csv=job.csv, report=job.report, npz=job.npz, trajectory=exact)
 
 
 def exit_code(record: PlanRecord, verification: Verification) -> int:

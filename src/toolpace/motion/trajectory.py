@@ -285,10 +285,11 @@ class Trajectory:
         return {n: t / self.duration for n, t in sorted(times.items(), key=lambda item: -item[1]) if t > 0.0}
 
     @classmethod
-    def load(cls, folder: str | os.PathLike[str]) -> Trajectory:
+    def load(cls, folder: str | os.PathLike[str], *, exact: bool = False) -> Trajectory:
         """The motion in a folder that `toolpace plan --out` wrote, from its set-points, machine and program.
 
-        It passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
+        With `exact` it is the plan itself, to the bit, from path and speed laws in trajectory.compact. Without, it
+        passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
         both, some nanometres from the plan at steps of 1 ms; where the plan's jerk jumps between two set-points, the
         polynomial's exceeds it, and `notes` says so. `usage` and bounds are those that plan.json tells. Raises
         UsageError where a file is missing, was changed, or is of another plan.
@@ -296,19 +297,20 @@ class Trajectory:
         from toolpace.motion.laws.clock import ClockLaw
         from toolpace.motion.plan_folder import read_plan_folder
 
-        found = read_plan_folder(folder)
+        found = read_plan_folder(folder, exact)
         machine = found.path.machine
         assert machine is not None
+        by_clock = tuple(ClockLaw(np.array([run.s0, *run.breaks, run.s1])) for run in found.path.runs)
         return cls(
             found.path,
             machine.limits,
-            tuple(ClockLaw(np.array([run.s0, *run.breaks, run.s1])) for run in found.path.runs),
+            found.laws or by_clock,
             found.planner,
             found.lower_bound,
             found.continuous_bound,
             mesh_points=found.mesh_points,
             solve_seconds=found.solve_seconds,
-            notes=(INTERPOLATED,),
+            notes=() if exact else (INTERPOLATED,),
             found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk),
         )
 

@@ -21,13 +21,14 @@ from toolpace.motion.set_point_files import (
     set_points_file,
     write_set_points,
 )
+from toolpace.motion.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.results.write.csv import write_csv
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
 from toolpace.results.write.result import TOOL, PlanResult, bent_tool, copy_name
 
 __all__ = [
-    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "WRITING", "PlanRecord",
+    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
     "PlanResult", "bent_tool", "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv",
     "write_folder",
 ]  # fmt: skip
@@ -53,7 +54,7 @@ def write_folder(
     plan.json; return what plan.json says.
 
     `npz` is "full" for setpoints.npz, "compact" for setpoints.compact, "auto" for the one of them that suits their
-    number, or "no".
+    number, or "no". With set-points comes trajectory.compact, path and speed laws, where it is a planned program.
 
     `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which
     takes its place in one step. What is there already is replaced only where toolpace wrote all of it; where it is
@@ -68,6 +69,8 @@ def write_folder(
         form = form_of(npz, len(result.setpoints), len(result.machine.joints))
         # who reads them has the machine of the file, whose figures were rounded to decimals
         write_set_points(folder, result.setpoints, Machine.load(folder / MACHINE), form)
+        if form != "no" and is_writable(result.trajectory):
+            write_trajectory(folder / TRAJECTORY, result.trajectory)
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
         write_how_read(folder, result.options)
@@ -115,9 +118,10 @@ def refuse_without_set_points(folder: Path, what: str) -> None:
     )
 
 
-def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: str = "auto") -> list[str]:
-    """Names of the files of a plan, the one to look at last."""
+def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: str = "auto", trajectory: bool = True) -> list[str]:
+    """Names of the files of a plan, the one to look at last; `trajectory` tells whether path and laws are there."""
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
     how += [record.bending.tool_file] if record.bending is not None else []
     points = file_of(form_of(npz, record.set_points, len(record.usage.velocity)))
-    return [PLAN, *[points] * bool(points), MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report
+    exact = [TRAJECTORY] * (bool(points) and trajectory)
+    return [PLAN, *[points] * bool(points), *exact, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report
