@@ -118,10 +118,12 @@ def refuse_without_set_points(folder: Path, what: str) -> None:
     )
 
 
-def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: str = "auto", trajectory: bool = True) -> list[str]:
+def written_files(
+    program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: str = "auto", trajectory: bool = True
+) -> list[str]:
     """Names of the files of a plan, the one to look at last; `trajectory` tells whether path and laws are there."""
+    points = file_of(form_of(npz, record.set_points, len(record.usage.velocity)))
+    motion = [points, *[TRAJECTORY] * trajectory] if points else []
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
     how += [record.bending.tool_file] if record.bending is not None else []
-    points = file_of(form_of(npz, record.set_points, len(record.usage.velocity)))
-    exact = [TRAJECTORY] * (bool(points) and trajectory)
-    return [PLAN, *[points] * bool(points), *exact, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report
+    return [PLAN, *motion, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report
