@@ -171,7 +171,7 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
         inner[[0, -2, -1]] = False
         inner &= ~_beside(points.tool_length, n)
         parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)
-        fourth = _size(np.diff(poses, n=4, axis=0))
+        fourth = _size(np.diff(second[1:-1], n=2, axis=0))
         # Of the step from k to k + 1: all differences that have both of them.
         padded = np.concatenate((np.repeat(fourth[:1], 3), fourth, np.repeat(fourth[-1:], 3)))
         around = np.max([padded[shift : shift + n - 1] for shift in range(4)], axis=0)
@@ -237,6 +237,6 @@ def _curved(q: Floats, limits: Limits, dt: float) -> npt.NDArray[np.bool_]:
 
 def _size(poses: Floats) -> Floats:
     """(n,) the larger of the lengths of tip and axis."""
-    square = np.maximum((poses[:, :3] ** 2).sum(axis=1), (poses[:, 3:] ** 2).sum(axis=1))
-    size: Floats = np.sqrt(square)
+    tip, axis = (np.einsum("ij,ij->i", part, part) for part in (poses[:, :3], poses[:, 3:]))
+    size: Floats = np.sqrt(np.maximum(tip, axis))
     return size
